@@ -1,1 +1,1 @@
-"""A page that shows a sweep in a browser: Python tabulates a plane, the scripts threshold it."""
+"""A page that shows a sweep in a browser: Python tabulates rises, scripts judge them."""

@@ -1,4 +1,4 @@
-"""The page of the command."""
+"""The command ``irg explore``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pipeline.cli.output import Result, working
 
 
 def explore(options: argparse.Namespace) -> Result:
-    """Write a page of a store, which a browser shows and prints."""
+    """Answer ``irg explore``: write a page of a store for a browser."""
     ds = given.dataset_in(options)
     out = options.output or given.path_beside(options.store, ".html")
     chosen = {"most_fields": 0} if options.no_fields else {}

@@ -1,4 +1,4 @@
-"""The command of the extra, and its options."""
+"""The command ``irg explore`` and its options."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-/* The conditions: sliders and fields, and faults of what was typed. */
+/* The form of conditions: sliders, fields, and faults of typed values. */
 
-/** Fault of a changed condition, or none. @param {Conditions} conditions @param {Control} control */
+/** Fault of a changed condition, or "". @param {Conditions} conditions @param {Control} control */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -30,15 +30,16 @@ function listenToConditions() {
   });
 }
 
-/** The number that was typed, with a decimal comma or point; NaN if it is none. A field of type number would
- * not do: some browsers drop a comma unseen. @param {string} text */
+/** Number in a typed text, with a decimal comma or point, or NaN. It is not a field of type number, as some
+ * browsers silently drop a comma. @param {string} text */
 function typed(text) {
   const isThousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text.trim());
   const plain = text.trim().replace("−", "-").replace(",", isThousands ? "," : ".");
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
-/** Take over what was typed or moved. @param {Control} control @param {HTMLInputElement} source */
+/** Take the value of a field or slider as a condition, or show its fault. @param {Control} control @param
+ * {HTMLInputElement} source */
 function change(control, source) {
   const value = (typed(source.value) - control.offset) / control.factor;
   const conditions = { ...chosen.conditions, [control.name]: value };
@@ -50,7 +51,7 @@ function change(control, source) {
   update();
 }
 
-/** @param {Control} control @param {string} fault */
+/** Show a fault beside its field. @param {Control} control @param {string} fault empty for none */
 function showFault({ name }, fault) {
   element(`${name}-fault`).textContent = fault;
   input(name).setAttribute("aria-invalid", fault ? "true" : "false");
@@ -64,10 +65,10 @@ function showControl(control) {
   showFault(control, "");
 }
 
-/** What conditions make of rises at friction 1: coldest bulk temperature [K], factor of the rise,
- * difference of the bulks over it [K], limit above which the contact is hotter than a temperature, and the
- * one above which wear is severe [K]. Without friction unequal bulks still warm one body; then their ratio
- * is the largest one kept. @param {Conditions} conditions */
+/** How conditions act on rises at friction 1: coldest bulk temperature [K], factor on the rise, difference
+ * of the bulk temperatures over that factor [K], function of the rise that reaches a temperature, and rise
+ * above which wear is severe [K]. Without friction different bulk temperatures still warm one body; their
+ * ratio is then the largest one stored. @param {Conditions} conditions */
 function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, ...others }) {
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
   const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));

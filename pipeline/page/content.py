@@ -1,6 +1,6 @@
-"""Data of a sweep in a page: the deciding rise on a fine plane, and the points to look at.
+"""Data of a sweep for a page: the deciding rise on a fine grid, and the values of points.
 
-Numbers go in as base64 of little-endian arrays, in the order surface, load, velocity.
+Arrays are base64 of little-endian numbers, in the order surface, load, velocity.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from tribo import Criterion
 from tribo.types import Array, Indices, Mask
 
 MOST_FIELDS = 500
-"""Number of points whose fields a page holds unless told otherwise, some 5 MB."""
+"""Default for the largest number of points with fields on a page: some 5 MB."""
 
 _NUMBERS = (
     ("contact_width", "contact width", "µm"),
@@ -60,11 +60,11 @@ _NUMBERS = (
     ("sliding_distance", "sliding distance", "m"),
     ("time", "duration", "s"),
 )
-"""Numbers of a point: variable, label, and unit."""
+"""Values shown for a point: variable, label and unit."""
 
 
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
-    """What a page shows, as plain data, with the fields of the points nearest to the transition."""
+    """Data of a page for a plane of points, with fields of the points nearest to the transition."""
     data = results(ds).take_moving()
     data.require_plane()
     sweep, conditions = data.sweep, data.conditions
@@ -72,12 +72,12 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
     ratios, shares, done = sorted([*unequal, 0.0]), _shares(data, conditions), data.done
     columns = corrected_columns(data.columns, conditions)
-    # By load, velocity, bulk ratio, share or quantile, and step.
+    # Axes: load, velocity, bulk ratio, share or quantile, step.
     deciding, quantiles = _tables(columns, data.shares, conditions.decisive, ratios, shares)
     load = data.columns["normal_load"][..., None, None, :]
     worst = worst_moment(deciding, load, data.loads[:, None, None, None, None])
     decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
-    # The step at which each point is shown is the one that decides.
+    # Each point is shown at the step that decides.
     steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
     has_fields = {*FIELDS} <= data.rest.keys()
     chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
@@ -101,7 +101,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
 
 
 def _page_facts(data: Results) -> dict[str, Any]:
-    """What a page shows of the scene and its axes."""
+    """Facts on the scene and its axes."""
     sweep = data.sweep
     return {
         "name": sweep.name,
@@ -118,13 +118,13 @@ def _page_facts(data: Results) -> dict[str, Any]:
 
 
 def _test_facts(test: Measurement) -> dict[str, Any]:
-    """A test, its place by the names of the axes, and its sign in the legend."""
+    """A test as plain data, with its place by the names of the axes, and its mark in the legend."""
     sign = f"test-{test.outcome}" if test.outcome else "transition"
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
-    """Tests with the nearest node, and the friction and bulk that each is judged at."""
+    """Tests with their nearest node, and the friction and bulk temperatures each is judged at."""
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
     for test in tests:
@@ -148,13 +148,13 @@ def _nearest_of(places: Array, place: float) -> int:
 
 
 def _outside(loads: Array, velocities: Array) -> str:
-    """What may be typed as an operating point."""
+    """Hint on the operating points that may be typed."""
     ends = [f"{x[0]:.4g} to {x[-1]:.4g}" for x in (loads, velocities)]
     return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
 
 
 def _point_states(data: Results) -> dict[str, Any]:
-    """State, numbers and message of each point."""
+    """State, values and message of each point."""
     stored = {*data.columns, *data.rest}
     return {
         "status": digit_string(data.columns["status"]),
@@ -168,7 +168,7 @@ def _point_states(data: Results) -> dict[str, Any]:
         "messages": {
             str(place): str(message)
             for place, message in enumerate(data.messages.ravel())
-            if isinstance(message, str) and message  # NaN at points that were masked
+            if isinstance(message, str) and message  # NaN if a point was masked
         },
     }
 
@@ -177,7 +177,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
 def content_of_samples(data: Results) -> dict[str, Any]:
-    """What a page of samples shows, as plain data."""
+    """Data of a page for samples: the probability of severe wear on a grid."""
     samples = extras.module("fields")
     field = samples.single_field(data)
     ensemble, scatter = field.ensemble, model_error(data, field)
@@ -201,7 +201,7 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares between which the deciding rise is linear; the scene's alone without."""
+    """Failing shares between which the deciding rise is linear; one if no share decides."""
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
@@ -216,7 +216,7 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Deciding rises by share, and quantiles, by load, velocity, bulk ratio, these and step [K]."""
+    """Deciding rises and quantiles [K] (load, velocity, bulk ratio, share or quantile, step)."""
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
     deciding = [np.stack([one.rise(rises) for one in criteria], axis=-2) for rises in at_ratios]
@@ -225,16 +225,16 @@ def _tables(
 
 
 def _step_values(values: Array, steps: Indices) -> Array:
-    """Values at a step of each point, along the last axis."""
+    """Values at one step of each point; the last axis is that of steps."""
     chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
     return chosen
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of the deciding rise on a fine plane, and along load at each velocity of the sweep.
+    """Tables of the deciding rise on a fine grid, and on lines of the sweep that lack points.
 
-    Rises by load, velocity, bulk ratio and share [K]. Along velocity the plane goes on beyond the
-    points, far beyond at its outermost nodes.
+    The grid has rises [K] (surface, load, velocity, bulk ratio, share). Along velocity it extends
+    beyond the points, with its outermost nodes far beyond.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -249,11 +249,11 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         for kept in (is_within, goes_on, True)
     )
     plane = np.where(np.isfinite(within), within, several)
-    # A row of points by themselves goes on far beyond them alone.
+    # A row with no computed row beside it is extrapolated far beyond its points.
     is_alone = np.isfinite(plane).sum(axis=-3, keepdims=True) == 1
     is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
     plane = np.where(is_alone & is_beyond, every, plane)
-    # Where points are missing, a line at a load or velocity of the sweep has its own points alone.
+    # If points are missing, a line at a load or velocity of the sweep uses only its own points.
     count = done.reshape(by_surface).sum(axis=-1)
     own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))
     lines = rows.reshape(*count.shape, *rows.shape[-3:])[tuple(own_lines.T)]
@@ -286,13 +286,13 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Where lines of a width begin in a table, by their surface and node."""
+    """Offset of each line in a table, by surface and node; each line has `width` values."""
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}
 
 
 def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
-    """Relative numerical error of the rise at nodes: by surface, load and velocity."""
+    """Relative numerical error of the rise at nodes (surface, load, velocity)."""
     nodes = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
     planes = (replace(field, planes=(plane,)) for plane in field.planes)
     errors = [totals(plane.errors(*nodes)) for plane in planes]
@@ -300,9 +300,9 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 
 
 def _model_facts(data: Results) -> dict[str, Any]:
-    """The distribution of the model's own error, and by what a verdict is decided.
+    """Distribution of the model's own error, and the limits of a decided verdict.
 
-    Cumulative probabilities by the number of transitions, at distances in units of the scale.
+    Cumulative probabilities are by the number of transitions, at distances in units of the scale.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
@@ -325,7 +325,7 @@ def _model_facts(data: Results) -> dict[str, Any]:
 
 
 def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
-    """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
+    """Conditions as plain data, with the disk's bulk temperature if the pin's may differ."""
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
     if "bulk_rise_quantile" in data.columns:
@@ -334,7 +334,7 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Choose the points whose fields to show: all, or those nearest to the transition."""
+    """Indices of points whose fields are shown: all, or the `most` nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
@@ -346,27 +346,27 @@ def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> li
 
 
 def digit_string(values: Any) -> str:
-    """An array of codes from 0 to 9 as the text of them; 0 for points that were masked."""
+    """An array of codes 0 to 9 as a string of digits; 0 for masked points."""
     return "".join(f"{code:.0f}" for code in np.nan_to_num(np.asarray(values, float)).flat)
 
 
 def packed_array(values: Any, dtype: str) -> str:
-    """An array as the base64 of its bytes."""
+    """Base64 of an array's bytes."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
 
 
-_PLACES = np.array([60, 30])  # velocities and loads at least, where there is room for them
-_MOST = 400_000  # values of a table, 2 MB of a page
-_FAR = 1e6  # ratio of the velocity of an outermost node to the nearest one of the sweep
-_PARTS_BEYOND = 16  # of an interval between velocities beyond them at which friction is known
-_STEPS, _WIDEST = 241, 7.0  # distances of the model's error, and the widest by its hyperbolic sine
+_PLACES = np.array([60, 30])  # wanted number of nodes along velocity and load
+_MOST = 400_000  # most values of a table: 2 MB of a page
+_FAR = 1e6  # velocity of an outermost node over the nearest velocity of the sweep
+_PARTS_BEYOND = 16  # parts of an interval of the friction curve beyond the sweep's velocities
+_STEPS, _WIDEST = 241, 7.0  # number of tabulated distances, up to sinh of the second number
 COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
-"""States of nodes. Between loads one row may go on beyond its points where the other has some."""
-_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # by state
+"""States of nodes. BETWEEN: between two loads, only one of which has points on both sides."""
+_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # of states
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Parts of each interval between velocities, and between loads."""
+    """Number of parts of each interval between velocities, and between loads."""
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
     while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:
@@ -375,16 +375,16 @@ def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
 
 
 def divided(places: Array, parts: int) -> Array:
-    """Places of an axis, and those that divide each interval into so many equal parts."""
+    """Places of an axis with each interval divided into `parts` equal parts."""
     index = np.arange((len(places) - 1) * parts + 1) / parts
     return np.interp(index, np.arange(len(places)), places)
 
 
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
-    """Interpolate values along an axis, those that are not finite left out; see `Curve`.
+    """Interpolate values along an axis from places `x` to `places`; see `Curve`.
 
-    Values at places of the axis stay as they are. If continued, they go on beyond the known ones,
-    by the power laws of `Field`.
+    Values that are not finite are left out. If `continued`, values beyond the known ones are
+    extrapolated by the power laws of `Field`.
     """
     fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, is_line=True)
     return np.moveaxis(fine, -1, axis)
@@ -393,10 +393,10 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 def rows_along(
     rises: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises along velocity at each load [K], and the nodes that they are at [m/s].
+    """Rises along velocity at each load [K], and the velocities of their nodes [m/s].
 
-    Nodes beyond the velocities have the power laws by which the heat goes on, and the friction as
-    it is known there; the outermost lie far beyond.
+    Beyond the sweep's velocities heat is extrapolated by power laws, with the friction stated
+    there. The outermost nodes are far beyond.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -410,10 +410,10 @@ def rows_along(
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
-    """State of each node, by what is done at loads and velocities.
+    """State of each node (surface, load, velocity), from the mask of points that are done.
 
-    Parts are those of each interval of loads and of velocities, and places the nodes along velocity
-    by their number from the first velocity on.
+    `parts` are the parts of each interval of loads and of velocities. `places` numbers the nodes
+    along velocity, from 0 at the sweep's first velocity.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

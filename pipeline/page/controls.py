@@ -1,4 +1,4 @@
-"""The form in which a reader of a page sets conditions: sliders, fields, a choice of surface."""
+"""The form of a page that sets conditions: sliders, fields, and a choice of surface."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from pipeline.sweep.conditions import Conditions
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """A condition as a slider and a field: shown is ``factor`` times the value plus ``offset``."""
+    """A condition as a slider and a field, which show ``factor`` × SI value + ``offset``."""
 
     name: str
     label: str
-    low: float  # end of the slider, as shown
-    high: float
+    low: float  # lower end of the slider, as shown
+    high: float  # upper end of the slider, as shown
     step: float
     factor: float = 1.0
     offset: float = 0.0
-    least: float | None = None  # in SI; a value below is refused with the fault
-    most: float | None = None
+    least: float | None = None  # limit in SI; a value below is refused with the message `fault`
+    most: float | None = None  # limit in SI; a value above is refused
     fault: str = ""
 
     def html(self) -> str:
-        """Slider, field, and a place for a fault."""
+        """HTML of the slider and the field, with an empty element for the fault."""
         label = html.escape(self.label)
         return (
             f'<div class="control"><label for="{self.name}">{label}</label>\n<div class="pair">'
@@ -44,8 +44,8 @@ class Control:
 def controls(
     conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool
 ) -> list[Control]:
-    """Controls of the conditions that a sweep answers for."""
-    cold = "must be 0: the sweep was computed without friction, and so without any heat"
+    """Controls for the conditions that can be changed on the page of a sweep."""
+    cold = "must be 0: the sweep was computed without friction and heat"
     friction = Control(
         "friction", "friction coefficient", 0.0,
         max(0.3, math.ceil(20 * conditions.friction) / 10), 0.001, least=0.0,
@@ -71,7 +71,7 @@ def controls(
 
 
 def surface_choice(surfaces: Sequence[int] | None) -> str:
-    """Choice of a surface, or of all of them; nothing where there is but one."""
+    """HTML that selects one surface or all; empty if there is only one."""
     if not surfaces or len(surfaces) < 2:
         return ""
     numbered = {str(number): f"surface {name}" for number, name in enumerate(surfaces)}
@@ -80,7 +80,7 @@ def surface_choice(surfaces: Sequence[int] | None) -> str:
 
 
 def scene_choice(names: Sequence[str]) -> str:
-    """Choice of a scene of a sweep over entries by their values; nothing where there is but one."""
+    """HTML that selects a scene of a sweep over entries; empty if there is only one."""
     if len(names) < 2:
         return ""
     options = {str(number): name for number, name in enumerate(names)}
@@ -89,7 +89,7 @@ def scene_choice(names: Sequence[str]) -> str:
 
 
 def _select(name: str, options: Mapping[str, str]) -> str:
-    """Choice among texts, by their values."""
+    """HTML element to select a text, from texts by value."""
     listed = "".join(
         f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
     )
@@ -97,7 +97,7 @@ def _select(name: str, options: Mapping[str, str]) -> str:
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
-    """Control of a temperature, whose slider reaches below and above its value [K]."""
+    """Control of a temperature, with a slider that extends below and above its value [K]."""
     degrees = None if value is None else shown_in(value, "°C")
     low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
     high = high if degrees is None else max(high, math.ceil(1.5 * degrees))

@@ -1,16 +1,17 @@
-/* The transition diagram: regions, boundary, band, and the marks of points and measurements. */
+/* The transition diagram: regions, boundary, band, and marks of points and tests. */
 
 /** @type {{frame: Frame, root: SVGElement, pointer: SVGElement, choice: SVGElement}} */
 let diagram;
 
-/** Ends of an axis that holds some values, with room about them. @param {number[]} values */
+/** Ends of an axis that contains the values, with a margin. @param {number[]} values */
 function ends(values) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
   const room = 0.04 * (high - low || low || 1);
   return { low: low - room, high: high + room };
 }
 
-/** Axes that hold all. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
+/** Axes that contain all velocities [m/s], loads [N] and tests. @param {number[]} velocities @param
+ * {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
@@ -25,7 +26,7 @@ function drawDiagram() {
   const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
   const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
   const { left, top, right, bottom } = frame;
-  const size = { x: left, y: top, width: right - left, height: bottom - top }; // where all is cut off
+  const size = { x: left, y: top, width: right - left, height: bottom - top }; // clipped here
   const drawn = [drawnBoundary, drawnMarks, drawnMeasured].flatMap((layer) => layer(frame));
   if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox: Object.values(size).join(" "), class: "view" }, ...drawn));
@@ -38,7 +39,7 @@ function drawDiagram() {
   listenToPoints(root);
 }
 
-/** Regions of the next run, the band over surfaces, and boundaries. @param {Frame} frame */
+/** Draw the regions of the next run, the band over surfaces, and the boundaries. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
   const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
@@ -60,7 +61,7 @@ function drawnBoundary(frame) {
   return [...shades, ...frictions, line(look, middle), ...place];
 }
 
-/** Where the next run is mild, severe, or neither is decided: a class, and values that are positive there.
+/** Regions where the next run is mild, severe or not decided: CSS class, and grids that are positive there.
  * @returns {[string, ...number[][][]][]} */
 function regions() {
   const [{ conditions }, [mild, severe], own] = [chosen, content.decided, modelError()];
@@ -76,7 +77,7 @@ function regions() {
   return [["mild", isMild], ["severe", isSevere], ["open", open]];
 }
 
-/** The transition of a sweep at one load or one velocity. @param {Frame} frame */
+/** Draw the transition of a sweep that has a single load or velocity. @param {Frame} frame */
 function drawnPlace(frame) {
   const { velocity, load } = boundaries();
   const places = [
@@ -87,7 +88,7 @@ function drawnPlace(frame) {
   return known.slice(0, 1).map(([cx, cy]) => svg("circle", { cx, cy, r: 4 }));
 }
 
-/** ln(rise/limit) at the nodes that a share of the surfaces stays below; NaN where not known. @param {number}
+/** Quantile over surfaces of ln(rise/limit) at the nodes (load, velocity); NaN if unknown. @param {number}
  * share @param {Conditions} conditions */
 function excess(share, conditions) {
   const [plane, limit, { load, velocity }] = [knownPlane(conditions), heatOf(conditions).limit, content.fine];
@@ -106,9 +107,9 @@ function everyPoint() {
   return content.loads.flatMap((_load, i) => content.velocities.map((_velocity, j) => ({ i, j })));
 }
 
-/** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
+/** Draw the marks of the points, with a ring if they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2; // 4 in the legend
+  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2; // [px]; 4 in the legend
   return everyPoint().flatMap((point) => {
     const kind = kindOf(point);
     if (!kind) return [];
@@ -119,14 +120,15 @@ function drawnMarks(frame) {
   });
 }
 
-/** A test has another transition than the boundary that is drawn. @param {Measurement} test */
+/** True if a test's own conditions give another transition than the boundary drawn. @param {Measurement}
+ * test */
 function hasOwnConditions({ own, node: [, j] }) {
   const there = { ...chosen.conditions, ...own };
   const factor = own.strip_friction ? content.friction_factors[j] : 1;
   return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
 }
 
-/** Tests, each beside the transition computed at its own conditions. @param {Frame} frame */
+/** Draw the tests, each with the transition computed at its own conditions. @param {Frame} frame */
 function drawnMeasured(frame) {
   const judged = judgedTests();
   return content.measured.flatMap((test, number) => {

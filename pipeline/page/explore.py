@@ -1,4 +1,4 @@
-"""The page, from its parts: text, style and scripts of this folder, and the data of a sweep."""
+"""Write the page: text, style and scripts of this folder, filled with the data of a sweep."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _SCRIPTS = (
     "points", "diagram", "tables",
 )  # fmt: skip
 _OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.PLACES: ()}
-"""Scripts of each kind of sweep, after those of all."""
+"""Scripts for each kind of sweep, after the common scripts."""
 
 
 @shown
@@ -47,12 +47,12 @@ _OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.
 class Page:
     """A page that was written."""
 
-    path: Path  #: The file.
-    points: int  #: Points of the sweep that are done.
-    points_with_fields: int  #: Points whose fields the page holds.
+    path: Path  #: File of the page.
+    points: int  #: Number of points of the sweep that are done.
+    points_with_fields: int  #: Number of points whose fields the page contains.
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data."""
+        """All values as plain data."""
         return asdict(self) | {"path": str(self.path)}
 
     def __str__(self) -> str:
@@ -69,29 +69,29 @@ def explore(
 ) -> Page:
     """Write a page on which friction, temperatures and failing share can be changed.
 
-    The page is one file that opens from the disk in any present browser, without a server. It
-    begins with the answer. On it the boundary, its band over several surfaces and the tables follow
-    the conditions, and each point shows its numbers, its fields and how its temperature is
-    distributed over the contact. For samples it shows the probability of severe wear at any place,
-    for rows with their own places their margins. If entries have several values, the reader chooses
-    among them. Printed, on A4 or to PDF, the page is a report.
+    The page is a single file that opens in any current browser, without a server. It begins with
+    the answer. The boundary, its band over several surfaces and the tables follow the conditions
+    that the reader sets. Each point shows its numbers, its fields and the distribution of
+    temperature over the contact. For samples the page shows the probability of severe wear at any
+    place, for rows with their own places their margins. If entries have several values, the reader
+    selects a scene. Printed, on A4 or to PDF, the page is a report.
 
     Parameters
     ----------
     ds : Dataset or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or folder or address of the store.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of the store.
     out : path
-        File to write; it ends in .html.
+        File to write, with the suffix .html.
     most_fields : int, optional
-        Number of points whose fields the page may hold, if the sweep has stored any: those nearest
-        to the transition. Each takes about 10 kB; 0 leaves them out.
+        Largest number of points with fields on the page: those nearest to the transition, if the
+        sweep has stored fields. Each takes about 10 kB; 0 leaves them out.
     points : path or mapping of str to sequence, optional
-        Operating points whose margins to show; see `pipeline.margin`.
+        Operating points whose margins are shown; see `pipeline.margin`.
 
     Returns
     -------
     Page
-        The file, and what it holds.
+        The file, and the numbers of points on it.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def explore(
 
 
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
-    """The page of all scenes, with its own style and scripts, which alone may run on it."""
+    """HTML of the page of all scenes; its policy allows only its own style and scripts."""
     style = _text("page.css")
     sources = (_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
     script = "\n".join(['"use strict";', *sources])
@@ -153,14 +153,14 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
 
 
 class _Main(NamedTuple):
-    """The middle of a page: its HTML, and data for its scripts."""
+    """Main part of a page: its HTML, and data for its scripts."""
 
     html: str
     data: dict[str, Any]
 
 
 def _plane(scene: Results, most_fields: int) -> _Main:
-    """Diagram, conditions and critical values of loads and velocities."""
+    """Main part for a plane of points: diagram, conditions, critical values."""
     held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),
@@ -175,7 +175,7 @@ def _plane(scene: Results, most_fields: int) -> _Main:
 
 
 def _samples(scene: Results, _: int) -> _Main:
-    """Diagram and table of the probability that samples give."""
+    """Main part for samples: diagram and table of the probability of severe wear."""
     (table,) = frames_of(boundary(scene))
     values = {
         "operating": _text("operating.html"),
@@ -186,7 +186,7 @@ def _samples(scene: Results, _: int) -> _Main:
 
 
 def _places(held: Results, _: int) -> _Main:
-    """Figure of rows with their own places."""
+    """Main part for rows with their own places: a figure."""
     with fitted(0.17, plain=True):
         drawn = svg_of(diagram(held))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
@@ -197,7 +197,7 @@ _MAIN = {Kind.PLANE: _plane, Kind.SAMPLES: _samples, Kind.PLACES: _places}
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:
-    """A file of this folder, with parts in the places of their names."""
+    """Text of a file of this folder with its placeholders replaced."""
     return Template(_text(name)).substitute(parts)
 
 
@@ -206,11 +206,11 @@ def _text(name: str) -> str:
 
 
 def _json_text(held: dict[str, Any]) -> str:
-    """Data as JSON that no text in it can end the script element of."""
+    """Data as JSON in which no text can end the script element."""
     text = json.dumps(held, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", r"\u003c")
 
 
 def _hash(text: str) -> str:
-    """Digest by which the page's policy allows a script or a style."""
+    """Hash by which the page's content security policy allows a script or a style."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"

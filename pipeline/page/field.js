@@ -1,35 +1,36 @@
-/* The fine plane of the deciding rise that Python has tabulated, and where it passes a limit. */
+/* The deciding rise on a fine grid, tabulated by Python, and where it crosses a limit. */
 
 const [POINT_DONE, POINT_FAILED] = ["1", "2"];
-/** State of nodes between loads, one of which goes on beyond its points; before it are those within. */
+/** State of nodes between two loads, only one of which has points on both sides; states below are inside. */
 const NODE_BETWEEN = "3";
 const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
 
-/** Number of a node. @param {number} surface @param {number} k of the load @param {number} j */
+/** Index of a node in a table. @param {number} surface @param {number} k of the load @param {number} j */
 function indexOf(surface, k, j) {
   return (surface * content.fine.load.length + k) * content.fine.velocity.length + j;
 }
 
-/** Node nearest to a place. @param {Place} place @returns {[number, number]} */
+/** Indices along load and velocity of the node nearest to a place. @param {Place} place @returns
+ * {[number, number]} */
 function nearestNode({ load, velocity }) {
   return [nearest(content.fine.load, load), content.first + nearest(content.inner, velocity)];
 }
 
-/** Entries of a row by bulk ratio and a last axis, and their weights. @param {Conditions} conditions @param
- * {number} width @param {[number, number][]} last */
+/** Indices of a node's values by bulk ratio and a last axis, with weights to interpolate. @param {Conditions}
+ * conditions @param {number} width @param {[number, number][]} last */
 function picksOf(conditions, width, last) {
   return weights(content.bulk_ratios, heatOf(conditions).ratio).flatMap(([b, share]) =>
     last.map(([k, weight]) => [b * width + k, share * weight]));
 }
 
-/** Deciding rise along velocity at a node of load [K]. At a load of the sweep that lacks points, the line has
- * its own points alone. @param {number} surface @param {number} k @param {Conditions} conditions */
+/** Deciding rise along velocity at a node of load [K]. At a load of the sweep that lacks points, only its
+ * own points are used. @param {number} surface @param {number} k @param {Conditions} conditions */
 function lineOf(surface, k, conditions) {
   const begin = content.lines[`${surface} ${k}`] ?? indexOf(surface, k, 0);
   return planeOf(conditions).subarray(begin, begin + content.fine.velocity.length);
 }
 
-/** Deciding rise at the nodes of all surfaces [K]. @param {Conditions} conditions */
+/** Deciding rise [K] at all nodes, by `indexOf`. @param {Conditions} conditions */
 function planeOf(conditions) {
   const { plane, shares, bulk_ratios, friction_factors: factors, state } = content;
   const { failing_share, strip_friction } = conditions;
@@ -41,8 +42,8 @@ function planeOf(conditions) {
   }));
 }
 
-/** The same, NaN where not known: beyond points, or between loads at one of which wear does not turn within
- * them. @param {Conditions} conditions */
+/** The same, but NaN beyond the computed points. Between two loads it is also NaN if wear does not turn
+ * inside the points of both. @param {Conditions} conditions */
 function knownPlane(conditions) {
   const [{ state, beside, fine }, plane, limit] = [content, planeOf(conditions), heatOf(conditions).limit];
   const across = fine.velocity.length;
@@ -63,8 +64,8 @@ function knownPlane(conditions) {
   });
 }
 
-/** Ranges in which values are above a limit, with ends between two nodes. @param {number[]} x @param
- * {ArrayLike<number>} y NaN where not known @param {number} limit @returns {Ends[]} */
+/** Ranges in which values are above a limit; ends are interpolated. @param {number[]} x @param
+ * {ArrayLike<number>} y NaN if unknown @param {number} limit @returns {Ends[]} */
 function rangesAbove(x, y, limit) {
   const known = x.map((_, k) => k).filter((k) => !Number.isNaN(y[k]));
   const turns = known.slice(1).map((b, n) => [known[n], b]).filter(([a, b]) => y[a] > limit !== y[b] > limit)
@@ -73,7 +74,7 @@ function rangesAbove(x, y, limit) {
   return all.flatMap((begin, k) => (k % 2 ? [] : [[begin, all[k + 1] ?? Infinity]]));
 }
 
-/** Transition on each surface along velocity at a node of load, or along load at one of velocity. @param
+/** Transitions of each surface along velocity at a node of load, or the reverse. @param
  * {AxisName} axis @param {number} node @param {Conditions} conditions @returns {Transition[]} */
 function transitions(axis, node, conditions) {
   const [known, { limit }] = [knownPlane(conditions), heatOf(conditions)];
@@ -96,22 +97,22 @@ function transitions(axis, node, conditions) {
   });
 }
 
-/** Least and greatest place that a transition may have. @param {Transition} transition @returns {Ends} */
+/** Lowest and highest possible place of a transition. @param {Transition} transition @returns {Ends} */
 function endsOf({ severe, outcome, computed: [from, to] }) {
   if (outcome === UNKNOWN) return [NaN, NaN];
   if (outcome === MILD || outcome === ABOVE) return [outcome === MILD ? Infinity : to, Infinity];
   const [first] = severe[0];
   if (first) return [first, first];
-  return [-Infinity, outcome === SEVERE ? -Infinity : from]; // severe at the lowest place computed
+  return [-Infinity, outcome === SEVERE ? -Infinity : from]; // severe at the lowest computed place
 }
 
-/** First turn to severe wear: -infinite where wear is severe before any, infinite where it never is.
+/** First turn to severe wear; -Infinity if wear is severe from the lowest place on, Infinity if never.
  * @param {Transition} transition */
 function firstTurn({ severe }) {
   return severe.length ? severe[0][0] || -Infinity : Infinity;
 }
 
-/** The turn nearest by its ratio, or the nearest to severe wear; without one as `firstTurn`.
+/** The turn nearest to `here` by ratio, only to severe wear if `toSevere`; without one as `firstTurn`.
  * @param {Transition} transition @param {number} here @param {boolean} toSevere */
 function nearestTurn(transition, here, toSevere) {
   const first = firstTurn(transition);
@@ -120,9 +121,9 @@ function nearestTurn(transition, here, toSevere) {
   return counted.sort((a, b) => away(a) - away(b))[0] ?? first;
 }
 
-/** Median over surfaces of one of their turns; infinite or 0 where half of the surfaces have none.
+/** Median over surfaces of one turn each; Infinity or 0 if half of the surfaces have none.
  * @param {Transition[]} all @param {(transition: Transition) => number} pick */
 function medianTurn(all, pick) {
   if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;
-  return Math.max(quantileOf(all.map(pick), 0.5), 0) || 0; // NaN of infinite ones of either sign
+  return Math.max(quantileOf(all.map(pick), 0.5), 0) || 0; // NaN between infinite values of both signs
 }

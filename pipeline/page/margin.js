@@ -1,6 +1,6 @@
-/* How likely the next run is severe at a node: the severe ranges about it, by the model's own error. */
+/* Probability that the next run is severe at a node: severe ranges weighed by the model's own error. */
 
-/** Each test at its own conditions, as the command has it; no distance where what lies beyond may agree. */
+/** Each test compared at its own conditions, as in Python; distance NaN if velocities beyond may agree. */
 function judgedTests() {
   return content.measured.map((test) => {
     const [own, [k]] = [{ ...chosen.conditions, ...test.own }, test.node];
@@ -24,8 +24,9 @@ function judgedTests() {
   });
 }
 
-/** A line without a turn, with those beyond what is known. @param {Transition} one @param {number} surface
- * @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
+/** A transition without a turn, with turns extrapolated beyond the computed points. @param {Transition} one
+ * @param {number} surface @param {number} k of the load @param {Conditions} conditions @returns
+ * {Transition} */
 function goneOn(one, surface, k, conditions) {
   const { velocity } = content.fine;
   const severe = rangesAbove(velocity, lineOf(surface, k, conditions), heatOf(conditions).limit);
@@ -33,8 +34,8 @@ function goneOn(one, surface, k, conditions) {
   return places.length ? { ...one, severe, places } : one;
 }
 
-/** Distances of the tests of runs that are transitions, or wrong below or above the computed velocity: the
- * farthest of each run. */
+/** Distances of transitions, and of wrong outcomes below and above the computed velocity: the farthest of
+ * each run. */
 function residuals() {
   const known = judgedTests().filter(({ distance }) => !Number.isNaN(distance));
   const farthest = (/** @type {string} */ side) => {
@@ -46,7 +47,7 @@ function residuals() {
   return { turn: farthest("turn"), below: farthest("below"), above: farthest("above"), known: known.length };
 }
 
-/** The model's own error under the present conditions: its distribution, and in words. */
+/** The model's own error under the chosen conditions: distribution function and words. */
 function modelError() {
   const { distances, below, prior, worth, words, agreed } = content.model;
   const { turn, ...wrong } = residuals();
@@ -65,10 +66,10 @@ function modelError() {
   };
 }
 
-/** What is known at a node: rises, their error, probabilities that the next run is severe, the verdict.
- * The error is the largest of some nodes beside it, too, since it is less on a row of points than beside.
+/** Margin at a node: rises, their error, probabilities that the next run is severe, and the verdict. The
+ * error is the largest within some nodes, as it is smaller on a row of points than next to it.
  * @param {[number, number]} node @param {Conditions} conditions @param {{below: (way: number) => number}}
- * own the model's own error @param {number} beside */
+ * own the model's own error @param {number} beside number of nodes to each side */
 function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
   const [plane, { velocity, load }] = [planeOf(conditions), content.fine];
   const lines = surfaces().map((surface) => lineOf(surface, k, conditions));

@@ -1,9 +1,9 @@
-/* Numbers in lists. Nothing here knows a sweep. */
+/* Functions on lists of numbers, independent of sweeps. */
 
 const BAND = [0.1, 0.5, 0.9];
 
-/** The entries beside a place and their weights, the nearer end alone beyond them. @param {number[]} x
- * ascending @param {number} place @returns {[number, number][]} */
+/** Indices next to a place, with weights to interpolate linearly; beyond the ends the end alone. @param
+ * {number[]} x ascending @param {number} place @returns {[number, number][]} */
 function weights(x, place) {
   const k = x.findIndex((value) => value > place);
   if (k < 1) return [[k < 0 ? x.length - 1 : 0, 1]];
@@ -11,7 +11,8 @@ function weights(x, place) {
   return weight === 0 ? [[k - 1, 1]] : [[k - 1, 1 - weight], [k, weight]];
 }
 
-/** Value at a place. @param {number[]} x ascending @param {ArrayLike<number>} y @param {number} place */
+/** Value at a place by linear interpolation. @param {number[]} x ascending @param {ArrayLike<number>} y
+ * @param {number} place */
 function linear(x, y, place) {
   return sum(weights(x, place).map(([k, weight]) => weight * y[k]));
 }
@@ -27,13 +28,14 @@ function nearest(x, place) {
   return away.indexOf(Math.min(...away));
 }
 
-/** Value that a share of all stays below; NaN is left out. @param {number[]} values @param {number} share */
+/** Quantile of the values; NaN is left out. @param {number[]} values @param {number} share */
 function quantileOf(values, share) {
   const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
   return linear([...ranked.keys()], ranked, share * (ranked.length - 1));
 }
 
-/** The same; NaN where it depends on those that are not known. @param {Ends[]} ends @param {number} share */
+/** Quantile of values known between two ends; NaN if the ends give different ones. @param {Ends[]} ends
+ * @param {number} share */
 function quantileOfEnds(ends, share) {
   const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
   return low === high ? low : NaN;

@@ -1,12 +1,13 @@
-/* The operating point: its form, and what is said of it. */
+/* The operating point: its form, and its margin. */
 
-/** A place lies within a sweep. @param {Place} place @param {Axes} axes */
+/** True if a place is inside a sweep. @param {Place} place @param {Axes} axes */
 function isInside({ load, velocity }, { loads, velocities }) {
   return load > 0 && velocity > 0 && load >= loads[0] && load <= loads[loads.length - 1] &&
     velocity >= velocities[0] && velocity <= velocities[velocities.length - 1];
 }
 
-/** Read the operating point as it is typed. @param {(load: number, velocity: number) => void} take */
+/** Call `take` with the operating point whenever it is typed. @param
+ * {(load: number, velocity: number) => void} take */
 function listenToOperatingPoint(take) {
   const read = (/** @type {string} */ id) => {
     const value = typed(input(id).value);
@@ -16,14 +17,15 @@ function listenToOperatingPoint(take) {
   element("operating").addEventListener("change", () => take(read("at-load"), read("at-velocity")));
 }
 
-/** Show numbers of the operating point, or why there are none. @param {[string, string][] | string} rows */
+/** Show the margin of the operating point, or a hint why there is none. @param {[string, string][] | string}
+ * rows */
 function showMargin(rows) {
   const isHint = typeof rows === "string";
   element("operating").classList.toggle("is-used", !isHint);
   element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : table([], rows));
 }
 
-/** Verdict and distances at the node nearest by. @returns {[string, string][] | string} */
+/** Rows with verdict and distances at the nearest node, or a hint. @returns {[string, string][] | string} */
 function marginRows() {
   const { conditions } = chosen;
   if (!isInside(chosen, content)) return content.outside;
@@ -53,7 +55,7 @@ function marginRows() {
   ];
 }
 
-/** First transition along an axis through a node in words, and its ratio to the present value. @param
+/** First transition along an axis through a node in words, with its ratio to the value `now`. @param
  * {AxisName} axis @param {number} node @param {number} now @param {string} unit */
 function wayText(axis, node, now, unit) {
   const all = transitions(axis, node, chosen.conditions);
@@ -64,7 +66,7 @@ function wayText(axis, node, now, unit) {
   return `${shown(place)} ${unit}, ${shown(place / now, 3)} times${ranges}`;
 }
 
-/** Median, and the values that 80 % of the surfaces lie between. @param {number[]} values @param {string}
+/** Median of the surfaces in words, with the range of 80 % of them. @param {number[]} values @param {string}
  * unit @param {number} [digits] */
 function banded(values, unit, digits = 4) {
   const [low, middle, high] = BAND.map((share) => quantileOf(values, share)).map((value) =>
@@ -72,7 +74,7 @@ function banded(values, unit, digits = 4) {
   return low === high ? middle : `${middle} (${low} to ${high})`;
 }
 
-/** A probability in words, which are no number where it is next to certain. @param {number} value */
+/** A probability in words: a percentage, or "less than 0.01 %". @param {number} value */
 function percent(value) {
   if (value < 1e-4) return "less than 0.01 %";
   if (value > 1 - 1e-4) return "more than 99.99 %";

@@ -1,6 +1,6 @@
-/* The page as a whole: the parts that are shown once, and again whenever the reader sets something. */
+/* The page of a plane: show all parts, and again whenever the reader changes something. */
 
-/** Show all that follows from the choices of the reader. */
+/** Show all parts that depend on the reader's choices. */
 function update() {
   document.body.classList.toggle("is-changed", Object.keys(changes()).length > 0);
   drawDiagram();

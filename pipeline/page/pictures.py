@@ -1,4 +1,4 @@
-"""Fields of points as a page holds them: averaged, and drawn as pictures."""
+"""Fields of points on a page: averaged over elements, and drawn as pictures."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pipeline.store.schema import PLANE
 from tribo.types import Array, Mask
 
 FIELDS = ("pressure", "rise", "wear_depth")
-_SIDE = 120  # elements along each axis, at most
+_SIDE = 120  # most pixels of a picture along each axis
 _LEVELS = 255
 _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear, as in figures
 
@@ -27,11 +27,11 @@ _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear
 def packed_fields(
     ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
 ) -> dict[str, Any]:
-    """Draw pressure, rise and wear depth of points chosen by surface, load and velocity.
+    """Draw pressure, rise and wear depth of points chosen by (surface, load, velocity).
 
-    Gives ``note`` and ``aspect`` of the pictures, ``scales`` of the colours, and by place the
-    ``points``: highest pressure [Pa], lowest and highest rise above the colder body at a bulk ratio
-    [K], greatest depth [m], and the three pictures.
+    Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
+    the number of the point. Each has the highest pressure [Pa], the lowest and highest rise above
+    the colder body at the bulk ratio [K], the greatest wear depth [m], and three pictures.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -51,7 +51,7 @@ def packed_fields(
 
 
 def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
-    """Draw the fields of one point; what is warm is averaged over what is in contact alone."""
+    """Highest pressure, extreme rises, depth and pictures of a point; see `packed_fields`."""
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
     touching = _summed(contact.astype(float), block)
@@ -64,7 +64,7 @@ def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
 
 
 def _picture(levels: NDArray[np.uint8], colours: str) -> str:
-    """Base64 of a .png of levels, x to the right and y upwards; white where they are 0."""
+    """Base64 of a .png from levels (x, y), x to the right and y upwards; level 0 is white."""
     shades = colormaps[colours](np.linspace(0, 1, _LEVELS), bytes=True)[:, :3]
     palette = np.vstack([np.full((1, 3), 255, dtype=np.uint8), shades])
     image = Image.fromarray(np.ascontiguousarray(levels.T[::-1]), "P")
@@ -73,28 +73,28 @@ def _picture(levels: NDArray[np.uint8], colours: str) -> str:
 
 
 def png_of(image: Image.Image) -> str:
-    """Base64 of a picture as .png."""
+    """Base64 of an image as .png."""
     written = io.BytesIO()
     image.save(written, "png", optimize=True)
     return base64.b64encode(written.getvalue()).decode()
 
 
 def coloured(probability: Array) -> str:
-    """Probabilities as a picture, from its top on, in the colours of the figure of them."""
+    """Probabilities as a base64 .png, the first row on top, in the colours of the figure."""
     low, high = PALE
     shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
     return png_of(Image.fromarray(np.ascontiguousarray(shades)))
 
 
 def risk_scale() -> str:
-    """Colours of probabilities from 0 to 1, from the left to the right."""
+    """Colour scale of probabilities from 0 (left) to 1 (right), as a base64 .png."""
     return coloured(np.linspace([0.0], [1.0], 64).T)
 
 
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:
-    """Lowest and highest mean over what touches in a block, and levels; 0 where nothing does."""
+    """Lowest and highest mean over elements in contact, and levels of blocks; 0 without contact."""
     means = _summed(np.where(contact, field, 0.0), block) / np.maximum(touching, 1.0)
     finite = means[touching > 0]
     if not (finite.size and np.isfinite(finite).all()):
@@ -105,25 +105,25 @@ def _over_contact(
 
 
 def _block(elements: int) -> int:
-    """Number of elements to average, so that no more than fit into a picture are left."""
+    """Number of elements to average along an axis, so that the picture is small enough."""
     return -(-elements // _SIDE)
 
 
 def _summed(field: Array, block: tuple[int, int]) -> Array:
-    """Sum over blocks; the last block may be shorter."""
+    """Sums of a field over blocks; the last block may be smaller."""
     starts = [np.arange(0, n, b) for n, b in zip(field.shape, block, strict=True)]
     return np.add.reduceat(np.add.reduceat(field, starts[0], axis=0), starts[1], axis=1)
 
 
 def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uint8]:
-    """Write a field in levels from `least` at `low` to the highest at `high`."""
+    """Levels of a field, from `least` at `low` to 255 at `high`."""
     scale = (_LEVELS - least) / (high - low) if high > low else 0.0
     levels: Array = np.clip(least + np.rint((field - low) * scale), least, _LEVELS)
     return levels.astype(np.uint8)
 
 
 def _picture_facts(ds: xr.Dataset) -> dict[str, Any]:
-    """Size of the window, elements averaged in its pictures, and their aspect ratio."""
+    """Note on the pictures (window size, averaging), and their aspect ratio."""
     axes = ds["x"].values, ds["y"].values
     along, across = (
         float(x[-1] - x[0]) * len(x) / (len(x) - 1) if len(x) > 1 else None for x in axes

@@ -1,9 +1,9 @@
-/* Drawing: SVG elements, axes, colours. Nothing here knows a sweep. */
+/* Drawing: SVG elements, axes and contours, independent of sweeps. */
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/** Give an element attributes and children; text is text. @template {Element} Kind @param {Kind} made @param
- * {Object<string, string | number>} attributes @param {(Node | string)[]} children @returns {Kind} */
+/** Give an element attributes and children; strings are text. @template {Element} Kind @param {Kind} made
+ * @param {Object<string, string | number>} attributes @param {(Node | string)[]} children @returns {Kind} */
 function filled(made, attributes, children) {
   for (const key in attributes) made.setAttribute(key, String(attributes[key]));
   made.append(...children);
@@ -30,7 +30,8 @@ function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }
 
-/** Round values between ends, so many. @param {number} low @param {number} high @param {number} count */
+/** About `count` round values between two ends. @param {number} low @param {number} high @param {number}
+ * count */
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -40,13 +41,13 @@ function ticks(low, high, count) {
   return Array.from({ length }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
-/** A range of values stretched over another one. @param {{low: number, high: number}} range @param {number}
- * from @param {number} to @returns {(value: number) => number} */
+/** Linear map of a range of values to the range `from` to `to`. @param {{low: number, high: number}} range
+ * @param {number} from @param {number} to @returns {(value: number) => number} */
 function scale({ low, high }, from, to) {
   return (value) => from + ((value - low) / (high - low)) * (to - from);
 }
 
-/** A number as people read it. @param {number} value @param {number} [digits] */
+/** A number as text with some significant digits. @param {number} value @param {number} [digits] */
 function shown(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -54,7 +55,7 @@ function shown(value, digits = 4) {
   return String(Number(value.toPrecision(digits)));
 }
 
-/** Grid, axes and labels in an SVG of some size; drawings go between grid and axes. @param {number} width
+/** SVG with grid, axes and labels; drawings go into `inside`, between grid and axes. @param {number} width
  * @param {number} height @param {Axis} x @param {Axis} y */
 function axes(width, height, x, y) {
   const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
@@ -86,7 +87,7 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
-/** Show a small chart with its caption, or nothing. @param {string} id @param {boolean} isThere @param
+/** Show a small chart with its caption, or clear it. @param {string} id @param {boolean} isThere @param
  * {string} text @param {Axis} x @param {Axis} y @param {(frame: Frame) => SVGElement[]} draw */
 function showChart(id, isThere, text, x, y, draw) {
   element(id).replaceChildren();
@@ -98,7 +99,7 @@ function showChart(id, isThere, text, x, y, draw) {
   element(id).append(filled(root, { role: "img", "aria-label": text }, []));
 }
 
-/** Content of the page; its tables are numbers in base64. */
+/** Data of the page, with base64 tables decoded to arrays. */
 function readContent() {
   const packed = ["plane", "errors", "rises", "times", "values", "probability"];
   return JSON.parse(element("content").textContent ?? "", (name, value) => {
@@ -107,21 +108,22 @@ function readContent() {
   });
 }
 
-/** Path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y in pixels */
+/** SVG path through points, with gaps where one is not finite. @param {number[]} x @param {number[]} y in
+ * pixels */
 function path(x, y) {
   const isThere = x.map((across, k) => Number.isFinite(across) && Number.isFinite(y[k]));
   return x.map((across, k) => isThere[k]
     ? `${isThere[k - 1] ? "L" : "M"}${across.toFixed(2)},${y[k].toFixed(2)}` : "").join("");
 }
 
-/** A sign of the legend at a place, in some size. @param {string} name @param {number} x @param {number} y
+/** A mark of the legend drawn at a place [px]. @param {string} name @param {number} x @param {number} y
  * @param {number} [size] */
 function sign(name, x, y, size = 1) {
   const shape = document.querySelector(`#sign-${name} svg > *`)?.cloneNode() ?? "";
   return svg("g", { transform: `translate(${x} ${y}) scale(${size}) translate(-13 -7)` }, shape);
 }
 
-/** Show the signs of what the diagram holds: of shapes of the same class. */
+/** Show those entries of the legend whose class occurs in the diagram. */
 function showLegend() {
   for (const shape of element("legend").querySelectorAll("svg > *")) {
     const isThere = element("diagram").querySelector(`[class="${shape.getAttribute("class")}"]`);
@@ -135,14 +137,14 @@ function cross(frame, { load, velocity }) {
   return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
 }
 
-/** Path of the part of a grid where all of several values are positive, or along which one is 0. @param
+/** SVG path of the region where all grids are positive; or, if `isLine`, of the line where one is 0. @param
  * {number[]} x @param {number[]} y [px] @param {number[][][]} grids values by y and x, or NaN @param
  * {boolean} isLine */
 function contour(x, y, grids, isLine = false) {
   const cells = y.slice(1).flatMap((_top, i) => x.slice(1).flatMap((_right, j) => {
     const corners = [[i, j], [i, j + 1], [i + 1, j + 1], [i + 1, j]];
     const counts = grids.map((grid) => corners.filter(([k, l]) => grid[k][l] > 0).length);
-    if (counts.some((count) => count === 0 || (isLine && count === 4))) return []; // as most are
+    if (counts.some((count) => count === 0 || (isLine && count === 4))) return []; // most cells are empty
     return [corners.map(([k, l]) => [x[l], y[k], ...grids.map((grid) => grid[k][l])])];
   }));
   return cells.filter((corners) => !corners.flat().some(Number.isNaN)).flatMap((corners) => {
@@ -154,7 +156,7 @@ function contour(x, y, grids, isLine = false) {
   }).join("");
 }
 
-/** The corners of a polygon at which a value is positive, and the places at which it turns; or these alone.
+/** Part of a polygon where a value is positive; if `isLine`, only the places where it is 0.
  * @param {number[][]} corners @param {number} value its index in each @param {boolean} isLine */
 function clipped(corners, value, isLine) {
   return corners.flatMap((corner, k) => {

@@ -1,11 +1,11 @@
-/* The points of the diagram, by pointer and by keyboard: their numbers, and the one that is kept. */
+/* Points of the diagram by pointer and keyboard: their values, and the selected point. */
 
 const tip = html("div", { class: "tip", role: "status", id: "tip", hidden: "" });
-const REACH = 14; // [px] about a point
-/** Point at which pointer or keyboard are. @type {Point | null} */
+const REACH = 14; // [px] around a point within which the pointer is on it
+/** Point under the pointer or the keyboard cursor. @type {Point | null} */
 let pointed = null;
 
-/** Take pointer and keyboard on the diagram. @param {SVGElement} root */
+/** Listen to pointer and keyboard on the diagram. @param {SVGElement} root */
 function listenToPoints(root) {
   root.addEventListener("pointermove", (event) => pointTo(pointAt(event)));
   root.addEventListener("pointerleave", () => pointTo(null));
@@ -20,7 +20,8 @@ function onScreen({ i, j }) {
   return [diagram.frame.x(content.velocities[j]), diagram.frame.y(content.loads[i])];
 }
 
-/** Point of the sweep under a pointer that has anything to tell. @param {MouseEvent} event */
+/** Point of the sweep under the pointer; null if there is none, or it was not asked for. @param {MouseEvent}
+ * event */
 function pointAt(event) {
   const { left, top } = diagram.root.getBoundingClientRect();
   const [across, down] = [event.clientX - left, event.clientY - top];
@@ -30,12 +31,12 @@ function pointAt(event) {
   return Math.hypot(x - across, y - down) < REACH && kindOf({ i, j }) ? { i, j } : null;
 }
 
-/** Point with which to begin. */
+/** Point at which the keyboard begins. */
 function middle() {
   return { i: content.loads.length >> 1, j: content.velocities.length >> 1 };
 }
 
-/** Move with the arrow keys, keep a point with Enter or Space. @param {KeyboardEvent} event */
+/** Move with the arrow keys; select a point with Enter or Space. @param {KeyboardEvent} event */
 function pressed(event) {
   /** @type {Object<string, [number, number]>} */
   const ways = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
@@ -47,8 +48,8 @@ function pressed(event) {
   event.preventDefault();
 }
 
-/** Next point in a direction that has anything to tell, or the same. @param {Point} here @param {[number,
- * number]} way @returns {Point} */
+/** Next point in a direction, without those not asked for; the same point at the end. @param {Point} here
+ * @param {[number, number]} way @returns {Point} */
 function next(here, [up, right]) {
   const isThere = (/** @type {Point} */ { i, j }) => i in content.loads && j in content.velocities;
   let point = { i: here.i + up, j: here.j + right };
@@ -56,7 +57,7 @@ function next(here, [up, right]) {
   return isThere(point) ? point : here;
 }
 
-/** Show the numbers of a point beside it, or of none. @param {Point | null} point */
+/** Show the values of a point next to it; hide them if null. @param {Point | null} point */
 function pointTo(point) {
   pointed = point;
   tip.hidden = !point;
@@ -66,8 +67,8 @@ function pointTo(point) {
   placeTip(diagram.frame, onScreen(point), nameOf(point), texts);
 }
 
-/** Show texts beside a place [px]. @param {Frame} frame @param {[number, number]} place @param {string} title
- * @param {string[]} texts */
+/** Show texts next to a place [px]. @param {Frame} frame @param {[number, number]} place @param {string}
+ * title @param {string[]} texts */
 function placeTip(frame, [x, y], title, texts) {
   tip.replaceChildren(html("b", {}, title), ...texts.map((text) => html("div", {}, text)));
   tip.style.left = `${Math.max(Math.min(x + 14, frame.right - tip.offsetWidth), 0)}px`;
@@ -75,13 +76,13 @@ function placeTip(frame, [x, y], title, texts) {
   tip.style.top = `${isUnder ? y + 14 : Math.max(y - 14 - tip.offsetHeight, 0)}px`;
 }
 
-/** Put a ring about a point. @param {SVGElement} circle @param {Point | null} point */
+/** Put the circle around a point; hide it if null. @param {SVGElement} circle @param {Point | null} point */
 function ring(circle, point) {
   const [cx, cy] = point ? onScreen(point) : [0, 0];
   filled(circle, { cx, cy, display: point && kindOf(point) ? "inline" : "none" }, []);
 }
 
-/** @param {Point | null} point */
+/** Select a point and show it. @param {Point | null} point */
 function choosePoint(point) {
   if (!point || !kindOf(point)) return;
   chosen.point = point;
@@ -89,13 +90,13 @@ function choosePoint(point) {
   showPoint();
 }
 
-/** Numbers of a point in lists, on the surfaces that count. @param {Point} point */
+/** Indices of a point in the lists of points, one for each chosen surface. @param {Point} point */
 function placesOf({ i, j }) {
   const { loads: { length: rows }, velocities: { length } } = content;
   return surfaces().map((surface) => (surface * rows + i) * length + j);
 }
 
-/** Deciding rises at friction 1 on the surfaces on which a point is done [K]. @param {Point} point */
+/** Deciding rises at friction 1 [K] on the surfaces on which a point is done. @param {Point} point */
 function risesAt(point) {
   const [plane, { limit }] = [planeOf(chosen.conditions), heatOf(chosen.conditions)];
   const { nodes, status } = content;
@@ -105,7 +106,7 @@ function risesAt(point) {
   });
 }
 
-/** Kind of a point, as the diagram marks it. @param {Point} point */
+/** Kind of a point, which is its mark in the diagram. @param {Point} point */
 function kindOf(point) {
   const [all, places] = [risesAt(point), placesOf(point)];
   const severe = all.filter(({ isSevere }) => isSevere).length;
@@ -115,7 +116,7 @@ function kindOf(point) {
   return places.some((place) => content.asked[place] === "1") ? "pending" : "";
 }
 
-/** Kind of wear in words. @param {Point} point */
+/** Wear at a point in words. @param {Point} point */
 function wearOf(point) {
   const [all, kind] = [risesAt(point), kindOf(point)];
   if (kind === "unjudged") return "not known without a critical temperature";
@@ -123,7 +124,7 @@ function wearOf(point) {
   return all.length || kind === "failed" ? kind : "not computed";
 }
 
-/** Temperatures of a point that its quantiles have [°C]. @param {number} place */
+/** Quantiles of the contact temperature at a point [°C]. @param {number} place */
 function quantilesAt(place) {
   const { quantiles: { length }, bulk_ratios } = content;
   return content.quantiles.map((_, q) => {
@@ -133,12 +134,12 @@ function quantilesAt(place) {
   });
 }
 
-/** Messages of a point on the surfaces that count, each once. @param {Point} point */
+/** Messages of a point on the chosen surfaces, without repeats. @param {Point} point */
 function messagesOf(point) {
   return [...new Set(placesOf(point).map((place) => content.messages[place]).filter(Boolean))];
 }
 
-/** Description of a point, as pairs of a name and a text. @param {Point} point @param {boolean} isFull
+/** Description of a point: pairs of a name and a text. @param {Point} point @param {boolean} isFull
  * @returns {[string, string][]} */
 function description(point, isFull) {
   const all = risesAt(point);
@@ -168,7 +169,7 @@ function description(point, isFull) {
   return rows;
 }
 
-/** @param {Point} point */
+/** Load and velocity of a point in words. @param {Point} point */
 function nameOf({ i, j }) {
   return `${shown(content.loads[i], 6)} N, ${shown(content.velocities[j], 6)} m/s`;
 }
@@ -182,7 +183,7 @@ function showPoint() {
   showFields(chosen.point);
 }
 
-/** Show the contact's share that is hotter than each temperature. @param {number[][]} curves [°C] */
+/** Show the share of the contact above each temperature. @param {number[][]} curves [°C] */
 function showDistribution(curves) {
   const { critical_temperature: critical, failing_share } = chosen.conditions;
   const [share, limits] = [100 * failing_share, critical === null ? [] : [critical - ZERO_CELSIUS]];
@@ -202,13 +203,13 @@ function showDistribution(curves) {
   });
 }
 
-/** Show the fields of a point, as Python has drawn them. @param {Point} point */
+/** Show the pictures of a point's fields, drawn by Python. @param {Point} point */
 function showFields(point) {
   const place = placesOf(point).find((number) => String(number) in content.fields.points);
   if (place === undefined || !isOwnBulk()) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored
-      ? `The page does not hold the fields of this point${isOwnBulk() ? "" : " under these conditions"}.`
+      ? `The page has no fields of this point${isOwnBulk() ? "" : " under these conditions"}.`
       : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
     return;
   }
@@ -224,7 +225,7 @@ function showFields(point) {
   element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 
-/** A field as a picture with its scale. @param {string} label @param {[number, number]} range @param
+/** HTML figure of a field with its colour scale. @param {string} label @param {[number, number]} range @param
  * {string[]} pictures @param {number} k */
 function field(label, range, pictures, k) {
   const [low, high] = range.map((end) => shown(end));

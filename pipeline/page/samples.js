@@ -1,11 +1,12 @@
-/* The page of a sweep of samples: probabilities of severe wear, which Python has tabulated. */
+/* The page of samples: probabilities of severe wear, tabulated by Python. */
 
 /** @type {Samples} */
 const samples = readContent();
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
-/** Probability at a place, by the table. @param {number} load @param {number} velocity */
+/** Probability of severe wear at a place, interpolated in the table. @param {number} load @param {number}
+ * velocity */
 function probabilityAt(load, velocity) {
   const { loads, velocities, probability } = samples;
   const n = velocities.length;
@@ -13,7 +14,8 @@ function probabilityAt(load, velocity) {
   return linear(loads, rows, load);
 }
 
-/** Where a probability is passed. @param {number} share @param {number} load @returns {[string, string]} */
+/** Row with the velocities at which a probability is passed at a load. @param {number} share @param {number}
+ * load @returns {[string, string]} */
 function turnsRow(share, load) {
   const { velocities } = samples;
   const over = velocities.map((velocity) => probabilityAt(load, velocity) - share);
@@ -25,7 +27,7 @@ function turnsRow(share, load) {
   return [`${shown(100 * share)} % at this load`, `${text} m/s`];
 }
 
-/** The probability as colours, and where it has the three values. @param {Frame} frame */
+/** Draw the probability as colours, with lines at 5, 50 and 95 %. @param {Frame} frame */
 function drawnBand(frame) {
   const { loads, velocities, probability, picture, shares } = samples;
   const [x, y, n] = [velocities.map(frame.x), loads.map(frame.y), velocities.length];
@@ -54,7 +56,8 @@ function drawSamples() {
   showLegend();
 }
 
-/** Show the probability beside a place. @param {Frame} frame @param {number} load @param {number} velocity */
+/** Show the probability next to a place. @param {Frame} frame @param {number} load @param {number}
+ * velocity */
 function showTip(frame, load, velocity) {
   tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;

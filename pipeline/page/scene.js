@@ -1,22 +1,23 @@
-/* The scene that is shown, of those of a sweep over entries: each is a template of its own. */
+/* Choice of the scene shown: a sweep over entries has one HTML template for each scene. */
 
 const sceneNumber = Number(location.hash.slice(1)) || 0;
 const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);
-// On a narrow screen each cell has its head beside it.
+// On a narrow screen the heading is shown next to each cell.
 for (const { rows: [heads, ...rows] } of document.querySelectorAll("table")) {
   for (const cell of rows.flatMap(({ cells }) => [...cells])) {
     cell.dataset.head = heads.cells[cell.cellIndex].textContent ?? "";
   }
 }
 
-/** Let readers choose another scene, and give the conditions brought along. @param {() => object} changes */
+/** Let readers choose another scene; return the conditions changed on the previous one. @param {() => object}
+ * changes */
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};
   choice.value = String(sceneNumber);
-  if (history.state) choice.focus(); // for another arrow key
+  if (history.state) choice.focus(); // so that arrow keys go on choosing
   choice.addEventListener("change", () => {
     history.replaceState(changes(), "", `#${choice.value}`);
     location.reload();

@@ -1,4 +1,4 @@
-"""Sections of a page in words and tables: the answer first, then what it rests on."""
+"""Sections of a page: the answer first, then operating points, tests, inputs and origin."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ _MODEL = (
     "while the load grows, and heated by friction. A film that carries load, and the wear after "
     "the transition, are not part of it"
 )
-_CLOSED = "Inputs", "Origin"  # on a screen, until they are asked for
+_CLOSED = "Inputs", "Origin"  # sections that are closed at first on a screen
 
 
 def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
-    """Sections of one scene, or of rows with their own places, as HTML by their names."""
+    """Sections of one scene as HTML, by name."""
     has_places = points is not None or data.kind is Kind.PLACES
     return {
         "answer": _section("Answer", _answer(data)),
@@ -51,12 +51,12 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
 
 
 def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:
-    """A section with its heading, up to the first part that is not known; empty without any."""
+    """A section with its heading; a part that raises an `InputError` ends it with the reason."""
     body = list[str]()
     try:
         body.extend(map(_html, parts))
     except LawError:
-        raise  # without the code of a law nothing is answered
+        raise  # without the code of the user's law there is no answer at all
     except InputError as error:
         body.append(_html(f"not known: {error}"))
     is_open = "" if heading in _CLOSED else " open"
@@ -65,14 +65,14 @@ def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:
 
 
 def _html(part: str | pd.DataFrame) -> str:
-    """A sentence or a table."""
+    """A sentence or a table as HTML."""
     if isinstance(part, pd.DataFrame):
         return f'<div class="table wide">{html_of(part)}</div>'
     return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
 
 
 def _answer(data: Results) -> Iterator[str]:
-    """What wear is judged by, the verdict on the next run, and warnings."""
+    """Sentences on the criterion of severe wear and the next run, then warnings."""
     yield judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     if data.kind is Kind.PLACES:
         yield counts_in_words(margin(data))
@@ -85,7 +85,7 @@ def _answer(data: Results) -> Iterator[str]:
 
 
 def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
-    """Margins of operating points; a row that cannot be judged is named below the table."""
+    """Table of the margins of operating points, and notes on its rows."""
     table = margin(data, points)
     yield short(table, LONG)
     yield from notes_of(table, caveats_of(data))
@@ -95,13 +95,13 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
 
 
 def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
-    """Tests of the laboratory beside what is computed at their own conditions."""
+    """Laboratory tests compared with the model at their own conditions; empty without tests."""
     table = compared(data)
     return () if table is None else test_parts(table)
 
 
 def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
-    """Entries of the scene with their units, their sources, and the numerical choices."""
+    """Tables of the scene's entries and library values, and the numerical choices."""
     sweep = data.sweep
     entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
     if surface := surface_words(sweep):
@@ -124,7 +124,7 @@ def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
 
 
 def _key_of(path: str) -> str:
-    """Path of an entry in the reference, which calls each material NAME."""
+    """Path of an entry as in the reference, with NAME for the name of a material."""
     return re.sub(r"^materials\.[^.]+|^(pin|disk)\.material(?=\.)", "materials.NAME", path)
 
 
@@ -133,7 +133,7 @@ def _first_sentence(meaning: str) -> str:
 
 
 def _origin(data: Results) -> Iterator[str]:
-    """Model, programs and scene that the answers are from, and how to cite them."""
+    """Sentences on the model, program and scene behind the answers, and how to cite them."""
     sweep = data.sweep
     yield _MODEL
     if sweep.selection:
@@ -145,7 +145,7 @@ def _origin(data: Results) -> Iterator[str]:
 
 
 def citation() -> Iterator[str]:
-    """References to the program and to the work that it builds on, a line each."""
+    """References to the program and to the paper that it is based on, a line each."""
     version = package_versions()["irg-transition"]
     yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
     yield (

@@ -1,13 +1,13 @@
-/* Content of the page, and choices of its reader: in SI, with units on display only. */
+/* Data of the page, and choices of its reader. All values are in SI; other units are for display. */
 
 const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
-/** Planes by conditions. @type {Map<string, Float64Array>} */
+/** Computed planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;
-const hasFrictionCurve = new Set(content.friction_factors).size > 1; // by velocity
+const hasFrictionCurve = new Set(content.friction_factors).size > 1; // friction depends on velocity
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
  * load: number, velocity: number}} */
 const chosen = {
@@ -15,12 +15,12 @@ const chosen = {
   point: null, load: NaN, velocity: NaN,
 };
 
-/** Surfaces that count: the one that was picked, or all. */
+/** Numbers of the chosen surfaces: one, or all. */
 function surfaces() {
   return chosen.surface === null ? content.missing.map((_, surface) => surface) : [chosen.surface];
 }
 
-/** A plane that is made but once. @param {string} key @param {() => Float64Array} make */
+/** A plane from the cache, made on first use. @param {string} key @param {() => Float64Array} make */
 function kept(key, make) {
   const made = planes.get(key) ?? make();
   if (planes.size > 50) planes.clear();
@@ -28,7 +28,8 @@ function kept(key, make) {
   return made;
 }
 
-/** Temperature of a rise at friction 1 [K]: the lowest whose friction gives it. @param {number} rise */
+/** Contact temperature [K] for a rise at friction 1 [K]; the lowest solution with friction by
+ * temperature. @param {number} rise */
 function temperature(rise) {
   const [, factors] = content.friction_by_temperature;
   const { coldest, factor, limitOf } = heatOf(chosen.conditions);
@@ -40,12 +41,12 @@ function temperature(rise) {
   return high;
 }
 
-/** Fields and course are those of the present bulk temperatures. */
+/** True if the stored fields hold for the chosen bulk temperatures. */
 function isOwnBulk() {
   return heatOf(chosen.conditions).ratio === heatOf(content.conditions).ratio;
 }
 
-/** There is a critical temperature to judge by. */
+/** True if there is a critical temperature. */
 function isJudged() {
   return chosen.conditions.critical_temperature !== null;
 }

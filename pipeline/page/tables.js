@@ -1,6 +1,6 @@
-/* Critical velocities and loads: over the surfaces, as tables and as CSV. */
+/* Critical velocities and loads as tables and as CSV. */
 
-/** Transitions over the surfaces along velocity by load, and along load by velocity. */
+/** Summaries of the transitions: along velocity for each load, along load for each velocity. */
 function boundaries() {
   const over = (/** @type {AxisName} */ axis, /** @type {number} */ node) =>
     summaryOf(transitions(axis, node, chosen.conditions));
@@ -10,14 +10,15 @@ function boundaries() {
   };
 }
 
-/** Quantiles over surfaces, for one its transition. @param {Transition[]} all @returns {Summary} */
+/** Quantiles of the transition over surfaces; for one surface its transition. @param {Transition[]} all
+ * @returns {Summary} */
 function summaryOf(all) {
   const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
   return { low, middle, high, transitions: all };
 }
 
-/** A table of texts; columns of numbers stand to the right. @param {string[]} heads @param {string[][]} rows
- * @param {number} words number of columns of them */
+/** HTML table of texts; numbers are aligned right. @param {string[]} heads @param {string[][]} rows @param
+ * {number} words number of last columns with words */
 function table(heads, rows, words = 0) {
   const look = (/** @type {number} */ k) => (k < heads.length - words ? "number" : "");
   const cell = (/** @type {string} */ text, /** @type {number} */ k) =>
@@ -35,7 +36,7 @@ function rangesText(severe, unit) {
   return `severe ${ranges.join(" and ")}`;
 }
 
-/** Outcome in words, with how far was computed, as pipeline.analysis.transition has it. @param {Transition}
+/** Outcome in words with the computed range, as in pipeline.analysis.transition. @param {Transition}
  * transition @param {"velocity" | "load"} along @param {string} unit */
 function outcomeWords({ outcome, computed, severe }, along, unit) {
   if (outcome === SEVERAL) return rangesText(severe, unit);
@@ -44,7 +45,8 @@ function outcomeWords({ outcome, computed, severe }, along, unit) {
   return content.outcomes[along][outcome] + reach;
 }
 
-/** Crossings, and why there are no others. @param {{transitions: Transition[]}} row @param {string} unit */
+/** Outcome in words; for several surfaces the number with each outcome. @param {{transitions: Transition[]}}
+ * row @param {string} unit */
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
@@ -55,7 +57,7 @@ function outcomeText({ transitions }, unit) {
   return texts.filter((_, code) => counts[code]).join(", ");
 }
 
-/** Show critical values at some places as a table, and offer it as CSV. @param {string} id @param {string}
+/** Show critical values as a table, and offer it as CSV. @param {string} id @param {string}
  * head @param {number[]} places @param {string} title @param {string} unit @param {Summary[]} rows */
 function showSide(id, head, places, title, unit, rows) {
   const isBand = surfaces().length > 1;
@@ -75,7 +77,7 @@ function showTables() {
   showSide("loads", "velocity [m/s]", content.velocities, "critical load", "N", load);
 }
 
-/** Offer a table as CSV, as it is shown. @param {string} id @param {string} name */
+/** Offer a table, as shown, as CSV. @param {string} id @param {string} name */
 function offerCsv(id, name) {
   const lines = [...element(id).querySelectorAll("tr")].map((row) =>
     [...row.cells].map(({ textContent }) => JSON.stringify(textContent)).join(","));
