@@ -19,17 +19,17 @@ class HandOut:
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        # Points of each task, the next one last.
-        self._left: dict[tuple[Any, ...], list[tuple[Point, ...]]] = {}
+        # Points of each ramp, the next one last; those of a task have one load.
+        self._left: dict[tuple[Any, ...], list[Point]] = {}
         for task in tasks:
-            self.put_back(task)
+            self._left.setdefault(task.ramp, []).extend(task.points)
         for ones in self._left.values():
             ones.reverse()
         self._fresh = deque(self._left)
         self._has: defaultdict[Hashable, dict[tuple[Any, ...], None]] = defaultdict(dict)
 
     def __len__(self) -> int:
-        return sum(map(len, self._left.values()))
+        return sum(len({point.load for point in left}) for left in self._left.values())
 
     def __bool__(self) -> bool:
         return bool(self._left)
@@ -37,16 +37,19 @@ class HandOut:
     def take(self, worker: Hashable) -> Task:
         """The task that a worker gets; there must be one."""
         ramp = self._ramp(has := self._has[worker])
-        task = Task(self._left[ramp].pop(), ramp)
-        if not self._left[ramp]:
+        left = self._left[ramp]
+        points = [left.pop()]
+        while left and left[-1].load == points[0].load:
+            points.append(left.pop())
+        if not left:
             del self._left[ramp]
         has.pop(ramp, None)
         has[ramp] = None  # the last one, whose trunk is the last to go
-        return task
+        return Task(tuple(points), ramp)
 
     def put_back(self, task: Task) -> None:
         """Take a task again that was not computed."""
-        self._left.setdefault(task.ramp, []).append(task.points)
+        self._left.setdefault(task.ramp, []).extend(reversed(task.points))
 
     def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
         while has:
