@@ -204,15 +204,14 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
         Column(head, PLACE_UNITS.get(head, unit), meaning=f"{head} of the row")
         for head, (_, unit) in found.items()
     ]
-    labels = zip(*(one for one, _ in found.values()), strict=True)
     # Friction that is measured at a place is not one by velocity.
     curves = dict.fromkeys(CURVES if COEFFICIENT in found else ())
     table = (
         Row(
-            dict(zip(found, values, strict=True)),
+            {head: labels[k] for head, (labels, _) in found.items()},
             curves | {path: value for path, value in row.items() if "." in path},
         )
-        for row, values in zip(rows, labels, strict=True)
+        for k, row in enumerate(rows)
     )
     return with_rows(sweep, numbered_rows(columns, table), "sweep.along")
 

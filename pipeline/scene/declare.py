@@ -13,7 +13,6 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
-from decimal import Decimal
 from types import NoneType, UnionType
 from typing import (
     Annotated,
@@ -146,40 +145,27 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities between two ends, a step apart, or a count of them."""
+    """Quantities between two ends, a step apart."""
 
     holds = dict
     of: Quantity
 
     def __str__(self) -> str:
-        return f"a table with from, to, and step or count, each {self.of}"
-
-    @property
-    def ends(self) -> Table:
-        """Both ends, and what lies between them."""
-        end, step = Entry(self.of, is_needed=True), Entry(replace(self.of, zero=False))
-        count = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
-        return Table({"from": end, "to": end, "step": step, "count": count})
+        return f"a table with from, to and step, each {self.of}"
 
     @exact_decimals()
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        before = len(faults)
-        read = self.ends.read(value, place, faults)
-        if read is None or len(faults) > before:
+        before, end = len(faults), Entry(self.of, is_needed=True)
+        step_apart = Entry(replace(self.of, zero=False), is_needed=True)
+        Table({"from": end, "to": end, "step": step_apart})._read(value, place, faults)
+        if len(faults) > before:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
-        first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
+        texts = (value[key] for key in ("from", "to", "step"))
+        first, last, step = (exact_si(text, like=self.of.example) for text in texts)
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
             raise UnfitError(f"{span} falls, and from is the lower end")
-        step, count = read["step"], read["count"]
-        if (step is None) == (count is None):
-            has = "has neither step nor count" if step is None else "has both step and count"
-            raise UnfitError(f"{span} {has}")
-        if count:
-            parts = (Decimal(i) / (count - 1) for i in range(count))
-            return tuple(float(first + part * (last - first)) for part in parts)
-        step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step
         if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(

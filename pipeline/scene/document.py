@@ -25,11 +25,9 @@ from pipeline.scene.faults import (
 )
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
-from pipeline.sweep.tables import entry_at, flat, replace_value
+from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
 _KEYS = table_of(SceneFile).keys
-_REPLACED = {"count": "step", "step": "count"}
-"""Key of a range that is left out where another is given that says the same."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 
@@ -57,10 +55,7 @@ class Document(NamedTuple):
 
     def above(self, entries: Mapping[str, Any]) -> Document:
         """The document above other entries by their paths, which hold where it gives none."""
-        tables = dict[str, Any]()
-        for path, value in entries.items():
-            tables = replace_value(tables, path, value)
-        return Document((*self.layers, FileEntries(self.file, tables)))
+        return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
         """The document with an entry replaced everywhere, or removed if the value is None."""
@@ -155,8 +150,7 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
     """The entries of `lower` with those of `upper` in their place, down to some levels."""
-    replaced = {_REPLACED.get(key) for key in upper}
-    merged = {key: value for key, value in lower.items() if key not in replaced}
+    merged = dict(lower)
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
         merged[key] = _merged(lower[key], value, levels - 1) if both else value

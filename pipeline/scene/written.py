@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import tribo
@@ -56,8 +57,7 @@ def completed(tables: Any, written: Any) -> Any:
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
     """The table of numerical choices with each of them, and the preset's name beside them."""
-    choices = [key for key in table_of(Fidelity).keys if key != "preset"]
-    return Fidelity(preset=preset, **{key: getattr(made, key) for key in choices})
+    return Fidelity(preset=preset, **asdict(made))
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
