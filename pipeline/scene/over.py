@@ -13,7 +13,6 @@ from typing import Any
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.reading import contents_of
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Parts, Sweep
@@ -105,8 +104,8 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
-        contents = contents_of(parts).items()  # a row with a file of its own lacks it
-        files = {path: one for path, one in contents if entry_at(written, path) != one}
+        # What was read for a row alone.
+        files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
         rows.append(row._replace(values=given | added | files))
         read.append(parts)
     made = replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)

@@ -104,14 +104,20 @@ class SceneReader:
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
             return None, taken
+        is_scan = isinstance(scene.disk.roughness, MeasuredSurface)
+        digests = {
+            "disk.roughness.content": is_scan and roughness.digest,
+            "loading.content": record,
+        }
         physics = _scene_of(scene, laws.get("pin"), **made)
         parts = Parts(
-            declared=_with_contents(scene, getattr(roughness, "digest", None), record),
+            declared=scene,
             scene=physics,
             conditions=_conditions_of(scene, physics, laws.get("criterion")),
             tests=tuple(Measurement.of(vars(test)) for test in tests_of(scene)),
             oil=oil,
             preset=preset,
+            contents=digests,
         )
         for path, fault in track_faults(parts):
             faults.refuse(path, fault)
@@ -171,22 +177,6 @@ class SceneReader:
         if self.is_stored:  # whatever the preset is today
             return fidelity, table and table.preset
         return fidelity, name if fidelity == tribo.PRESETS[name] else None
-
-
-def _with_contents(scene: Any, surface: str | None, record: str | None) -> Any:
-    """The file as it is declared, with the digests of what was read of files."""
-    rough = scene.disk.roughness
-    if isinstance(rough, MeasuredSurface):
-        disk = replace(scene.disk, roughness=replace(rough, content=surface))
-        scene = replace(scene, disk=disk)
-    return replace(scene, loading=replace(scene.loading, content=record)) if record else scene
-
-
-def contents_of(parts: Parts) -> dict[str, str]:
-    """Digests of what was read of files, by the paths of their entries."""
-    paths = ("disk.roughness.content", "loading.content")
-    found = {path: entry_at(parts.declared, path) for path in paths}
-    return {path: digest for path, digest in found.items() if digest}
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:

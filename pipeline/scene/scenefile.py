@@ -16,7 +16,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.format import Fidelity, SceneFile
 from pipeline.scene.laws import replace_by_laws
 from pipeline.scene.parts import Contents
-from pipeline.scene.reading import SceneReader, contents_of
+from pipeline.scene.reading import SceneReader
 from pipeline.scene.reference import FILES, all_keys
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
@@ -88,7 +88,7 @@ def load_scene(
                 parts = reader.read(entries)
             sweep = Sweep(
                 name=path.stem,
-                written=replace_values(entries, contents_of(parts)),
+                written=replace_values(entries, parts.contents),
                 reader=reader,
                 variants=surfaces(seeds),
                 sources=sources,

@@ -55,6 +55,7 @@ class Parts:
     tests: tuple[Measurement, ...]  # transitions first
     oil: Oil | None  # tells the regime of lubrication; enters no simulation
     preset: str | None  # that the fidelity equals
+    contents: Mapping[str, str]  # digests of what was read of files, by the paths of their entries
 
     @property
     def plane(self) -> Any:
