@@ -65,15 +65,13 @@ class SceneReader:
     def read(self, entries: Entries) -> Parts:
         """Read entries; raise an `InputError` with the first fault."""
         faults = Faults(self.is_stored, has_kept=True)
-        parts, _ = self.read_all(entries, faults)
+        parts = self.read_all(entries, faults)
         if parts is None or faults:
             raise tribo.InputError(f"{faults[0].key}: {faults[0].problem}")
         return parts
 
-    def read_all(
-        self, entries: Entries, faults: Faults
-    ) -> tuple[Parts | None, tuple[FromLibrary, ...]]:
-        """The parts of a scene and its numbers from the library, with all faults of the entries."""
+    def read_all(self, entries: Entries, faults: Faults) -> Parts | None:
+        """The parts of a scene, with all faults of the entries."""
         laws, tables = take_laws(self.laws, dict(entries), faults)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
@@ -103,12 +101,10 @@ class SceneReader:
             part(disc_of, body)  # which refuses its sizes
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
-            return None, taken
-        is_scan = isinstance(scene.disk.roughness, MeasuredSurface)
-        digests = {
-            "disk.roughness.content": is_scan and roughness.digest,
-            "loading.content": record,
-        }
+            return None
+        digests = {"loading.content": record} if record else {}
+        if isinstance(scene.disk.roughness, MeasuredSurface):
+            digests["disk.roughness.content"] = roughness.digest
         physics = _scene_of(scene, laws.get("pin"), **made)
         parts = Parts(
             declared=scene,
@@ -118,10 +114,11 @@ class SceneReader:
             oil=oil,
             preset=preset,
             contents=digests,
+            sources=taken,
         )
         for path, fault in track_faults(parts):
             faults.refuse(path, fault)
-        return parts, taken
+        return parts
 
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
         """The entries in full; if `like` is given, only the tables in which the parts differ.

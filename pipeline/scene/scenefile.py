@@ -79,7 +79,7 @@ def load_scene(
     folders = {file: document.file_of(file).parent for file in FILES}
     reader = SceneReader(Contents(folders=folders), laws)
     try:
-        parts, sources = reader.read_all(entries, faults)
+        parts = reader.read_all(entries, faults)
         if parts is not None:
             first, wanted = entry_at(parts.declared, SEED), parts.plane.realizations or ()
             seeds = range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted)
@@ -91,7 +91,7 @@ def load_scene(
                 written=replace_values(entries, parts.contents),
                 reader=reader,
                 variants=surfaces(seeds),
-                sources=sources,
+                sources=parts.sources,
                 notes=faults.notes,
             )
             for extend in extensions:

@@ -56,6 +56,7 @@ class Parts:
     oil: Oil | None  # tells the regime of lubrication; enters no simulation
     preset: str | None  # that the fidelity equals
     contents: Mapping[str, str]  # digests of what was read of files, by the paths of their entries
+    sources: tuple[FromLibrary, ...]  # numbers from the library
 
     @property
     def plane(self) -> Any:
