@@ -67,8 +67,7 @@ class Example(NamedTuple):
     value: Any
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """A key of a table: kind and meaning of its value, and its default if it may be left out."""
 
     kind: Kind

@@ -64,7 +64,6 @@ class Kind(ABC):
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
-@dataclass(frozen=True)
 class Text(Kind):
     """Text that is not empty."""
 
@@ -79,7 +78,6 @@ class Text(Kind):
         return str(value)
 
 
-@dataclass(frozen=True)
 class Flag(Kind):
     """True or false."""
 
@@ -164,7 +162,6 @@ class Whole(Number):
         return int(value)
 
 
-@dataclass(frozen=True)
 class Scalar(Kind):
     """A number, or a quantity whose dimension another entry fixes."""
 

@@ -8,10 +8,9 @@ import shutil
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import tribo
 from pipeline.paths import reason_of, user_path
@@ -25,8 +24,7 @@ from pipeline.sweep.tables import entry_at
 from tribo import InputError
 
 
-@dataclass(frozen=True, slots=True)
-class Section:
+class Section(NamedTuple):
     """A table of the format: its path, empty for the file itself, and its entry."""
 
     path: str

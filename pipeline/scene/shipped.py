@@ -30,20 +30,18 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     return path if shipped is None or path.exists() else shipped
 
 
-_OF_SITE = {"index", "API", "COMMANDS"}  # no text of their own to print
 _READING_ORDER = (
     "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
-    "scene", "dataset", "own-laws", "cluster", "measured", "paper",
+    "scene", "dataset", "own-laws", "cluster", "measured", "paper", "glossary", "install",
+    "maintainers",
 )  # fmt: skip
 _NAMES = {"README": "paper"}
 
 
 def shipped_pages() -> dict[str, Path]:
     """File of each page that can be printed, by its name, in the order of reading."""
-    paths = (path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE)
-    named = {page_name(path): path for path in paths}
-    order = dict.fromkeys((*_READING_ORDER, *sorted(named)))
-    return {name: named[name] for name in order if name in named}
+    named = {page_name(path): path for path in WORKFLOWS.glob("*.md")}
+    return {name: named[name] for name in _READING_ORDER if name in named}
 
 
 def page_name(path: Path) -> str:
