@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, make_dataclass
+from dataclasses import make_dataclass
 from typing import Annotated as A
 from typing import Any, get_type_hints
 
@@ -34,7 +34,6 @@ from pipeline.scene.kinds import (
 )
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.measurement import OUTCOMES
-from tribo.simulation.pins import sizes_of
 
 USUAL_PRESET = "standard"
 OIL_WORKS = "-53 degC", "627 degC"
@@ -61,19 +60,10 @@ def one_or_two(kind: Kind) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-def _extended(
-    declared: type, others: tuple[type, ...] = (), entries: Any = (), form: str = ""
-) -> Any:
+def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
     """A declared table with the entries of other tables, and with more entries."""
-    inner = {"form_name": form} if form else {}
-    return make_dataclass(
-        declared.__name__,
-        entries,
-        bases=(*others, declared),
-        namespace=inner,
-        frozen=True,
-        kw_only=True,
-    )
+    bases = (*others, declared)
+    return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
 
 def _brought_entries(path: str) -> tuple[type, ...]:
@@ -155,11 +145,9 @@ class _Pin:
         "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
         f"thermal resistance. Without the table the pin is a half-space. {LATER}"] = None
 
-Pin = _extended(_Pin, (Body,), [
-    (size, A[float | None, SIZE, f"Size of a {shape} pin; needed."], None)
-    for shape in tribo.PINS for size in sizes_of(shape)
-    if size not in ("radius", "length", "crown_radius")
-])
+@declared
+class Pin(Body, _Pin):
+    pass
 
 @declared
 class RandomSurface:
@@ -258,22 +246,15 @@ class Archard:
         "own pressure."]
 
 @declared
-class _Law:
+class RunningIn:
+    form_name = "running-in"
     law: A[str, OneOf(tuple(tribo.LAWS)), "Name of a law that ships."]
+    initial_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k₀ at first [m²/N]."]
+    final_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k∞ at last [m²/N]."]
+    distance: A[float, Quantity("100 m"), "Sliding distance L over which the rate falls [m]."]
+    pattern: A[str, WEAR_PATTERN, "Pattern of the wear, as in `tribo.Wear`."] = "swept"
 
-_BY_UNIT: dict[str, Kind] = {"m^2/N": ANY_WEAR_RATE, "m": Quantity("100 m")}
-
-def _law_form(name: str) -> Any:
-    """Table of a law that ships, by the fields of its class."""
-    law: Any = tribo.LAWS[name]
-    return _extended(_Law, form=name, entries=[
-        (one.name, A[str, WEAR_PATTERN, one.metadata["meaning"]], one.default)
-        if one.name == "pattern"
-        else (one.name, A[float, _BY_UNIT[one.metadata["unit"]], one.metadata["meaning"]])
-        for one in fields(law)
-    ])
-
-WEAR = Either(table_of(Archard), *(table_of(_law_form(name)) for name in tribo.LAWS))
+WEAR = Either(table_of(Archard), table_of(RunningIn))
 
 @declared
 class Oil:
@@ -413,7 +394,8 @@ class _Sweep:
 Sweep = _extended(_Sweep, _brought_entries("sweep"))
 
 @declared
-class _AnyTest:
+class Transition:
+    form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
     velocity: A[float, VELOCITY, "Sliding velocity."]
     velocity_scatter: A[float | None, Quantity("0.1 m/s"),
@@ -432,18 +414,13 @@ class _AnyTest:
         "Oil of the test, where those of one rig are compared; by default the scene's."] = None
 
 @declared
-class Transition(_AnyTest):
-    form_name = "entries"
-
-@declared
-class _Run(_AnyTest):
+class _Run(Transition):
     run: A[str | int | None, NAME,
         "Run of the test, by default its own. Tests of one run have one specimen, and count as "
         "one."] = None
 
 @declared
 class Test(_Run):
-    form_name = "entries"
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
 
 @declared

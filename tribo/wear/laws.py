@@ -1,14 +1,13 @@
 """Wear laws whose rate depends on the distance slid: their protocol, and the law that ships.
 
 A law is any object with these attributes. A result that is no `tribo.Wear` is an
-`InvariantError`. A law that ships is a frozen dataclass here, whose fields have a meaning and a
-unit, and has a name in `LAWS`.
+`InvariantError`. A law that ships is a frozen dataclass here, and has a name in `LAWS`.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from tribo.errors import InputError, InvariantError, law_errors, require_positive
@@ -61,18 +60,10 @@ class RunningIn:
     '6.241e-12 m³, at a constant rate 9.0e-12 m³'
     """
 
-    initial_rate: float = field(
-        metadata={"unit": "m^2/N", "meaning": "Specific wear rate k₀ at first [m²/N]."}
-    )
-    final_rate: float = field(
-        metadata={"unit": "m^2/N", "meaning": "Specific wear rate k∞ at last [m²/N]."}
-    )
-    distance: float = field(
-        metadata={"unit": "m", "meaning": "Sliding distance L over which the rate falls [m]."}
-    )
-    pattern: WearPattern = field(
-        default="swept", metadata={"meaning": "Pattern of the wear, as in `tribo.Wear`."}
-    )
+    initial_rate: float
+    final_rate: float
+    distance: float
+    pattern: WearPattern = "swept"
 
     def __post_init__(self) -> None:
         require_positive(distance=self.distance)

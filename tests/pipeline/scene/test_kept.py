@@ -145,7 +145,7 @@ def own(tmp_path):
 
 def change_a_default(monkeypatch):
     keys = table_of(RandomSurface).keys
-    monkeypatch.setitem(keys, "seed", replace(keys["seed"], default=1))
+    monkeypatch.setitem(keys, "seed", keys["seed"]._replace(default=1))
 
 
 def change_a_preset(monkeypatch):
