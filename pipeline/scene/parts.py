@@ -91,13 +91,10 @@ def loading_of(
     if isinstance(table, Ramp):
         stops = tuple(s for s in stops if s < table.hold)
         return tribo.Ramp(**vars(table), stops=stops), None
-    if path := contents.find(table, "loading", faults):
-        record = _read_record(path, table.reference_load, faults)
-        content = contents.keep(np.array([record.times, record.loads]))
-    else:
-        content = str(table.content)
-        times, loads = contents.take(content, (2, -1))
-        record = tribo.MeasuredLoad(times, loads, table.reference_load)
+    path = contents.find(table, "loading", faults)
+    content = contents.keep(_read_record(path, faults)) if path else str(table.content)
+    times, loads = contents.take(content, (2, -1))
+    record = tribo.MeasuredLoad(times, loads, table.reference_load)
     if not table.fit:
         return record, content
     rate, onset = record.linear_fit()
@@ -106,8 +103,8 @@ def loading_of(
     return record.ramp(), content
 
 
-def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tribo.MeasuredLoad:
-    """The load over time of a file with columns of both."""
+def _read_record(path: Path, faults: Faults) -> Array:
+    """Times and loads of a file with columns of both, shape (2, n)."""
     sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
     times, loads = (
         sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
@@ -116,7 +113,7 @@ def _read_record(path: Path, reference_load: float | None, faults: Faults) -> tr
         sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
     sheet.refuse_faults("time [s],load [N]")
     faults.note("loading.file", sheet.counted)
-    return tribo.MeasuredLoad(times, loads, reference_load)
+    return np.array([times, loads])
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:

@@ -7,7 +7,6 @@ import re
 import shutil
 import tomllib
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -195,9 +194,6 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         for original, copy in copies:
             shutil.copyfile(original, copy)
     except OSError as error:
-        with suppress(OSError):
-            for file in files:
-                file.unlink(missing_ok=True)
         raise InputError(f"{path} cannot be written: {reason_of(error, path)}") from error
     return files
 
