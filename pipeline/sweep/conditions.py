@@ -98,14 +98,10 @@ class Conditions(Judging):
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data, with the name of a rule."""
-        plain = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        del plain["rule"]
-        rare = {
-            "disk_temperature": self.disk_temperature,
-            "critical_sd": self.critical_sd,
-            "corrections": self.corrections and self.corrections.as_dict(),
-        }
-        return {k: v for k, v in (plain | rare).items() if v is not None or k not in rare}
+        plain = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "rule"}
+        plain["corrections"] = self.corrections and self.corrections.as_dict()
+        rare = ("disk_temperature", "critical_sd", "corrections")
+        return {k: v for k, v in plain.items() if v is not None or k not in rare}
 
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""
@@ -134,18 +130,16 @@ class Conditions(Judging):
         They are the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
         ``critical_temperature`` [K].
         """
-        own: dict[str, Any] = {}
-        if row.get("bulk_temperature") is not None:
-            own = {"bulk_temperature": row["bulk_temperature"], "disk_temperature": None}
-        if row.get("critical_temperature") is not None:
-            own["critical_temperature"] = row["critical_temperature"]
-        return (replace(self, **own) if own else self).replace_friction(row.get("friction"))
+        own = self.changed(
+            bulk_temperature=row.get("bulk_temperature"),
+            critical_temperature=row.get("critical_temperature"),
+        )
+        return own.replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
         """The conditions with corrections that know the load before."""
-        if self.corrections is None or self.corrections == self.corrections.under(loading):
-            return self
-        return replace(self, corrections=self.corrections.under(loading))
+        corrections = self.corrections and self.corrections.under(loading)
+        return self if corrections == self.corrections else replace(self, corrections=corrections)
 
     def known_critical_temperature(self) -> float:
         """Critical temperature [K]; an `InputError` if it is not known."""
