@@ -80,7 +80,7 @@ def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     """Tracks that are too short, and why: each turn is taken to release its heat at once."""
     corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
-    width, plane = 0.0, parts.plane
+    width, plane = 0.0, parts.declared.sweep
     if any(tracks.values()):
         expected = expect_contacts(parts.scene, plane.loads, plane.velocities)
         width = float(

@@ -116,9 +116,10 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 def _require_alike(row: Parts, base: Parts) -> None:
     """Raise an `InputError` if a row of a sweep has other variables or fields."""
+    has_fields = base.declared.sweep.fields
     for name, is_other in (
         ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),
-        ("grid of the stored fields", base.plane.fields and row.scene.grid != base.scene.grid),
+        ("grid of the stored fields", has_fields and row.scene.grid != base.scene.grid),
     ):
         if is_other:
             raise InputError(

@@ -81,7 +81,7 @@ def load_scene(
     try:
         parts = reader.read_all(entries, faults)
         if parts is not None:
-            first, wanted = entry_at(parts.declared, SEED), parts.plane.realizations or ()
+            first, wanted = entry_at(parts.declared, SEED), parts.declared.sweep.realizations or ()
             seeds = range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted)
             if seeds and seeds[0] != first:
                 entries = replace_value(entries, SEED, seeds[0])

@@ -35,7 +35,6 @@ _READING_ORDER = (
     "scene", "dataset", "own-laws", "cluster", "measured", "paper", "glossary", "install",
     "maintainers",
 )  # fmt: skip
-_NAMES = {"README": "paper"}
 
 
 def shipped_pages() -> dict[str, Path]:
@@ -46,4 +45,4 @@ def shipped_pages() -> dict[str, Path]:
 
 def page_name(path: Path) -> str:
     """Name of a page, from its file or from what the user typed."""
-    return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
+    return "paper" if path.stem == "README" else path.stem.lower().replace("_", "-")

@@ -58,11 +58,6 @@ class Parts:
     contents: Mapping[str, str]  # digests of what was read of files, by the paths of their entries
     sources: tuple[FromLibrary, ...]  # numbers from the library
 
-    @property
-    def plane(self) -> Any:
-        """Table `[sweep]`: loads [N] and velocities [m/s], each ascending and once."""
-        return self.declared.sweep
-
 
 @shown
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -161,7 +156,7 @@ class Sweep:
     @property
     def plane(self) -> Any:
         """Table `[sweep]`: loads [N] and velocities [m/s], and what is kept of each point."""
-        return self.parts.plane
+        return self.parts.declared.sweep
 
     @property
     def declared(self) -> Any:

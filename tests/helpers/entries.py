@@ -49,7 +49,7 @@ class Given:
             elif PART_OF[name] == "parts":
                 parts = replace(parts, **{name: value})
             elif PART_OF[name] == "plane":
-                plane = replace(parts.plane, **{name: value})
+                plane = replace(parts.declared.sweep, **{name: value})
                 parts = replace(parts, declared=replace(parts.declared, sweep=plane))
             else:
                 part = PART_OF[name]
@@ -95,7 +95,7 @@ def _has(sweep, name, value):
     if name in _DECLARED:  # which no object has: they are as they are written
         return True
     part = PART_OF[name]
-    held = sweep if name in _TESTS else sweep.parts
+    held = sweep if name in _TESTS or part == "plane" else sweep.parts
     present = getattr(held if part == "parts" else getattr(held, part), name)
     if name in _TESTS:  # of which each has a number, its own or the next one
         return len(present) == len(value) and all(
