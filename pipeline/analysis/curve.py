@@ -1,12 +1,12 @@
-"""The one interpolation of rises, along velocities or loads: curves, their exponents and crossings.
+"""Interpolation of rises along velocities or loads: curves, their exponents and crossings.
 
-Between points the logarithm of the rise is interpolated over that of the velocity or the load by a
-monotone cubic (PCHIP). It is exact for a power law, and adds no crossings. On ramps of the IRG
-scene, every 0.25 m/s from 0.5 to 4 m/s, it found a velocity halfway between to 0.11 % (root mean
-square), below 1 m/s to 0.16 %; the same cubic in y over x to 0.23 %, straight lines to 0.76 %.
+Between points the logarithm of the rise is interpolated over that of velocity or load by a monotone
+cubic (PCHIP). It is exact for a power law, and adds no crossings. On ramps of the IRG scene, every
+0.25 m/s from 0.5 to 4 m/s, it found a velocity halfway between points to 0.11 % (root mean square),
+below 1 m/s to 0.16 %; the same cubic in y over x to 0.23 %, straight lines to 0.76 %.
 
-SciPy's cubic has one set of abscissae. Here each row of points has its own, since rows lack
-different points, and since the line through a place has that place.
+SciPy's cubic needs the same abscissae for all rows. Here each row has its own, as rows lack
+different points, and as a line through a place includes that place.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ import numpy as np
 from tribo import Criterion
 from tribo.types import Array, Indices
 
-_FEWEST = 3  # columns of points, of which the last may not be known
-_HALVINGS = 60  # of an interval, which leave nothing of it in double precision
+_FEWEST = 3  # least number of columns, padded with NaN
+_HALVINGS = 60  # bisections, which exhaust double precision
 
 LEAST_SLOPE = 0.05
-"""Least slope of ln(rise) over ln(velocity or load), by which a line goes on beyond its ends."""
+"""Least slope of ln(rise) over ln(velocity or load) for extrapolation beyond the ends of a line."""
 
 
 class Curve:
-    """Monotone cubics through the known points of rows, of logarithms where all are positive.
+    """Monotone cubics through the known points of rows, in logarithms if all are positive.
 
-    Abscissae ascend; ordinates are not finite where they are not known. Both are of shape (..., n)
-    with a row in front of it for each curve, or none for a single one. Abscissae may be shared.
+    Abscissae ascend; ordinates that are not finite are unknown. Both have shape (..., n), with a
+    curve for each row, or (n,) for a single curve. Rows may share abscissae.
     """
 
     def __init__(self, x: Array, y: Array) -> None:
@@ -39,7 +39,7 @@ class Curve:
         self.count = is_known.sum(axis=-1)
         width = max(int(self.count.max(initial=0)), _FEWEST)
         room = [(0, 0)] * (is_known.ndim - 1) + [(0, _FEWEST)]
-        # The known points in front, and NaN behind them.
+        # Known points first, then NaN.
         order = np.argsort(~np.pad(is_known, room), axis=-1, kind="stable")[..., :width]
         self.x, self.y = (
             np.take_along_axis(
@@ -50,17 +50,17 @@ class Curve:
         self.is_log = np.logical_not(((self.x <= 0) | (self.y <= 0)).any(axis=-1))
 
     def _at(self, values: Array, number: Any) -> Array:
-        """Value of each row at the number of a point."""
+        """Value of each row at the index `number`."""
         found: Array = np.take_along_axis(values, np.asarray(number)[..., None], -1)[..., 0]
         return found
 
     @property
     def ends(self) -> tuple[Any, Any]:
-        """Number of the first and of the last point that is known, by row."""
+        """Index of the first and of the last known point, by row."""
         return np.zeros_like(self.count), np.maximum(self.count - 1, 0)
 
     def end(self, end: int) -> tuple[Array, Array]:
-        """Abscissa and ordinate of the first point (0), or of the last one (-1)."""
+        """Abscissa and ordinate, by row, of the first point (0) or the last one (-1)."""
         return self._at(self.x, self.ends[end]), self._at(self.y, self.ends[end])
 
     def _scaled(self, values: Array) -> Array:
@@ -70,7 +70,7 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae and ordinates as they are scaled, and coefficients of their cubics."""
+        """Scaled abscissae and ordinates of the points, and three coefficients of each cubic."""
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
         m = np.diff(v) / h
@@ -79,7 +79,7 @@ class Curve:
         mean = (wide + narrow) / (wide / before + narrow / after)
         slopes = np.zeros(u.shape)
         slopes[..., 1:-1] = np.where(np.sign(before) * np.sign(after) > 0, mean, 0.0)
-        last = np.maximum(self.count - 2, 0)  # interval; of two points it is the next one, too
+        last = np.maximum(self.count - 2, 0)  # last interval; with two points also the first
         inner = np.minimum(last, 1), np.maximum(last - 1, 0)
         for point, outermost, beside in zip(self.ends, (0 * last, last), inner, strict=True):
             near = (self._at(part, number) for part in (h, m) for number in (outermost, beside))
@@ -88,15 +88,15 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Scaled ordinates at a way from the beginnings of pieces, which are by row (..., p)."""
+        """Scaled ordinates at the distance `way` from the beginning of pieces (..., p)."""
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
     def __call__(self, places: Array, continued: bool = False, is_line: bool = False) -> Array:
         """Ordinates at places (p,), or (..., p) by row; NaN beyond the outermost points.
 
-        If continued, the power law through the last two points goes on beyond them, where all are
-        positive; a line goes on with the exponents of `line_exponent`.
+        If `continued`, the power law through the last two points extends beyond them, if all are
+        positive. With `is_line` it has the exponents of `line_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
@@ -113,7 +113,7 @@ class Curve:
         is_log = self.is_log[..., None]
         result = np.where(is_log, np.exp(np.where(is_log, values, 0.0)), values)
         result = np.where(inside, result, np.nan)
-        for number in (pieces, pieces + 1):  # without rounding
+        for number in (pieces, pieces + 1):  # points exactly, without rounding
             is_point = places == np.take_along_axis(self.x, number, -1)
             result = np.where(is_point, np.take_along_axis(self.y, number, -1), result)
         if continued:
@@ -134,26 +134,26 @@ class Curve:
         return np.where(self.is_log, rise / run, np.nan)
 
     def line_exponent(self, end: int) -> Array:
-        """Exponent of a line at an end: at least `LEAST_SLOPE`; 1, the steepest, of one point."""
+        """Exponent for extrapolation at an end: at least `LEAST_SLOPE`; 1 for a single point."""
         exponent = np.maximum(self.end_exponent(end), LEAST_SLOPE)
         return np.where((self.count == 1) & self.is_log, 1.0, exponent)
 
     @property
     def _numbers(self) -> Indices:
-        """Numbers of the rows, of their shape."""
+        """Numbers of the rows, in their shape."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
-        """Places (..., n) at which y passes limits, ascending, and NaN behind them.
+        """Places (..., n) at which y passes limits, ascending, then NaN.
 
-        The limits are of the rows in their order, or each of one of some rows.
+        `limit` has a value for each row, or for each of the row numbers `rows`.
         """
         limit, rows = np.broadcast_arrays(limit, self._numbers[rows])
         limits, of_limit = limit.ravel(), rows.ravel()
         y = self.y.reshape(-1, self.y.shape[-1])
         low, high = (which(y[:, :-1], y[:, 1:]) for which in (np.minimum, np.maximum))
         row, piece = np.nonzero(low < high)
-        # All limits from the lower end of a piece to below its higher one are passed there.
+        # A piece passes all limits from its lower end to below its higher end.
         keys = _keys(of_limit, limits)
         order = np.argsort(keys)
         begin, end = (
@@ -173,7 +173,7 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Places at which y passes limits between some points and the next ones."""
+        """Places at which y passes limits, one in each of some pieces of rows."""
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
         )
@@ -189,22 +189,23 @@ class Curve:
             stays = is_above == starts_above
             near, far = np.where(stays, middle, near), np.where(stays, far, middle)
         found = np.where(is_log, np.exp(np.where(is_log, u + far, 0.0)), u + far)
-        for number in (pieces, pieces + 1):  # without rounding
+        for number in (pieces, pieces + 1):  # points exactly, without rounding
             found = np.where(y[rows, number] == limit, x[rows, number], found)
         return np.asarray(np.clip(found, x[rows, pieces], x[rows, pieces + 1]))
 
 
 def _keys(rows: Indices, values: Array) -> Array:
-    """Numbers that are in order of the rows, and within a row of the values."""
+    """Complex keys that sort by row, then by value."""
     keys = np.empty(np.broadcast_shapes(rows.shape, values.shape), complex)
     keys.real, keys.imag = rows, values
     return keys
 
 
 def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
-    """Slope at an end, from the parabola of three points as far as it keeps the curve monotone.
+    """Slope at an end, from the parabola through three points, limited to keep the curve monotone.
 
-    h are intervals and m slopes of the outermost piece and of the next one.
+    `h` and `m` are interval and slope of the outermost piece, `next_h` and `next_m` of the next
+    one.
     """
     slope = ((2 * h + next_h) * m - h * next_m) / (h + next_h)
     slope = np.where(np.sign(slope) == np.sign(m), slope, 0.0)

@@ -1,9 +1,8 @@
 """The field ln(rise/limit) of one scene over load and velocity, from which every answer follows.
 
-The rise is that which decides, at friction 1; its limit is (critical − bulk)/friction. A field has
-members, each with a weight: the surfaces of a sweep, one row of its table, or draws of what is not
-known exactly. This is the field of points that were computed; `pipeline.uncertain` has that of
-samples.
+The rise is the decisive one at friction 1; its limit is (critical − bulk)/friction. A field has
+members, each with a weight: surfaces of a sweep, one row of its table, or draws of unknown inputs.
+Here is the field of computed points; the field of samples is in `pipeline.uncertain`.
 """
 
 from __future__ import annotations
@@ -31,45 +30,45 @@ from pipeline.sweep.severity import rise_limit, rise_limits
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
-_FAR, _PLACES = 30.0, 1024  # ratio to which a line goes on with its friction, and places of it
-_PARTS = 64  # parts of an interval of velocities, in each of which friction is taken as it is there
-_POINTS = 2_000_000  # of lines at once
+_FAR, _PLACES = 30.0, 1024  # ratio and places of extrapolation with friction by velocity
+_PARTS = 64  # parts of an interval of velocities, at each of which friction is evaluated
+_POINTS = 2_000_000  # most points of lines in memory
 
 
 Places = Array | float
-"""Loads [N] or velocities [m/s] of places, of shape (k,), or one for all."""
+"""Loads [N] or velocities [m/s] of places (k,), or a single one for all places."""
 
 
 class Field(Protocol):
-    """What every answer asks of a scene.
+    """Interface of the fields: everything that answers need to know about a scene.
 
-    Places are loads [N] and velocities [m/s] of shape (k,), or either is one for all. Arrays have a
-    value of each member (m,), or of each member and place (m, k).
+    Places are loads [N] and velocities [m/s] of shape (k,), or a single one for all places. Arrays
+    have a value for each member (m,), or for each member and place (m, k).
     """
 
     @property
     def weights(self) -> Array:
-        """Weights of the members, whose sum is 1."""
+        """Weights of the members (m,); their sum is 1."""
 
     @property
     def conditions(self) -> Conditions:
-        """Conditions that the field is judged by."""
+        """Conditions under which wear is judged."""
 
     @property
     def source(self) -> Results:
-        """Results of the scene or the row."""
+        """Results of the scene, or of the row of a table."""
 
     @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
-        """Ends of the loads [N] and velocities [m/s] asked for."""
+        """Lowest and highest load [N] and velocity [m/s] of the sweep, by axis."""
 
     @property
     def counts_inputs(self) -> bool:
-        """True if the members are draws of unknown inputs; surfaces tell nothing of these."""
+        """True if the members are draws of unknown inputs, not surfaces."""
 
     @property
     def at_once(self) -> int:
-        """Number of places that answers are asked for at once."""
+        """Number of places that fit into memory at once."""
 
     @property
     def misfit(self) -> str:
@@ -77,71 +76,71 @@ class Field(Protocol):
 
     @property
     def basis(self) -> Sequence[str]:
-        """What answers rest on beside computed points, in lines."""
+        """Lines on what answers are based on, besides computed points."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field under the conditions of a row of a table; see `Conditions.row_conditions`."""
+        """The field under the conditions of a table's row; see `Conditions.row_conditions`."""
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at places, and where they are from."""
+        """Deciding temperatures at places, and whether they are computed there."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Numerical errors there by part and place, relative to the rise; NaN where not known.
+        """Numerical errors relative to the rise, by part and place (4, k); NaN if unknown.
 
-        They are of the member that errs most, and the parts are those of `RiseError`.
+        They are those of the member with the largest error. The parts are those of `RiseError`.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Where wear first turns severe along an axis through places."""
+        """Outcomes and first turns to severe wear along an axis through places."""
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
         """Probability that the next run is severe, by place (k,).
 
-        The shift of ln(rise), one for all places or for each, makes rises larger.
+        `shift`, one value or one for each place, is added to ln(rise).
         """
 
 
 class Here(NamedTuple):
     """Deciding temperatures of the members of a field at places."""
 
-    values: Array  # [K], by member and place (m, k); NaN where not known
-    is_severe: Mask  # likewise
-    critical: Array  # [K], likewise
-    is_computed: Mask  # the very point is done (k,)
-    is_continued: Mask  # beyond the points that are done (k,)
-    reasons: Sequence[str]  # why a place is not known; empty where it is
+    values: Array  # deciding temperatures [K] (m, k); NaN if unknown
+    is_severe: Mask  # (m, k)
+    critical: Array  # critical temperatures [K] (m, k)
+    is_computed: Mask  # True if the place is a computed point (k,)
+    is_continued: Mask  # True if extrapolated beyond the computed points (k,)
+    reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` at the first place that is not known."""
+        """Raise an `InputError` with the reason if a place is unknown."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
 
 @dataclass(frozen=True, eq=False)
 class PointField:
-    """The field of computed points, of the surfaces of a scene or of one row of its table."""
+    """The field of computed points, for the surfaces of a scene or one row of its table."""
 
-    planes: tuple[RisePlane, ...]  # at one friction, where it depends on the velocity
+    planes: tuple[RisePlane, ...]  # of each member, without friction by velocity
     conditions: Conditions
-    promised: float | None  # relative error of boundary velocities
-    ends: Mapping[str, tuple[float, float]]  # ends of the loads [N] and velocities [m/s] asked for
-    source: Results  # where the rises are from
-    from_rest: bool = False  # the sweep has points at rest, below its lowest velocity
+    promised: float | None  # relative error of boundary velocities due to the preset
+    ends: Mapping[str, tuple[float, float]]  # range of loads [N] and velocities [m/s] of the sweep
+    source: Results  # results that the rises are from
+    from_rest: bool = False  # True if the sweep also has velocity 0
     misfit: str = ""
     basis: Sequence[str] = ()
     counts_inputs = False
 
     @property
     def at_once(self) -> int:
-        """See `Field`; so many lines take some 200 MB."""
+        """Number of places whose lines take some 200 MB."""
         width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
         return 1 + _POINTS // (width * len(self.planes))
 
     @property
     def weights(self) -> Array:
-        """See `Field`."""
+        """Equal weights of the members (m,)."""
         return np.full(len(self.planes), 1 / len(self.planes))
 
     @property
@@ -150,18 +149,18 @@ class PointField:
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """See `Field`."""
+        """The field under the conditions of a table's row, which replace the scene's."""
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions."""
         names = "bulk_ratio", "solved_friction"
         if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
-            return replace(self, conditions=conditions)  # rises at friction 1 are the same
+            return replace(self, conditions=conditions)  # rises at friction 1 do not change
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """See `Field`."""
+        """Deciding temperatures at places, interpolated between computed points; see `Here`."""
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
@@ -182,7 +181,7 @@ class PointField:
         )
 
     def _reason(self, load: float, velocity: float, is_known: bool) -> str:
-        """Why a place is not known; empty where it is."""
+        """Why a place is unknown; empty if it is known."""
         axes = self.loads, self.velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
@@ -200,7 +199,7 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises at places by member (m, k) [K], and whether they lie between computed points."""
+        """Rises at places (m, k) [K], and whether they are between computed points."""
         within, continued = (
             Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
             for beyond in (False, True)
@@ -209,7 +208,7 @@ class PointField:
         return np.where(is_within, within, continued), is_within
 
     def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
-        """Rises by member, place and load (m, k, n) [K], with the friction at the place."""
+        """Rises (m, k, n_load) [K] at the velocities of places, with the friction there."""
         rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
@@ -225,17 +224,17 @@ class PointField:
 
     @functools.cached_property
     def _rises(self) -> Array:
-        """Rises by member, load and velocity [K], at one friction."""
+        """Rises (m, n_load, n_velocity) [K], without the factor of friction by velocity."""
         return np.array([plane.rises for plane in self.planes])
 
     @functools.cached_property
     def _curves(self) -> Curve:
-        """Curves over velocities by member and load."""
+        """Curves over velocity, by member and load."""
         return Curve(self.velocities, self._rises)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves over loads by member and velocity: as computed, where certain, and continued."""
+        """Curves over load, by member and velocity: computed, certain, extrapolated."""
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
@@ -255,7 +254,7 @@ class PointField:
         return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """See `Field`."""
+        """Numerical errors by part and place; see `Field.errors`."""
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
             [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
@@ -271,17 +270,17 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """See `Field`."""
+        """Outcomes and first turns along an axis through places; see `Transitions`."""
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """See `Field`."""
+        """Probability (k,) that the next run is severe, averaged over members."""
         loads, velocities = places_of(loads, velocities)
-        # A row with a single point, on any surface, has those of other rows beside it.
+        # A row with a single point, on any surface, is filled from other rows.
         is_sparse = np.isin(loads, self.loads[(self._curves.count < 2).any(axis=0)])
-        # Places on a row of the sweep share its line.
+        # Places at a load of the sweep share its line.
         is_row = np.isin(loads, self.loads) & ~is_sparse
         keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
@@ -300,9 +299,9 @@ class PointField:
     ) -> Line:
         """Lines along an axis through places, by member and place.
 
-        Between loads or velocities of the sweep, rises go on where wear is certainly mild or
-        severe. A row of the sweep has its own points alone, unless those of other rows are asked to
-        stand in for points that it lacks.
+        Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
+        severe. At a load or velocity of the sweep only its own points are used, unless `is_filled`
+        lets other rows replace missing points.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -316,7 +315,7 @@ class PointField:
             far = going_on = self._certain(velocities).swapaxes(-1, -2)
         else:
             computed, going_on, far = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
-            if has_curve:  # how friction goes on beyond the points is no power law
+            if has_curve:  # with friction by velocity, rises beyond the points are no power law
                 going_on = computed
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
         computed, going_on, far = (
@@ -327,7 +326,7 @@ class PointField:
         rise, is_within = self._rise(loads, velocities)
         rise = np.where(is_row, np.nan, rise)
         line = _inserted(x, going_on, along, np.where(is_within, rise, np.nan))
-        beyond = _inserted(x, far, along, rise)  # as hot at the place as it is told to be
+        beyond = _inserted(x, far, along, rise)  # with the rise known at the place
         turns_back = has_curve and axis == "velocity"
         if turns_back:
             line = along_friction(*line, factor)
@@ -336,15 +335,15 @@ class PointField:
 
 
 def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
-    """Loads and velocities of places, each of shape (k,)."""
+    """Loads and velocities of places as arrays, each of shape (k,)."""
     pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
     return np.asarray(pair[0], float), np.asarray(pair[1], float)
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Abscissae by row (..., n + 1), ascending, and ordinates, with a value at the row's place.
+    """Insert a point into each row: abscissae (..., n + 1), ascending, and ordinates.
 
-    A value that is NaN is not inserted; its abscissa is NaN, too, and the last one.
+    A value that is NaN is not inserted: its abscissa is NaN, too, and comes last.
     """
     is_there = np.isfinite(values)[..., None]
     others = np.where(is_there & (x == places[:, None]), np.nan, x)
@@ -355,10 +354,10 @@ def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, 
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
-    """Velocities [m/s] close together, and rises [K] there with friction by velocity.
+    """Closely spaced velocities [m/s], and the rises [K] there with friction by velocity.
 
-    Between two velocities the friction is known, and only the heat is interpolated: rises are
-    divided by the factor of their friction, and multiplied by that of each place.
+    Friction is known at every velocity, so only the heat is interpolated: rises are divided by
+    their factor of friction, and multiplied by that of each place.
     """
     steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
     places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)
@@ -370,9 +369,9 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
-    """Rises [K] far beyond the velocities [m/s] that are known: only the heat is a power there.
+    """Rises [K] far beyond the known velocities [m/s]: heat by a power law, friction as stated.
 
-    Nothing is known in rows in which that is no power law.
+    Rows without a power law are unknown (NaN).
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))
@@ -386,7 +385,7 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
 
 
 def fields(data: Results) -> list[Field]:
-    """The field of each scene of a sweep, or of each row with its own place."""
+    """Field of each scene of a sweep, or of each row with its own place."""
     if data.kind is Kind.SAMPLES:
         made: list[Field] = extras.module("fields").fields(data)
         return made
@@ -394,7 +393,7 @@ def fields(data: Results) -> list[Field]:
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
-    """The field of one scene, under given conditions or its own."""
+    """Field of one scene under `conditions`, by default its own."""
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)
@@ -411,9 +410,9 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
 
 
 def quantile(values: Array, weights: Array, share: float) -> Array:
-    """Value that a share of weight stays below, over the first axis of values.
+    """Weighted quantile of values, over their first axis.
 
-    It is infinite beside an infinite value, and NaN if any value is.
+    It is infinite next to an infinite value, and NaN if any value is.
     """
     if len(values) == 1:
         return np.asarray(values[0])

@@ -1,4 +1,4 @@
-"""The transition to severe wear along a line of points, with the computed range."""
+"""Transitions to severe wear along a line of points, and their outcome in words."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from tribo import Criterion
 from tribo.types import Array, Mask
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
-"""Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
+"""Codes of the outcome along a line; see `outcomes`."""
 
 
 @functools.cache
 def outcomes(axis: str) -> Mapping[int, str]:
-    """Meanings of the outcomes along ``"velocity"`` or ``"load"``, in the words used everywhere."""
+    """Outcome in words by code, along ``"velocity"`` or ``"load"``."""
     return {
         CROSSES: "crosses",
         MILD: "mild throughout",
@@ -37,40 +37,40 @@ def outcomes(axis: str) -> Mapping[int, str]:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Rises of a member of a field along velocities or loads, and where wear turns.
+    """Rises along velocities or loads at fixed load or velocity, and where wear turns.
 
-    It stands for a line, or for lines by member and place, in front of the other axes of arrays.
-    Several limits may be asked of a row.
+    Arrays have axes for members and places of a field before those of the line, or none. A row may
+    have several limits.
     """
 
-    #: Rises [K] over velocities [m/s] or loads [N]. It may go on beyond the places that are done,
-    #: where that leaves wear as it is.
+    #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the places that are done,
+    #: if wear does not turn there.
     curve: Curve
     limit: Array  # rise above which wear is severe [K]
-    ends: tuple[float, float]  # of the sweep's own range
-    done: Array  # places that are done (..., n), ascending; NaN where not
-    continued: Curve  #: The curve beyond its ends, as far as it is known there.
-    turns_back: bool  #: Friction by velocity, known far beyond, may turn wear at either end.
-    rows: Any = ...  # row of each limit; all in their order
+    ends: tuple[float, float]  # range of the sweep
+    done: Array  # places that are done (..., n), ascending; else NaN
+    continued: Curve  #: The curve extrapolated beyond its ends, where known.
+    turns_back: bool  #: True if friction by velocity may turn wear beyond either end.
+    rows: Any = ...  # row of each limit; by default one limit for each row
 
     @functools.cached_property
     def places(self) -> Array:
-        """Velocities [m/s] or loads [N] at which wear turns (..., n), ascending; NaN elsewhere."""
+        """Velocities [m/s] or loads [N] at which wear turns (..., n), ascending, then NaN."""
         return self.curve.crossings(self.limit, self.rows)
 
     @functools.cached_property
     def begins_severe(self) -> Mask:
-        """Wear is severe below the first of these places."""
+        """True if wear is severe before the first turn."""
         return np.asarray(Criterion.is_severe(self.curve.end(0)[1][self.rows], self.limit))
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest place that is done; NaN where none is."""
+        """Lowest and highest place that is done; NaN if there is none."""
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property
     def outcome(self) -> Array:
-        """Key of `outcomes`."""
+        """Code of the outcome; see `outcomes`."""
         count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
         is_first, is_last = low <= self.ends[0], high >= self.ends[1]
         turns_back = self.turns_back & (self.continued.count > 0)
@@ -83,10 +83,10 @@ class Line:
 
     @property
     def first(self) -> Array:
-        """First place at which wear turns severe.
+        """Lowest place at which wear turns severe.
 
-        It is -infinite if wear is severe at the lowest place, infinite if wear is mild at every
-        place, and NaN if nothing is known.
+        It is -infinite if wear is severe at the lowest place, infinite if mild at every place, and
+        NaN if unknown.
         """
         place = np.fmin.reduce(self.places, axis=-1)
         place = np.where(np.isnan(place), math.inf, place)
@@ -94,7 +94,7 @@ class Line:
         return np.where(self.outcome == UNKNOWN, math.nan, place)
 
     def texts(self, along: str) -> Array:
-        """Outcome of each line along ``"velocity"`` or ``"load"``, in words."""
+        """Outcome in words of each line, along ``"velocity"`` or ``"load"``."""
         ends, texts = self.computed, np.empty(self.outcome.shape, object)
         for line, code in np.ndenumerate(self.outcome):
             computed = [float(end[line]) for end in ends]
@@ -104,16 +104,16 @@ class Line:
 
     @property
     def _turns_severe(self) -> Mask:
-        """True at each of the places at which wear turns severe."""
+        """True at those of `places` at which wear turns severe."""
         number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
         return np.asarray(np.isfinite(self.places) & (number % 2 == 1))
 
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """The turn nearest by its ratio, or the nearest to severe wear; without one as `first`.
+        """The turn nearest to `here` by ratio, only to severe wear if `to_severe`; else as `first`.
 
-        If continued, a line without a turn has those beyond its ends.
+        If `continued`, a line without a turn has those extrapolated beyond its ends.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)
@@ -130,10 +130,10 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """Places (..., n) at which wear turns where the line goes on by the power law of its ends.
+        """Turns (..., n) with extrapolated ones, True where to severe wear, and the last wear.
 
-        Then, True where it turns severe, and True if it is severe at last. Without such a law wear
-        stays as it is at an end.
+        The second array is True where wear turns severe, the third if wear is severe at last. If
+        there is no power law at an end, wear stays as it is.
         """
         if self.curve is not self.continued:
             return replace(self, curve=self.continued)._all_turns
@@ -151,7 +151,7 @@ class Line:
 
     @property
     def transitions(self) -> Transitions:
-        """Where wear first turns severe."""
+        """Outcome and first turn to severe wear of each line."""
         low, high = (np.where(self.outcome == UNKNOWN, math.nan, end) for end in self.computed)
         ends = np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)
         alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))
@@ -160,7 +160,7 @@ class Line:
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
         """Probability that a run is severe, by velocity on the line of each limit.
 
-        A run at V behaves like the model at V·exp(ε), where ε has the scatter.
+        A run at V behaves like the model at V·exp(ε), where ε has the distribution `scatter`.
         """
         places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))
@@ -169,7 +169,7 @@ class Line:
         return np.asarray(np.clip(shares + is_severe, 0.0, 1.0))
 
     def _continued_end(self, end: int) -> Array:
-        """Place beyond an end at which wear turns by the power law there."""
+        """Place beyond an end at which wear turns, by extrapolation with the power law there."""
         parts = *self.curve.end(end), self.curve.line_exponent(end)
         x, y, slope = (part[self.rows] for part in parts)
         with np.errstate(all="ignore"):
@@ -184,9 +184,9 @@ def in_words(
     turns: Sequence[float] = (),
     begins_severe: bool = False,
 ) -> str:
-    """One of `outcomes` along ``"velocity"`` or ``"load"``, with how far was computed.
+    """An outcome in words along ``"velocity"`` or ``"load"``, with the computed range.
 
-    Where wear turns several times, the ranges in which it is severe instead, if turns are given.
+    If wear turns several times and turns are given, the ranges of severe wear.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):
@@ -197,7 +197,7 @@ def in_words(
 
 
 def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
-    """Ranges of severe wear between its turns, of which those that are NaN are none, in words."""
+    """Ranges of severe wear in words, from its turns; NaN is no turn."""
     places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
     begins = ["", *places] if begins_severe else places
     ends = [*begins[1::2], ""][: len(begins[::2])]
@@ -211,7 +211,7 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
 
 
 def range_of(data: Results, axis: str) -> tuple[float, float]:
-    """Lowest and highest velocity [m/s] or load [N] of a scene, above 0."""
+    """Lowest and highest velocity [m/s] or load [N] of a scene, without 0."""
     present = (data.loads if axis == "load" else data.velocities).tolist()
     plane = data.sweep.plane
     of_scene = plane.loads if axis == "load" else plane.velocities
@@ -220,17 +220,17 @@ def range_of(data: Results, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Where wear first turns severe on the members of a field, along an axis through places."""
+    """Outcomes and first turns to severe wear of a field's members, along an axis."""
 
-    outcome: Array  # of each member and place, (m, k): keys of `outcomes`
-    first: Array  # of each member and place, (m, k); see `Line.first`
+    outcome: Array  # codes by member and place (m, k); see `outcomes`
+    first: Array  # lowest turn to severe wear by member and place (m, k); see `Line.first`
     computed: tuple[Array, Array]  # lowest and highest place computed, each (k,)
-    places: Array = np.empty((0, 0))  # of a single member, all places at which wear turns (k, n)
+    places: Array = np.empty((0, 0))  # all turns (k, n) of a single member; else empty
 
     def outcome_texts(self, along: str) -> Iterator[str]:
-        """Outcome of each place along ``"velocity"`` or ``"load"``.
+        """Outcome of each place in words, along ``"velocity"`` or ``"load"``.
 
-        Where the members differ, on how many of them wear turns.
+        If members differ, the number of members with each outcome.
         """
         words = outcomes(along)
         for number, all_codes in enumerate(self.outcome.T.tolist()):
