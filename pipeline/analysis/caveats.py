@@ -28,7 +28,7 @@ def caveats_of(data: Results) -> list[str]:
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     """Caveats of answers on a scene under some conditions."""
     sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
-    exact = "inputs such as the steel's conductivity are taken as exact"
+    exact = "inputs such as the steel's conductivity are taken as exact (irg help your-tests)"
     lines = [
         sweep.declared.caveat,
         note_on_ends(sweep),

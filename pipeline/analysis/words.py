@@ -69,8 +69,8 @@ def margin_lines(here: Margin) -> Iterator[str]:
     yield f"  numerical error     {here.error.text}"
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (shown_in(value, "°C") for value in interval)
-        yield f"  {several:18}  {low:.4g} to {high:.4g} °C with 90 %"
-    yield f"  the model's own     {here.model_error}"
+        yield f"  {several:18}  {low:.4g} to {high:.4g} °C (90 %)"
+    yield f"  model's own error   {here.model_error}"
     for axis in ("velocity", "load"):
         value, outcome = getattr(here, f"critical_{axis}"), getattr(here, f"{axis}_outcome")
         said = f"{value:.4g} {UNITS[axis]}, {getattr(here, f'{axis}_factor'):.3g} times the {axis}"

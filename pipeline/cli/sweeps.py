@@ -87,20 +87,20 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, facts),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
+        *[("sources", "library values and their sources: give -o TABLE.md")] * bool(sweep.sources),
         *on_unknown,
         *((one.grade, one.text) for one in said),
         ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
     ]
     meaning = frame_of(_HEADS, rows)
     if not options.json:
-        output.show_text([sweep.title, "", meaning])
+        output.show_text([sweep.title, "", meaning[meaning["subject"] != "library"]])
     if memory > machine:
         raise InputError(
             f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
             "needs; give fewer window.pixels, or a coarser fidelity"
         )
-    cost = pipeline.estimate(sweep, workers=options.workers)
-    costs = [*_cost_rows(sweep, cost)]
+    costs = [*_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers))]
     if has_unknown_error(sweep):
         costs.append(("error", f"not known; {MEASURES} measures it"))
     frame = frame_of(_HEADS, costs)

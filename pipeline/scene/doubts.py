@@ -69,9 +69,8 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
     if widest < side:
         return ""
     return (
-        f"the contact is expected to grow up to {display(widest, 'µm', 3)} wide, the window has "
-        f"room for {display(side, 'µm', 3)}: at high loads and velocities the contact carries too "
-        "little at its edges; give more pixels"
+        f"the contact may grow to {display(widest, 'µm', 3)}, the window has room for "
+        f"{display(side, 'µm', 3)}: its edges then carry too little load; give more pixels"
     )
 
 

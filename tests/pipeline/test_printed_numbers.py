@@ -272,7 +272,7 @@ def test_a_margin_is_the_same_as_text_as_json_and_in_python(ask, stores, kind, o
     assert next(iter(document)) == "verdict"
     assert said.split("\n")[0] == margin.sentence
     assert f"numerical error     {margin.error.text}" in said
-    assert f"the model's own     {margin.model_error}" in said
+    assert f"model's own error   {margin.model_error}" in said
     (row,) = pipeline.margin(ds, {"load": ["500 N"], "velocity": ["2.5 m/s"]}).to_dict("records")
     for head, value in row.items():
         if isinstance(value, float):

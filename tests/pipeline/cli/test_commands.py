@@ -103,8 +103,8 @@ def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
     said, alone = irg(*point), irg(*point, "--alone")
-    assert re.search(r"the model's own     −[\d.]+ to \+10 % in velocity, from 1 test and", said)
-    assert "the model's own     ± 10 % in velocity, assumed; no test confirms" in alone
+    assert re.search(r"model's own error   −[\d.]+ to \+10 % in velocity, from 1 test and", said)
+    assert "model's own error   ± 10 % in velocity, assumed; no test confirms" in alone
     assert "tests of the scene at other places are left out, by --alone" in alone
     assert "left out" not in said
     pipeline.run_sweep(pipeline.load_scene(tested).take_place(400.0, 1.0), out, workers=1)
