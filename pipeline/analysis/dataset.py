@@ -243,7 +243,7 @@ def _per_point(ds: xr.Dataset) -> xr.Dataset:
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
-    """Dimensions of entries with several values, by path, or of rows of a table; not of seeds."""
+    """Dimensions of varied entries, named by path, and of a table's rows; not of surfaces."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
     return [
         str(dim)

@@ -128,12 +128,12 @@ class Results:
 
     @property
     def entries(self) -> dict[str, Any]:
-        """Values of the selected entries, as a scene file writes them."""
+        """Values of the selected entries by path, as a scene file writes them."""
         return self.stored.variants.written(self.name)
 
     @functools.cached_property
     def sweep(self) -> Sweep:
-        """The sweep with these labels, under the conditions of `pipeline.at`."""
+        """The sweep restricted to these results' labels, under the conditions of `pipeline.at`."""
         columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
         paths = [path for path in PATHS.values() if path in labels and path not in columns]
         own = {path: labels[path] for path in paths}

@@ -116,7 +116,7 @@ def _read_array(path: Path) -> Array:
 
 
 def _lone_values(heights: Array, unit: float) -> list[str]:
-    """Turn isolated outliers such as −9999 into holes, in place; notes on which values."""
+    """Turn isolated outliers such as −9999 into holes, in place; return a note on each value."""
     notes = list[str]()
     values = heights[np.isfinite(heights)]
     while values.size > 2:

@@ -231,7 +231,7 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of the deciding rise on a fine grid, and on lines of the sweep that lack points.
+    """Tables of the deciding rise: on a fine grid, and on lines of the sweep with missing points.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). Along velocity it extends
     beyond the points, with its outermost nodes far beyond.
@@ -366,7 +366,7 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated"
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Number of parts of each interval between velocities, and between loads."""
+    """Parts into which the grid divides intervals between velocities, and between loads."""
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
     while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:

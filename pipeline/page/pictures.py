@@ -94,7 +94,7 @@ def risk_scale() -> str:
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:
-    """Lowest and highest mean over elements in contact, and levels of blocks; 0 without contact."""
+    """Lowest and highest block mean over elements in contact, and colour levels of the blocks."""
     means = _summed(np.where(contact, field, 0.0), block) / np.maximum(touching, 1.0)
     finite = means[touching > 0]
     if not (finite.size and np.isfinite(finite).all()):

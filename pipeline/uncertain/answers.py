@@ -24,11 +24,11 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
-    """First place along an axis where an excess (..., m) rises through 0, each of shape (...).
+    """First place along an axis where an excess (..., m) rises through 0.
 
     The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
     a power law. Returns the logarithm of the place, the slope of the excess over the logarithm of
-    the axis, and the index of the axis value above the place.
+    the axis, and the index of the axis value above the place, each (...).
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)

@@ -70,7 +70,7 @@ class Excess(NamedTuple):
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_chance(self, seed: int) -> Array:
-        """`values` plus a random emulator error, with one standard score for each draw."""
+        """`values` plus a random emulator error, which is one standard score for each draw."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 

@@ -240,7 +240,7 @@ class Joint:
         return list(runs.values())
 
     def judge_draws(self, inputs: Array) -> JudgedTests:
-        """Distances and likelihoods of the tests, for draws (n, n_unknown) of all inputs [SI]."""
+        """Compare draws (n, n_unknown) of all inputs [SI] with the tests; see `JudgedTests`."""
         shift, variance = self._part_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))
         distances = distances._replace(
@@ -285,7 +285,7 @@ class Joint:
         return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
-        """Distances of the tests, for draws (n, n_unknown) of all inputs [SI]."""
+        """Distances of the tests in ln(velocity) for draws (n, n_unknown); see `Distances`."""
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,

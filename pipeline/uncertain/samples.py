@@ -135,7 +135,7 @@ class Draw:
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Inputs by path that can be given another value: unknown ones, and some fixed ones."""
+        """Inputs by path that can still be fixed at a value: unknown ones, and some fixed ones."""
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}
