@@ -124,7 +124,7 @@ def require_integer(lowest: int, **values: float) -> None:
 
 
 def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return `field` as an array of float64; raise `InputError` if that would hide a fault."""
+    """Return `field` as a float64 array; `InputError` unless real, finite and of this shape."""
     try:
         array = np.asarray(field)
     except ValueError as error:
@@ -144,5 +144,5 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def shortened(reason: str) -> str:
-    """A reason that may quote a whole row, cut to a line."""
+    """Return `reason`, cut after 80 characters, since it may quote a whole row of a file."""
     return reason if len(reason) <= 80 else f"{reason[:80]}…"

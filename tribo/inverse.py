@@ -11,7 +11,7 @@ from tribo.errors import InputError
 from tribo.simulation import Scene, advance, measures, start
 from tribo.wear import Wear, WearPattern
 
-_WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
+_WEAR_RATES = 1e-20, 1e-8  # range of the search [m²/N]; boundary lubrication has about 1e-15
 _PRECISION = 0.01  # relative precision of the wear rate
 
 
@@ -24,8 +24,8 @@ class WearRate:
     value : float
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
-        Specific wear rates at which the width is half a step of the grid less or more than
-        measured, widened by the 1 % to which rates are found.
+        Wear rates at which the width is half an element (one element if both bodies are smooth)
+        less or more than measured, widened by 1 %, the precision of the search.
 
     Examples
     --------
@@ -43,15 +43,15 @@ def specific_wear_rate(
 ) -> WearRate:
     """Specific wear rate of the pin from the width of its contact after a loading.
 
-    Wear flattens the pin, and so the contact is the wider the more it has worn. Widths are whole
-    numbers of elements, and grow by two at a time where both bodies are smooth, so that a measured
-    one belongs to a range of wear rates.
+    The more the pin has worn, the wider is its contact. Computed widths are whole numbers of
+    elements, and grow by two at a time where both bodies are smooth. So a range of wear rates
+    gives the measured width.
 
     Parameters
     ----------
     scene : Scene
-        System in which the pin wore. Its wear rate is not used. The pattern of its wear is: swept
-        if the scene has no wear and its patch is periodic along y, else local.
+        System in which the pin wore. Its wear rate is not used, but its wear pattern is. Without
+        wear the pattern is "swept" on a patch that is periodic along y, else "local".
     contact_width : float
         Width of the contact along x at the end of the loading [m]. Further sliding at full
         load is part of the loading, as a hold.
@@ -74,7 +74,7 @@ def specific_wear_rate(
     if scene.velocities_at(velocity).pin:
         raise InputError(
             "the scene's motion makes the pin roll: it wears all around its track, which makes its "
-            "contact no wider, so that a width does not tell a wear rate"
+            "contact no wider, so that a width cannot show a wear rate"
         )
     half = grid.spacing[0] * (0.5 if scene.roughness else 1.0)  # a smooth contact is symmetric
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
@@ -101,7 +101,7 @@ def specific_wear_rate(
 
 
 def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
-    """Two close wear rates, between which the contact reaches the given width."""
+    """Lower and upper wear rate [m²/N], at most 1 % apart, between which `exceeds` turns true."""
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10
@@ -112,7 +112,7 @@ def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
         if high > _WEAR_RATES[1]:
             raise InputError(
                 f"no specific wear rate up to {low:g} m²/N makes the contact so wide; "
-                "compare its unit"
+                "check the unit of contact_width"
             )
     while high > (1 + _PRECISION) * low:
         middle = math.sqrt(low * high)

@@ -10,7 +10,7 @@ Mask = NDArray[np.bool_]
 """Truth values of the elements of a field."""
 
 Indices = NDArray[np.intp]
-"""Integers that count elements, as the number of the row in which each node lies."""
+"""Integer indices, for example the number of the row in which each node lies."""
 
 Nodes = Indices
 """Indices of some nodes in the flattened field, in growing order."""

@@ -131,7 +131,7 @@ def hertz_ellipse(
     normal_load : float
         F [N].
     radius_x, radius_y : float
-        Radii of curvature along x and y [m]; the semi-axis is the longer one along the larger.
+        Radii of curvature along x and y [m]; the longer semi-axis lies along the larger radius.
     contact_modulus : float
         E* [Pa].
 
@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """Logarithm of the ratio of curvatures of an ellipse of this b/a, less the one given."""
+        """Logarithm of the ratio of curvatures at this ln(b/a), less that of the ratio given."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)
@@ -165,7 +165,7 @@ def hertz_ellipse(
 
 
 class HertzContact(NamedTuple):
-    """Elastic contact of a smooth pin and a plane."""
+    """Elastic contact of a smooth pin and a plane; see `hertz_contact`."""
 
     half_width: float  # along x [m]
     peak_pressure: float  # p₀ [Pa]
@@ -179,7 +179,7 @@ def hertz_contact(
     length: float | None = None,
     crown_radius: float | None = None,
 ) -> HertzContact:
-    """Contact of a pin of any shape, by its radius along x, length and crown radius [m].
+    """Hertzian contact of a ball; given `length`, of a cylinder, given `crown_radius`, of a crown.
 
     Examples
     --------
@@ -268,7 +268,7 @@ def westergaard_pressure(
 
     Examples
     --------
-    Both agree where contact becomes full, and the mean is the one given:
+    Both formulas agree where contact becomes full, and the mean is the one given:
 
     >>> x = np.linspace(0.0, 1.0, 400, endpoint=False)
     >>> full = westergaard_pressure(x, 2.0, full_contact_pressure=2.0, wavelength=1.0)

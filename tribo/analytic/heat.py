@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
-_RAYS = 200  # and nodes on each, of the integral over an ellipse
+_RAYS = 200  # rays in the integral over an ellipse, and nodes on each ray
 
 
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:
@@ -36,7 +36,7 @@ def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) 
 def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: float) -> float:
     """Surface rise at the end of a flux that grows from 0 in proportion to time [K].
 
-    θ = 4q√t/(3√π e), two thirds of what the final flux q gives if it acts from the start
+    θ = 4q√t/(3√π e), two thirds of the rise if the final flux q acted from the start
     (Carslaw & Jaeger, §2.9).
 
     Examples
@@ -69,7 +69,7 @@ def moving_band_rise(
     thermal_conductivity: float,
     thermal_diffusivity: float,
 ) -> Array:
-    """Steady surface rise due to a band source on a moving half-space [K], as `position`.
+    """Steady surface rise under a band source on a moving half-space [K], shape of `position`.
 
     ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at
     V > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). In closed form,
@@ -103,8 +103,8 @@ def moving_band_rise(
 ROLLING_SLIDING_PEAK = {"uniform": 1.128379, "hertz": 1.111548}
 """Coefficient of `rolling_sliding_rise` by the profile of the pressure.
 
-2/√π; and the highest value of ∫ (4/π) √(1 − ξ²)/√(2π(x − ξ)) dξ over −1 < ξ < x, at x = 0.65 half
-widths. Blok's 1.11 is this highest value.
+"uniform" has 2/√π. "hertz" has the highest value of ∫ (4/π) √(1 − ξ²)/√(2π(x − ξ)) dξ over
+−1 < ξ < x, at x = 0.65 half-widths; Blok rounds it to 1.11.
 """
 
 
@@ -149,7 +149,7 @@ def resting_ellipse_rise(
 
     Examples
     --------
-    On a circle πq₀a/(4K):
+    On a circle the rise is πq₀a/(4K):
 
     >>> f"{resting_ellipse_rise(1e9, 1e-4, 1e-4, 45.0) / (math.pi * 1e5 / (4 * 45.0)):.6f}"
     '1.000000'
@@ -173,7 +173,7 @@ def moving_ellipse_rise(
 
         θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ,
 
-    φ = 0 upstream. To 1e-4 for semi-axes up to 1 : 20.
+    φ = 0 upstream. Accurate to 1e-4 for ratios of the semi-axes up to 20.
 
     Examples
     --------
@@ -195,8 +195,8 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def cooler(x: float) -> float:
-        """−2π θ K/q₀ at a distance behind the centre [m]."""
-        # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r², up to its root at the edge.
+        """Negative rise as −2πKθ/q₀ [m] at a distance x behind the centre [m]."""
+        # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square
         r = edge * np.sin(math.pi / 2 * places) ** 2

@@ -1,7 +1,7 @@
 """Active-set steps: conjugate gradients on the nodes that are free, then back into the bounds.
 
-Polonsky & Keer (Wear 231, 1999) take a single iteration of conjugate gradients a step. A few,
-preconditioned by a `stencil`, get farther; near the solution that is fast, but it may cycle.
+Polonsky & Keer (Wear 231, 1999) take one iteration of conjugate gradients per step. A few,
+preconditioned by a `stencil`, get farther. Near the solution that is fast, but steps may cycle.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from tribo.types import Array, Nodes
 
 Stencil = Callable[[Array, Array], Array]
 
-# Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer
-# nodes' state, may take twice as many, but no more than reduce the residual by the factor; by the
-# second one if no node has changed its state.
+# Conjugate gradient iterations in the first active-set step. Each later step may take twice as
+# many, but ends once the residual has fallen by the first factor; by the second factor if no node
+# has changed its state.
 _INNER_ITERATIONS = 2
 _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """Limits of the next step, narrowed by the steps so far."""
+    """Limits of the next active-set step, narrowed by the steps so far."""
 
-    iterations: int = _INNER_ITERATIONS  # at most, by conjugate gradients
-    nodes: Nodes | None = None  # after the last step
+    iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
+    nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
-        """The factor by which the next step, on these nodes, has to reduce the residual."""
+        """Factor by which the next step, on `nodes`, has to reduce the residual."""
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION
 
@@ -46,7 +46,7 @@ def active_set_step(
     gap_goal: float,
     most: float,
 ) -> tuple[Iterate, ActiveSet]:
-    """Solve for the nodes that are free, all others held at their bounds.
+    """Solve for the pressure of the free nodes, all other nodes held at their bounds.
 
     A gap of at most `gap_goal` [m] at these nodes needs no further reduction. At most `most`
     convolutions may still be spent.
@@ -79,7 +79,7 @@ def _conjugate_gradients(
     goals: tuple[float, float],
     most: int,
 ) -> tuple[Array, int]:
-    """Pressure on the nodes that makes their gap equal, bounds aside, and the iterations.
+    """Pressure that makes the gap equal on all free nodes, without bounds, and the iterations.
 
     `goals` are the factor by which to reduce the residual, and the gap that is small enough [m].
     """
@@ -129,7 +129,7 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip the pressure on the nodes of `stencil`; neighbours make up for what that changes."""
+    """Clip the pressure on the nodes of `stencil`, and let neighbours make up for the change."""
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)
     change = between * stencil(problem.near.influence, clipped - pressure)

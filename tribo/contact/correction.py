@@ -1,6 +1,6 @@
 """Correction of a guess whose displacement is known, without a convolution.
 
-An extrapolation knows least about nodes that enter or leave the contact. These affect their
+An extrapolation is least accurate at nodes that enter or leave the contact. These affect their
 neighbours most, so that the `stencil` alone can correct them.
 """
 
@@ -18,7 +18,7 @@ _LOCAL_STEPS = 2
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
     """Move a guess into the bounds, and correct its elements of largest error [Pa].
 
-    The guess carries the load, but may exceed the bounds; `displacement` is the guess's [m].
+    The guess carries the load, but may exceed the bounds. `displacement` is that under it [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

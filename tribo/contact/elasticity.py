@@ -38,9 +38,9 @@ ElasticKernel = Literal["periodic", "nearest-image"]
 
 _STEP = 1 / 7  # in ln s, for a relative error of 3e-15
 _REACH = 6.0  # widths at which a Gaussian has faded: erfc(6) = 2e-17, exp(−6²) = 2e-16
-_FAR = 1e4  # patch sizes from which on E_a E_b is constant over the patch, to 1e-14 of the sum
-_WIDE = 4 / 3  # elements; from this width on, three terms do on the right of Eq. (2)
-_OFFSETS = 9  # below it, so many offsets j do on the left
+_FAR = 1e4  # patch sizes; from this width s on, E_a E_b is constant over the patch, to 1e-14
+_WIDE = 4 / 3  # elements; from this width s on, three terms are enough on the right of Eq. (2)
+_OFFSETS = 9  # offsets j that are enough on the left of Eq. (2) below that width
 
 
 class ElasticHalfSpace(Convolution):
@@ -100,7 +100,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
     along_x, along_y = (_factor(grid, axis, kernel, s) for axis in (0, 1))
     quarter = (along_x * weights[:, None]).T @ along_y
     if kernel == "periodic":
-        # What does not vary along a periodic axis has an infinite constant, which is left out.
+        # The mean along a periodic axis has an infinite constant, which is left out.
         match grid.periodic:
             case (True, True):
                 quarter[0, 0] = 0.0
@@ -139,7 +139,7 @@ def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
 
 
 def _values(n: int, step: float, s: Array) -> Array:
-    """E at 0, 1, … n − 1 elements from its own, shape (widths, n)."""
+    """E at distances of 0, 1, … n − 1 elements, shape (widths, n)."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
@@ -147,7 +147,7 @@ def _values(n: int, step: float, s: Array) -> Array:
 
 def _all_images(n: int, s: Array) -> Array:
     """Eq. (2) for widths in units of an element, shape (widths, n // 2 + 1)."""
-    # Below its shortest node E is 2 on the element and 0 off it.
+    # Below the shortest node s, E is 2 on the element and 0 off it.
     s = np.maximum(s, 1 / (2 * _REACH))
     narrow, wide = s[s < _WIDE], s[s >= _WIDE, None, None]
     mu = np.arange(n // 2 + 1) / n
@@ -171,7 +171,7 @@ def _line_load(grid: Grid, axis: int) -> Array:
 
 
 def _even_transform(values: Array, length: int) -> Array:
-    """Transform of what has these values at offsets 0, 1, … length // 2 on either side."""
+    """Transform of an even kernel with these values at the offsets 0, 1, … length // 2."""
     index = np.arange(length)
     transform: Array = np.fft.rfft(values[..., np.minimum(index, length - index)]).real
     return transform

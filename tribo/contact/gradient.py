@@ -22,7 +22,7 @@ class Gradient(NamedTuple):
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first step: the length for an element on its own."""
+    """Length of the first step [Pa/m], exact for an element on its own; 1 where rows are soft."""
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 

@@ -1,7 +1,7 @@
-"""Guesses of a contact's pressure: from coarser grids, and from the part of a grid that matters.
+"""Guesses of a contact's pressure: from coarser grids, and from the loaded part of the grid.
 
-They need not be exact, since the contact is solved, and judged, on the whole grid. Both take the
-solid's own map, restricted to fewer elements, so that they hold for whatever was added to it, as
+They need not be exact, since the contact is solved, and judged, on the whole grid. Both use the
+solid's own map, restricted to fewer elements, so that they include what was added to it, such as
 wear.
 """
 
@@ -17,19 +17,19 @@ from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Problem
 from tribo.types import Array, Mask
 
-_COARSEST = 64**2  # elements of a grid on which a coarser one saves nothing
+_COARSEST = 64**2  # elements of a grid up to which a coarser grid saves no time
 _COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.3, 100
-_WINDOW = 0.6  # share of the grid below which a window is worth what it costs, two convolutions
-_MARGIN = 2  # elements at least, on each side of the loaded elements
-_MULTIPLE = 8  # elements along a window are a multiple of it, for short transforms
+_WINDOW = 0.6  # share of the grid below which a window is worth its two convolutions
+_MARGIN = 2  # least number of elements on each side of the loaded elements
+_MULTIPLE = 8  # the number of elements along a window is a multiple of it, for short transforms
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess from the contact of means over 2 × 2 elements, itself begun on a coarser grid [Pa].
+    """Guess from the contact of means over 2 × 2 elements [Pa], and its cost in convolutions.
 
-    A block's elements get its pressure: more elements than will touch in the end, which the
-    iteration sheds in fewer steps than it would take to find those that are missing. Also gives the
-    convolutions that it took, those on a coarser grid by their share of the elements.
+    That contact begins on a still coarser grid. A block's elements get its pressure: more elements
+    than will touch in the end, which the iteration sheds in fewer steps than it would take to find
+    missing ones. A convolution on a coarser grid counts by its share of the elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -47,9 +47,10 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Guess improved on the part of the free axes that it loads, if small; 0 elsewhere [Pa].
+    """Guess solved on the part of the free axes that it loads [Pa], and its convolutions.
 
-    Also gives the convolutions that it took, by their share of the elements.
+    Other elements get 0. A convolution on the part counts by its share of the elements. If the part
+    is not much smaller than the grid, the guess is returned as it is.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)
@@ -67,7 +68,7 @@ def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array,
     return pressure, outcome.convolutions * part.size / heights.size
 
 
-@functools.lru_cache(maxsize=2)  # of many contacts of one solid, as at positions of the disk
+@functools.lru_cache(maxsize=2)  # many contacts share one solid, as at positions of the disk
 def _cropped(solid: ElasticHalfSpace, shape: tuple[int, int]) -> ElasticHalfSpace:
     return solid.cropped(shape)
 

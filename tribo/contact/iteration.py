@@ -4,8 +4,8 @@ Two kinds of steps take turns. An *active-set step* (`active_set`) is fast near 
 may cycle. A *projected gradient step* (`gradient`) is slower, but always lowers the energy. It
 starts the iteration where much of the contact is still to change, and takes over for longer each
 time that the active-set steps stop making progress, so that the whole converges from any start.
-Where rows of elements are soft as a whole, both go by the metric of `rows`. How far an iterate is
-from the solution is judged in `problem`, and what rounding has cost of it in `rounding`.
+Where rows of elements are soft as a whole, both kinds of steps use the metric of `rows`. `problem`
+judges how far an iterate is from the solution, and `rounding` how many digits it has lost.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from tribo.contact.simplex import scaled_to_load
 from tribo.numerics import largest
 from tribo.types import Array
 
-_SETTLED = 0.3  # share of the contact's nodes on the wrong side at which active-set steps start
+_SETTLED = 0.3  # active-set steps start once this share of the contact's nodes is at a wrong bound
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
-_FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
+_FIRST_GRADIENT_STEPS = 8  # at the first such change; twice as many at each further one
 _GOAL = 0.5  # share of the tolerance that active-set steps aim at
 
 
@@ -48,7 +48,7 @@ class IterationResult:
     gap: Array  # [m]
     approach: float  # distance of the bodies from the datum of the solid [m]
     residual: float  # in units of D_self·max(p), with the error of rounding
-    error: float  # the residual, or the change of the pressure if that is bounded
+    error: float  # the residual, or the change of the pressure if the limits are by change
     load_error: float  # relative
     convolutions: float  # including the convolutions for the guess
     converged: bool
@@ -58,13 +58,13 @@ class IterationResult:
 class StepCounters(NamedTuple):
     """Counters that decide the kind of the next step."""
 
-    gradient_steps: float = math.inf  # before the next active-set step
-    next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # when these stop making progress again
-    best: float = math.inf  # residual since the kind of steps last changed
-    without_progress: int = 0  # steps since that residual
+    gradient_steps: float = math.inf  # to be taken before the next active-set step
+    next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # when active-set steps next fail
+    best: float = math.inf  # lowest residual since the kind of steps last changed
+    without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Count an iterate; it has settled if few of its nodes are at a wrong bound."""
+        """Counters after an iterate, which has settled if few nodes are at a wrong bound."""
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:
             steps = 0
@@ -92,7 +92,7 @@ def iterate(
     while True:
         judged = judge(problem, state)
         progress = progress.after(judged.residual, state.convolutions)
-        is_saturated = not judged.nodes.size  # all in contact is at the hardness, and rightly so
+        is_saturated = not judged.nodes.size  # all nodes in contact rightly carry the hardness
         stalled = is_saturated or progress.has_stalled(problem, state, judged, gradient.idle)
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(judged.residual)
         error, slack = judged.residual, limits.tolerance - judged.residual
@@ -137,7 +137,7 @@ def _first_iterate(
 
 
 def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """The judgement, its residual with the error that rounding may hide."""
+    """The judgement, with the error that rounding may hide added to its residual."""
     hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 

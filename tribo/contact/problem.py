@@ -19,15 +19,15 @@ from tribo.contact.simplex import shifted_to_load
 from tribo.numerics import Neighbourhood, largest
 from tribo.types import Array, Mask, Nodes
 
-# Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
-# pressure, the displacement of which is then computed in full. Not so where the coupling within
-# rows, in units of an element's compliance, would magnify its rounding.
+# Conjugate gradients run in single precision, in two thirds of the time: they only propose a
+# pressure, whose displacement is then computed in full. Above this coupling within rows, in units
+# of an element's compliance, they run in double precision, since it would magnify their rounding.
 _MOST_COUPLING = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Rough surface, solid and load, with all that the solid's map decides."""
+    """Rough surface, solid and load, and what is derived from the solid's map."""
 
     solid: ElasticHalfSpace  # the map D
     heights: Array  # separation of the undeformed surfaces, z [m]
@@ -35,7 +35,7 @@ class Problem:
     hardness: float  # [Pa]
     soft: SoftRows  # the rows of elements that yield most as a whole
     near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
-    fast: ElasticHalfSpace  # D in the precision that does for leading the way
+    fast: ElasticHalfSpace  # D in the precision of conjugate gradients, single where possible
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
@@ -60,9 +60,9 @@ class Problem:
     def bounded_pressure(
         self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
-        """Changed pressure of some nodes, within the bounds and with the load of the others [Pa].
+        """Pressure `changed` on some nodes, moved into the bounds so that the load is carried [Pa].
 
-        With a metric it is the nearest one there, before what is left of the load is spread evenly.
+        With a metric it is the nearest such pressure, before the rest of the load is spread evenly.
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -72,11 +72,11 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """The rows of a solid that yield most."""
+    """Find the rows of a solid that yield most as a whole."""
     return _prepare_solid(solid)[0]
 
 
-@functools.lru_cache(maxsize=4)  # of many contacts of one solid, as at positions of the disk
+@functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
     """Soft rows, stencils and fast map of a solid, the same for all pressures."""
     soft, unit = SoftRows.of(solid), solid.self_influence
@@ -97,7 +97,7 @@ class Iterate(NamedTuple):
     shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
-        """The iterate of another pressure, its displacement computed.
+        """The iterate with another pressure, whose displacement is computed.
 
         `spent` are the convolutions that it took to find that pressure.
         """
@@ -115,7 +115,7 @@ class Iterate(NamedTuple):
 class Judgement(NamedTuple):
     """Distance of a pressure from the solution."""
 
-    gap: Array  # at the level [m]
+    gap: Array  # with the bodies at the level [m]
     level: float  # approach of the bodies from the datum of the iterate [m]
     unit: float  # D_self·max(p), the displacement of an element by the highest pressure alone [m]
     residual: float  # largest violation of the conditions on the gap, in that unit

@@ -1,7 +1,7 @@
-"""Rounding in an iteration: what it may have cost, what of that can be restored, when to give up.
+"""Rounding in an iteration: digits lost, digits that can be restored, and when to give up.
 
-Gradient steps update the displacement along with the pressure, which costs digits. No result is
-given out before that may lie within the tolerance, or its displacement has been computed.
+Gradient steps update the displacement along with the pressure, which costs digits. Before a result
+is returned, that loss has to be within the tolerance, or the displacement is computed anew.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ from tribo.contact.problem import Iterate, Judgement, Problem
 from tribo.contact.simplex import LOAD_ERROR, scaled_to_load
 from tribo.numerics import largest
 
-# What updates may cost of the displacement, once and each, in rounding errors of its largest
-# value: observed are 8 for all updates of a solution together, and 70 where it began far off.
+# Largest error of an updated displacement, fixed and per update, in rounding errors of its largest
+# value. Observed: 8 for all updates of a solution together, 70 where it began far off.
 _UPDATE_ERROR, _ERROR_PER_UPDATE = 100.0, 10.0
-_AT_ROUNDING = 32.0  # the same, of a residual that rounding keeps from falling
-_TRANSFORM_ERROR = 3.0  # the same for what no update of the pressure can restore; observed are 2
+_AT_ROUNDING = 32.0  # in the same unit, a residual that rounding keeps from falling
+_TRANSFORM_ERROR = 3.0  # in the same unit, the error that no update can restore; observed: 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
-_MOST_WAITED, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
-_FARTHEST_DATUM = 4.0  # largest displacements from the surface, beyond which heights lose digits
-_MOST_SHIFTS = 3  # moves of the datum; one does unless heights have no digits left
+_MOST_WAITED, _MOST_IDLE = 1000, 20  # iterations without progress; gradient steps that fail
+_FARTHEST_DATUM = 4.0  # datum to surface, in largest displacements: beyond, heights lose digits
+_MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no digits left
 
 
 def update_error(updates: int, rounding: float, displacement: float) -> float:
@@ -37,10 +37,10 @@ def transform_error(rounding: float, displacement: float) -> float:
 def restore_digits(
     problem: Problem, iterate: Iterate, judged: Judgement, slack: float, exhausted: bool
 ) -> Iterate | None:
-    """The iterate with its digits restored; None where nothing that matters has been lost.
+    """The iterate with its digits restored; None if no digits that matter have been lost.
 
-    The slack is the tolerance less the residual. An exhausted iteration spends no convolution on
-    the load.
+    `slack` is the tolerance less the residual. An exhausted iteration spends no convolution on
+    restoring the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
@@ -59,10 +59,10 @@ def restore_digits(
 
 
 class LowestResidual(NamedTuple):
-    """The lowest residual so far."""
+    """The lowest residual so far, and when it was reached."""
 
     lowest: float = math.inf
-    convolutions: float = 0.0  # after which it was reached
+    convolutions: float = 0.0  # spent until it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
         """The lowest residual after another iterate."""

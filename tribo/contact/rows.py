@@ -1,9 +1,9 @@
 """The metric in which pressure is measured where rows of elements are soft as a whole.
 
-A row along y or x may yield far more to its mean pressure than its elements do to what they carry
-beyond it: because of swept wear, which adds c·⟨p⟩_y to the displacement, or because its elements
-are long across the row and so lie close together. Plain gradients then point almost nowhere but
-at the rows' means. In the metric
+A row along y or x may yield far more to its mean pressure than its elements yield to deviations
+from that mean: because of swept wear, which adds c·⟨p⟩_y to the displacement, or because its
+elements are long across the row and so lie close together. Plain gradients then change almost
+nothing but the rows' means. In the metric
 
     M = d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ,    1ᵢ the n nodes of row i,                                      (1)
 
@@ -23,10 +23,10 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.types import Array, Indices
 
-_SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
+_SOFT = 0.05  # coupling over an element's compliance, from which the metric is worth its cost
 _ROUNDING = 1e-15
-_MOST_STEPS = 100  # steps of a root finder that halves its bracket where Newton's method leaves it
-_MOST_AT_ONCE = 10  # steps of Newton's method without a bracket
+_MOST_STEPS = 100  # most steps of Newton's method in a bracket
+_MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class SoftRows:
     """The rows of a solid that yield most as a whole."""
 
     axis: int  # along which the rows lie
-    coupling: float  # c/n of Eq. (1): what waves across the rows yield beyond an element [m/Pa]
+    coupling: float  # c/n of Eq. (1): displacement that nodes of a row add to each other [m/Pa]
     is_needed: bool  # the coupling is large enough to need the metric
 
     @classmethod
@@ -112,9 +112,9 @@ class RowMetric:
 
             d·sᵢ + (c/n)(Σ clip(q + sᵢ) − Qᵢ) = μ,   Qᵢ = Σ q,                                (2)
 
-        for every row. As a rule, three steps of Newton's method find μ and all sᵢ at once. If not:
-        the left-hand side grows with sᵢ, and the sum of all with μ, so that there is one root
-        inside another, each found by Newton's method in a bracket.
+        for every row. As a rule, three steps of Newton's method find μ and all sᵢ at once. If not,
+        one root is found inside another, each by Newton's method in a bracket: the left-hand side
+        grows with sᵢ, and the sum of all with μ.
         """
         q, sums = field, self._sums(field)
         for _ in range(3):
@@ -122,7 +122,7 @@ class RowMetric:
             nearest, shift, sums = shifted or self._shift_and_clip(q, sums, total, highest)
             if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
                 break
-            # Where q is far larger than what is left of it, the rest has more digits.
+            # Where q is far larger than the result, going on from the shifted q gains digits.
             q = q + shift[self._row]
         return nearest
 

@@ -9,12 +9,12 @@ import numpy as np
 from tribo.types import Array
 
 LOAD_ERROR = 1e-12
-"""Of the load; beyond it a pressure does not carry it."""
+"""Relative error of the load up to which a pressure counts as carrying it."""
 
 SMALLEST, LARGEST = 1e-280, 1e280
-"""Of squares and products on the way, as far as double precision holds them."""
+"""Range of the squares and products in the solver that double precision can hold."""
 
-_NEAR = 2.0  # times as much, or as little, as a guess that is taken to know which nodes yield
+_NEAR = 2.0  # a guess within this factor of the load is trusted on which nodes yield
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
@@ -35,7 +35,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     loaded = pressure > 0
     if total >= hardness * np.count_nonzero(loaded):
         return nearest(pressure, total, hardness)
-    # Of a near guess, nodes that yield go on to yield.
+    # If the guess is near, nodes that yield in it go on to yield.
     between = loaded & (pressure < hardness)
     carried = float(pressure[between].sum())
     rest = total - (float(pressure.sum()) - carried)
@@ -47,7 +47,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
 
 
 def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
-    """Clip to the bounds, then shift what lies between them so that all sums to `total`.
+    """Clip to the bounds, then shift the values between the bounds until all sum to `total`.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def nearest(pressure: Array, total: float, hardness: float) -> Array:
         field, shift = _shift_and_clip(pressure, total, hardness)
         if abs(float(field.sum()) - total) <= 0.1 * LOAD_ERROR * total:
             break
-        pressure = pressure + shift  # what is left after this has more digits
+        pressure = pressure + shift  # going on from the shifted field gains digits
     return field
 
 

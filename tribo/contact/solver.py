@@ -1,8 +1,8 @@
 """Normal contact of an elastic, perfectly plastic half-space.
 
 Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F.
-Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H. That is
-judged on the very pressure that is returned, and none is returned before it is within tolerance.
+Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H. These
+conditions are checked on the pressure that is returned, which has to be within tolerance.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from tribo.types import Array
 
 ContactCriterion = Literal["gap", "pressure-change"]
 
-_VERY_SOFT = 1e6  # compliance of rows over an element's: far beyond elements of any shape
+_VERY_SOFT = 1e6  # compliance of rows over that of an element: far beyond elements of any shape
 _FULL = 1e-14  # relative distance from the highest load, within which every element yields
 _WINDOW_SHARE = 0.9  # share of the tolerance to which a part of the grid is solved on its own
-_LOOSE = 1e-2  # tolerance from which on single precision does where it is the faster one
+_LOOSE = 1e-2  # tolerance from which on single precision is used where it is faster
 _SMALLEST_SINGLE = 1e-27  # stress or depth whose transform single precision can hold
 
 
@@ -45,14 +45,14 @@ class ContactSolution:
     iterations : int
         Convolutions with the solid's kernel; a convolution on fewer elements counts by their share.
     residual : float
-        Largest violation of the conditions on the gap, in units of D_self·max(p), and what
-        rounding may hide of it.
+        Largest violation of the conditions on the gap, in units of D_self·max(p), plus the error
+        that rounding may hide.
     load_error : float
         Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float
         Deepest overlap of the bodies where the material does not yield [m].
     saturated_fraction : float
-        Share of the contact's nodes that carry the hardness.
+        Share of the contact's nodes whose pressure is the hardness.
 
     Examples
     --------
@@ -202,14 +202,14 @@ def _check(
         raise InputError(
             f"tolerance is {tolerance:.1e}; rounding allows no less than {lost:.1e} "
             f"where rows of elements yield {softness:.1e} times as much as one element does. If "
-            "that is by wear, take shorter steps"
+            "wear makes them yield, take shorter steps"
         )
     stress, depth = _scales(solid, normal_load)
     # An iteration multiplies stresses by depths, and depths by depths.
     in_range = all(SMALLEST < product < LARGEST for product in (stress * depth, depth * depth))
     if normal_load and not in_range:
         raise InputError(
-            f"normal_load is {normal_load:g} N on a patch of {area:g} m² of an influence of "
+            f"normal_load is {normal_load:g} N on a patch of {area:g} m² with an influence of "
             f"{solid.self_influence:g} m/Pa; double precision cannot hold a contact of this size"
         )
 
@@ -255,5 +255,5 @@ def _failure(outcome: IterationResult, limits: Limits) -> str:
         )
     return (
         f"the contact did not converge: residual {outcome.error:.2e} after "
-        f"{math.ceil(outcome.convolutions)} iterations, asked were {limits.tolerance:.2e}; {advice}"
+        f"{math.ceil(outcome.convolutions)} iterations, above {limits.tolerance:.2e}; {advice}"
     )

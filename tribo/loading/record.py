@@ -13,10 +13,10 @@ from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
-_NOISE = 0.02  # share of the reference load by which a load at rest may read wrong
-_EVEN = 0.2  # share of its travel that a load may be ahead or behind, to take equal steps
-_FITTED = (0.1, 0.9)  # shares of the reference load: the part of the rise without rounded ends
-_MOST_OF_COURSE = 500  # points, so that a store holds them in some 20 kB
+_NOISE = 0.02  # noise of a constant load, as a share of the reference load
+_EVEN = 0.2  # steps are equal in time if shares of travel and of time differ by less
+_FITTED = (0.1, 0.9)  # shares of the reference load between which the rise is fitted
+_MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,12 +24,13 @@ class MeasuredLoad:
     """A record of the load, from its first row to where it first reaches its reference load.
 
     That stretch is cut into as many steps as the scene has increments. They are equal in time where
-    the load grows about evenly. Otherwise each has an equal sum of two shares: that of the
-    duration, and that of the total travel of the load, up and down, without noise below 2 % of the
-    reference load. So a jump has half of the steps, however short it is. A point of another load
-    has the same times, and all loads scaled in proportion. So no two points share a trunk: each
-    follows the record from its start. Where the record falls, so does the load; below 0, where only
-    the sensor's noise can be, it counts as 0.
+    the load grows about evenly. Otherwise each step has an equal sum of two shares: of the
+    duration, and of the load's total travel up and down, without noise below 2 % of the reference
+    load. So a jump gets half of the steps, however short it is.
+
+    A point at another load has the same times, and all loads scaled in proportion. So points share
+    no trunk: each follows the record from its start. The load falls where the record falls. Below
+    0, where only the sensor's noise can be, it counts as 0.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ class MeasuredLoad:
     ------
     InputError
         If there are fewer than two rows, a number is not finite, the time does not increase, or
-        the record does not rise to its reference load. It names the row.
+        the record does not rise to its reference load. The message names the row.
 
     Examples
     --------
@@ -114,7 +115,7 @@ class MeasuredLoad:
     ) -> Iterator[Station]:
         """Every station of a point; times count from the record's first row.
 
-        A record has no hold of its own.
+        A record has no hold, so that `hold_increments` is not used.
         """
         require_positive(normal_load=normal_load)
         begin, scale = float(self.times[0]), normal_load / self.peak
@@ -128,10 +129,10 @@ class MeasuredLoad:
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
-        """Times from the record's first row [s], and the load then over that at the end.
+        """Times from the record's first row [s], each with the load then over the load at the end.
 
-        These are its rows up to there. A longer record is cut as for 500 steps, of which each has
-        its mean load in its middle.
+        There is one pair for each row up to that end. A record of more than 500 rows is cut into
+        500 steps instead, each with its mean load at its middle.
 
         Examples
         --------
@@ -141,7 +142,7 @@ class MeasuredLoad:
         return _course(self)
 
     def _step_ends(self, number: int) -> Array:
-        """Ends of `number` steps, from the record's first row on [s]."""
+        """Ends of `number` steps [s], counted from the record's first row, shape (number,)."""
         begin, end = float(self.times[0]), self.time_at(1.0)
         shares = np.arange(1, number + 1) / number
         if (unequal := _step_times(self)) is None:
@@ -153,7 +154,7 @@ class MeasuredLoad:
     def _impulses(self, moments: Array) -> Array:
         """Integral of the record's load from its first row to each of the moments [N s]."""
         t, F = self.times, self.loads
-        before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # between these rows and the next, F is 0
+        before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # F crosses 0 after these rows
         zeros = t[before_zeros] - F[before_zeros] * (t[before_zeros + 1] - t[before_zeros]) / (
             F[before_zeros + 1] - F[before_zeros]
         )
@@ -189,7 +190,7 @@ class MeasuredLoad:
 
 @functools.lru_cache(maxsize=4)  # each scene of a sweep asks for it
 def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
-    """See `MeasuredLoad.course`."""
+    """Compute `MeasuredLoad.course`, and cache it."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
@@ -203,9 +204,9 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Shares of the steps that a record has taken, and when [s]; None if they are equal in time.
+    """Share of the steps taken until each row, and the row's time [s]; None for equal steps.
 
-    The load's travel is that of a follower with backlash.
+    The load's travel is that of a follower with backlash, which does not move with noise.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
@@ -218,13 +219,13 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
         travel.append(travel[-1] + abs(position - follower))
         follower = position
     travelled, elapsed = np.array(travel) / travel[-1], (times - begin) / (end - begin)
-    if np.abs(travelled - elapsed).max() < _EVEN:  # equal steps, whose heat takes fewer kernels
+    if np.abs(travelled - elapsed).max() < _EVEN:  # equal steps need fewer kernels of heat
         return None
     return (travelled + elapsed) / 2, times
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
-    """First row that cannot be part of a record, and why."""
+    """Number of the first row that cannot be part of a record, and why; None if all can."""
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
     first = int(broken[0]) if broken.size else len(times)
     backwards = np.flatnonzero(np.diff(times[:first]) <= 0)

@@ -1,7 +1,7 @@
-"""Oils: viscosity at any temperature, and the film that would part smooth surfaces.
+"""Oils: viscosity at any temperature, and the film that would separate smooth surfaces.
 
-The contact itself is computed as if it were dry (boundary lubrication). The film parameter says
-how far that may be relied on.
+The contact itself is computed as if it were dry (boundary lubrication). The film parameter shows
+whether that assumption holds.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class Oil:
             self.temperatures[1] / self.temperatures[0]
         )
         cold, warm = (math.log(math.log(1e6 * nu + 0.7)) for nu in self.viscosities)
-        # No oil is as thick as the bound, which keeps the double exponential within doubles.
+        # The bound is above any oil, and keeps the double exponential from an overflow.
         kinematic = math.exp(math.exp(min(cold + place * (warm - cold), 5.0))) - 0.7
         return 1e-6 * kinematic * self.density
 
@@ -122,9 +122,9 @@ def minimum_point_film(
 
     h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U and G of `minimum_line_film`,
     W = F/(E'R²), F the load [N] and R the radius in the plane of motion [m] (Hamrock & Dowson,
-    J. Lubr. Technol. 99, 1977). It was fitted to ellipticities k, the width of the contact across
-    the motion over that along it, from 1 to 8; beyond, it goes on to that of a long contact and,
-    for an ellipse along the motion, to 0.
+    J. Lubr. Technol. 99, 1977). The ellipticity k is the contact's width across the motion over
+    its width along it, and the fit is for 1 to 8. For larger k it tends to the film of a long
+    contact, for an ellipse along the motion to 0.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def lubrication_regime(film_parameter: float) -> str:
     ['boundary lubrication', 'mixed lubrication', 'full film, outside the model']
     """
     if math.isnan(film_parameter):
-        raise InputError("film_parameter is nan; give that of a film that is known")
+        raise InputError("film_parameter is nan; it must be a number of at least 0")
     if film_parameter < BOUNDARY:
         return "boundary lubrication"
     return "mixed lubrication" if film_parameter < FULL_FILM else "full film, outside the model"

@@ -21,8 +21,8 @@ from tribo.numerics.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
 _LARGE = 64**2  # elements from which on single precision takes less time than double
-_SMALLEST_INFLUENCE = 1e-25  # influence that leaves single precision room for what comes of it
-_MOST_BUFFERS = 4  # sizes of transforms that a thread goes back and forth between
+_SMALLEST_INFLUENCE = 1e-25  # least influence whose results stay in the range of single precision
+_MOST_BUFFERS = 4  # most sizes of transforms whose buffers a thread keeps
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
@@ -48,7 +48,7 @@ def wrapped_offsets(grid: Grid, axis: int) -> Array:
 
 
 def _wrapped_indices(grid: Grid, axis: int) -> Indices:
-    """The same in elements."""
+    """Offsets along `axis` as in `wrapped_offsets`, counted in elements."""
     n = padded_shape(grid)[axis]
     index = np.arange(n)
     return np.where(index <= (n - 1) // 2, index, index - n)
@@ -106,15 +106,14 @@ class Convolution:
     ) -> Array:
         """Convolve `field`, shape ``grid.shape``.
 
-        The result goes to `out` if given. If the field is 0 but for the rows x from the first to
-        before the second one of `rows`, and only these are of interest, it takes less time; the
-        other rows of the result are then undefined.
+        The result goes to `out` if given. With `rows` = (low, high) it takes less time: the field
+        must be 0 outside rows low to high − 1 along x, and other rows of the result are undefined.
         """
         (nx, ny), (mx, my) = self.grid.shape, self._lengths
         if out is None:
             out = np.empty(self.grid.shape)
         low, high = rows or (0, nx)
-        # NumPy takes single precision throughout only where both ways are scaled.
+        # NumPy stays in single precision only where both transforms are scaled.
         norm: Literal["ortho"] | None = "ortho" if self._single else None
         if my == 1 and not self._single:
             modes = np.fft.rfft(field[:, 0], n=mx)
@@ -145,7 +144,7 @@ class Convolution:
         return out
 
     def _multiply(self, modes: Spectrum) -> None:
-        """Multiply modes by the spectrum; a real one on pairs of reals, which is faster."""
+        """Multiply modes by the spectrum in place; a real spectrum on pairs of reals, for speed."""
         pairs = modes.view(modes.real.dtype) if np.isrealobj(self.spectrum) else modes
         if self._factors is None:
             spectrum = self.spectrum.astype(pairs.dtype, copy=False)
@@ -154,11 +153,11 @@ class Convolution:
 
     @property
     def rounding(self) -> float:
-        """Relative error of a number of the precision in which the transforms count."""
+        """Machine epsilon of the precision in which the transforms are computed."""
         return float(np.finfo(np.float32 if self._single else np.float64).eps)
 
     def single_precision(self) -> Self:
-        """Return a copy that counts in single precision: seven digits, faster on large grids.
+        """Return a copy that computes in single precision: seven digits, faster on large grids.
 
         Examples
         --------
@@ -173,10 +172,10 @@ class Convolution:
         return single
 
     def faster_precision(self, influence: float) -> Self:
-        """Return the copy that counts in single precision, or itself where that gains nothing.
+        """Return a copy in single precision, or itself where that is slower or not possible.
 
-        That is on small grids, and where the influence of an element on itself is a number too
-        large or too small for single precision.
+        It is slower on small grids. It is not possible where the influence of an element on itself
+        is too large or too small for single precision.
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
@@ -204,7 +203,7 @@ class Convolution:
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
 
-        Along an axis of one element, blocks have one; other axes have an even number of elements.
+        An axis of one element keeps it; other axes must have an even number of elements.
         """
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         fx, fy = min(nx, 2), min(ny, 2)
@@ -219,14 +218,14 @@ class Convolution:
         return self._replace_grid(grid, np.fft.fft(kernel, axis=0))
 
     def _replace_grid(self, grid: Grid, modes: Spectrum) -> Self:
-        """Return a copy with another grid and the modes of its kernel, in any precision."""
+        """Return a copy with another grid and `modes` as spectrum, in the precision of this map."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)
         return changed
 
     def __add__(self, other: Convolution) -> Convolution:
-        """Return the map whose result is the sum of both."""
+        """Return the map whose result is the sum of the results of both maps."""
         return Convolution(self.grid, self.spectrum + other.spectrum)
 
 
@@ -243,7 +242,7 @@ class _Buffers(threading.local):
         self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
-        """Arrays of any contents: modes, shape (mx, my//2 + 1), and rows, shape (nx, my)."""
+        """Uninitialised arrays: modes, shape (mx, my//2 + 1), and rows, shape (nx, my)."""
         key = nx, mx, my, single
         if key in self._kept:
             self._kept.move_to_end(key)

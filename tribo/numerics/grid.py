@@ -10,7 +10,7 @@ import numpy as np
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
-_MOST_ELONGATED = 1e6  # influences are summed over scales from the short side to the long one
+_MOST_ELONGATED = 1e6  # sides of an element; influences are summed over all scales between them
 
 
 @dataclass(frozen=True, slots=True)

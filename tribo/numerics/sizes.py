@@ -1,4 +1,4 @@
-"""Sizes of fields."""
+"""The largest absolute value of a field."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Stencils of 3 × 3 elements: what elements do to their next neighbours, and what undoes it.
+"""Stencils of 3 × 3 elements: the middle of a kernel, and its approximate inverse.
 
-A kernel that falls off like 1/r is worst conditioned at short waves, at which an element feels
+A kernel that falls off like 1/r is worst conditioned for short waves, where an element is moved by
 little but its neighbours. The middle column of the inverse of a block of 3 × 3 elements undoes
-that, on a set of nodes of any shape. Preconditioned with it, conjugate gradients need half the
-iterations, for a tenth to a fifth of a convolution each.
+that, on a set of nodes of any shape. Conjugate gradients preconditioned with it need half the
+iterations; applying it takes a tenth to a fifth of a convolution.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from tribo.numerics.convolution import Convolution, padded_shape
 from tribo.numerics.sizes import largest
 from tribo.types import Array, Nodes
 
-# Coupling within rows, in units of an element's own influence, beyond which to undo it exactly
-# is worth more than to undo what rows do to each other.
+# Coupling within rows, in units of an element's influence on itself. Above it, undoing it exactly
+# is worth more than undoing what rows do to each other.
 _RIGID = 0.3
 
 
@@ -27,10 +27,10 @@ class Neighbourhood:
     """The stencils of a convolution whose kernel is even along y.
 
     A stencil, shape (3, 2), holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1
-    along y. `influence` is the kernel, and `inverse` undoes it: on 3 × 3 elements, or where rows
-    are rigid compared with their coupling, on 3 of a row. The coupling is the displacement that
-    elements of a row along the soft axis add to each other, whatever their distance (see
-    `tribo.contact.rows`); the inverse leaves it to `Preconditioner`.
+    along y. `influence` is the kernel's middle. `inverse` undoes it: on 3 × 3 elements, or on 3
+    of one row where the coupling is strong. The coupling is the displacement that elements of a row
+    along the soft axis add to each other, whatever their distance (see `tribo.contact.rows`); the
+    inverse leaves it to `Preconditioner`.
 
     Examples
     --------
@@ -56,8 +56,8 @@ class Neighbourhood:
         if coupling > _RIGID * kernel[2, 0]:
             rx, ry = (0, ry) if soft_axis else (rx, 0)
         self.inverse = _inverse(kernel, rx, ry)
-        # Only a dominant middle makes it surely positive definite on any set of nodes, as it has
-        # to be where the kernel is even along x too.
+        # Only a dominant middle makes sure that it is positive definite on any nodes. It has to be
+        # where the kernel is even along x too.
         middle, total = self.inverse[1, 0], self.inverse.sum() + self.inverse[:, 1].sum()
         dominant = np.count_nonzero(self.inverse > 0) == 1 and 0 < total < np.inf
         if not (dominant if self._even else 0 < middle < np.inf):
@@ -69,8 +69,8 @@ class Neighbourhood:
         nx, ny = self._shape
         (along_x, along_y), even = self._periodic, self._even
         # Fields have a margin of one element, and are summed as one long row. Rows that hold no
-        # nodes are left out at both ends. Single precision, in half the time, does for what only
-        # leads the way to a solution.
+        # nodes are left out at both ends. Single precision takes half the time, and is enough where
+        # a result only guides the iteration.
         low, high = (0, nx) if along_x else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
         row = ny + 2
         places = nodes + 2 * (nodes // ny) + (1 + (1 - low) * row)
@@ -118,13 +118,13 @@ class Preconditioner:
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
-    followed by what makes its result sum to 0. For a stencil within rows yᵢ is S1ᵢ, and (1) the
+    and its result is then shifted to sum to 0. For a stencil within rows yᵢ is S1ᵢ, and (1) is the
     exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. A stencil that reaches beyond its row needs a small k, for
     which (1) is nearly symmetric, too.
 
     Examples
     --------
-    Two soft rows of two: what differs between the rows is worth less than what differs within.
+    Two soft rows of two nodes: a difference between the rows counts less than one within a row.
 
     >>> soft = Preconditioner(lambda r: r.copy(), rows=np.array([0, 0, 1, 1]), coupling=2.0)
     >>> soft(np.array([5.0, 5.0, 0.0, 0.0])), soft(np.array([1.0, -1.0, 0.0, 0.0]))
@@ -142,7 +142,7 @@ class Preconditioner:
         self._balance = self._balance / float(self._balance.sum())
 
     def __call__(self, residual: Array) -> Array:
-        """Return the direction to go from a residual; it sums to 0."""
+        """Return the search direction for a residual; it sums to 0."""
         direction = self._inverse(residual)
         if self._weight is not None:
             sums = self._weight * np.bincount(self._rows, direction)
@@ -184,7 +184,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Weights that sum modes to the values at offsets along x, even and odd, and along y."""
+    """Weights that sum modes to values at offsets 0 to 2: even and odd along x, even along y."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

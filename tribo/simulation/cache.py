@@ -1,4 +1,4 @@
-"""The one cache of simulations: maps, surfaces, kernels and contacts, kept for the next ones.
+"""Caches of simulations: maps, surfaces, kernels and contacts, kept for later points.
 
 This is the one place in which points of a diagram share anything. What is kept does not change
 once it is made, and threads may use it at the same time: a thread waits for a result that
@@ -23,16 +23,16 @@ from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_MAPS = 4  # of both bodies, for a contact and the next one
+_MOST_MAPS = 4  # of heat into a body: those of both bodies, for a contact and the next one
 _MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 
 Value = TypeVar("Value")
 
 
 class Cache(Generic[Value]):
-    """A cache of values by what they are computed from, up to a sum of their sizes.
+    """A cache of values by key, up to a total size.
 
-    The least recently used go first; the last one stays, whatever its size.
+    The least recently used values are dropped first; the newest one stays, whatever its size.
 
     Examples
     --------
@@ -49,7 +49,7 @@ class Cache(Generic[Value]):
         self._lock = threading.RLock()  # a contact may need another one, on smaller elements
 
     def get(self, key: Hashable, compute: Callable[[], Value]) -> Value:
-        """Return the value of a key, computed if it is not kept."""
+        """Return the value of a key; compute it if it is not cached."""
         with self._lock:
             if key in self._values:
                 self._values.move_to_end(key)
@@ -72,12 +72,12 @@ class ElasticBodies(NamedTuple):
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
-    heights: Array | None = None  # the disk's about their mean, if an imprint counts [m]
-    yielding: float = 0.0  # Σ u·z of the displacement u by z · 1 Pa/m, z these heights [m²]
+    heights: Array | None = None  # of the disk above their mean, where they are needed [m]
+    yielding: float = 0.0  # Σ u·z, z these heights and u the displacement under z · 1 Pa/m [m²]
 
 
 _bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
-_heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # all grids of a scene
+_heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # one surface, for all its grids
 _summits = Cache[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
 _spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
 _maps = Cache[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
@@ -87,43 +87,43 @@ _contacts = Cache[State](
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
-    """Summits of a scene's surface, which are the same for all fidelities."""
+    """Summits of a scene's surface, cached: they are the same for all fidelities."""
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
-    """The elastic map and the undeformed separation of a scene, on its own grid."""
+    """The elastic map and the undeformed separation of a scene on its own grid, cached."""
     return _bodies.get(scene, lambda: _elastic_bodies(scene))
 
 
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a flux into a body; see `flux_history_spectrum` [K m²/W]."""
+    """Spectrum of the rise due to a flux into a body, cached; see `flux_history_spectrum`."""
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
     )
 
 
 def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from a flux into a body since a time [s], the same object for the next contacts."""
+    """Map from a flux that has acted for a time [s] to the rise of a body [K], cached."""
     spectrum = heat_spectrum(grid, body, (0.0, time), (1.0, 1.0))
     return _maps.get((grid, body, time), lambda: Convolution(grid, spectrum))
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
-    """Contact of a scene that remembers no step, which is the same at all velocities."""
+    """Contact that depends on no earlier step, cached since it is the same at all velocities."""
     return _contacts.get(key, compute)
 
 
 def forget_contacts() -> None:
-    """Free the cached contacts, such as before their computation is timed."""
+    """Free the cached contacts, for example before their computation is timed."""
     _contacts.clear()
 
 
 def forget_kernels() -> None:
-    """Free what simulations keep for the next ones of the same scene.
+    """Empty all caches of simulations, and free the buffers of this thread.
 
     Examples
     --------

@@ -1,18 +1,20 @@
 """Contact and wear along a loading: the first of the three layers of a point.
 
-Contact and wear know the load, the surface, the elastic constants, the hardness, and of the sliding
-velocity V only how fast it wears the pin. A step of the duration t wears by
+Contact and wear depend on the load, the surface, the elastic constants and the hardness. They
+depend on the sliding velocity V only through how fast it wears the pin. A step of the duration t
+wears by
 
     h = k V t p = w t p,   w = kV,                                                            (1)
 
-k the specific wear rate, p the pressure. So two systems of one wear number w have the same contacts
-at every load, whatever their velocities and thermal constants, and these need to be solved only
-once for all of them. `heat` acts on contacts, and the conditions of wear on heat.
-`inseparable` says where that does not hold.
+k the specific wear rate, p the pressure. So two systems with the same wear number w have the same
+contacts at every load, whatever their velocities and thermal constants, and these are solved once
+for all of them. `heat` is computed from contacts, and verdicts from heat. `inseparable` says where
+that does not hold.
 
-Where nothing wears, w is 0 at every velocity, and the contact at a load is kept for the next ones.
-No choice on the way asks for a temperature: neither larger elements before the last step, nor a
-step's short end. How large elements are is chosen before, see `element_size`.
+Where nothing wears, w is 0 at every velocity, and the contact at a load is cached.
+
+No choice here depends on a temperature: neither larger elements before the last step, nor a step's
+short end. The size of elements is chosen before, see `element_size`.
 """
 
 from __future__ import annotations
@@ -53,14 +55,14 @@ def wear_number(scene: Scene, velocity: float) -> float:
     """
     if scene.wear is None:
         return 0.0
-    # A user's own law has no rate, and contacts at one velocity alone.
+    # A user's own law has no constant rate, and its contacts hold at one velocity alone.
     return (scene.wear.specific_wear_rate if isinstance(scene.wear, Wear) else 1.0) * abs(velocity)
 
 
 def mechanics(scene: Scene) -> Scene:
-    """The scene with a wear rate and thermal constants of 1, without friction: that of contacts.
+    """The scene with wear rate and thermal constants set to 1, and without friction.
 
-    Contacts of one such scene are the same at one load and `wear_number`.
+    Scenes for which it is the same have the same contacts at equal load and `wear_number`.
 
     Examples
     --------
@@ -125,7 +127,7 @@ def contacts(
     ------
     State
         State after every step. `State.is_requested` marks the states whose temperature `heat`
-        computes. If it depends on the heat of earlier steps, these have it.
+        computes, unless they have it already because it depends on the heat of earlier steps.
 
     Examples
     --------
@@ -177,7 +179,7 @@ def contacts(
 
 
 def _check(scene: Scene, normal_load: float, velocity: float) -> None:
-    """Raise `InputError` for a load or a velocity that cannot be."""
+    """Raise `InputError` for a load or a velocity that is not allowed."""
     if not np.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     require_positive(normal_load=normal_load)
@@ -189,19 +191,19 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station from which the ramp goes on, on the grid of the history."""
+    """State at a station from which a ramp to higher loads goes on, on its coarse grid."""
     return _last_part(levels, velocity, before, station)[1]
 
 
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States at both ends of the last part of a step, on the grid of the history."""
+    """States at both ends of the last part of a step, on the coarse grid of the ramp."""
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
         if scene.remembers_heat:
-            # The heat of all steps acts on the last, and so each has to know its own pressure.
+            # The heat of every step acts later, so that each step needs its pressure at its end.
             after = replace(end_implicitly(scene, begin, after, part, velocity), history=None)
         iterations += after.iterations
     return begin, replace(after, iterations=iterations)
@@ -215,7 +217,7 @@ def _solve_requested(
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """State whose temperature is requested, on the finest grid."""
+    """Repeat the step from `before` to `after` on the finest grid, and request its temperature."""
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
@@ -229,22 +231,22 @@ def _unworn(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station that does not depend on the steps before; kept for other velocities."""
+    """State at a station, which does not depend on earlier steps; cached for other velocities."""
     scene = levels[-1]
 
     def compute() -> State:
-        # From the start at each station: not even a first guess may remember the steps, or results
+        # From the start at each station: not even a first guess may depend on steps, or results
         # would depend on the stations at which a temperature is requested.
         ends = _last_part(levels, velocity, start(scene), station)
         return _solve_requested(levels, *ends, station, velocity)
 
-    # What bears a load is the same whenever it does.
+    # The contact under a load does not depend on when the load is reached.
     contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
     return _later(contact, station, velocity)
 
 
 def _later(contact: State, station: Station, velocity: float) -> State:
-    """A contact that nothing has worn since, at a later station of its load."""
+    """The state of a contact without wear at a later station of the same load."""
     return replace(
         contact,
         time=station.time,

@@ -1,15 +1,14 @@
 """Physics beside the two half-spaces, which acts after the simulation.
 
-Friction by velocity multiplies the rise at friction 1; that by temperature acts where a temperature
-is made of it. Other parts stand in series
-with the half-spaces in one thermal circuit, `tribo.thermal.circuit_rise`, in proportion to
-friction: a film on the disk, the stem that holds the pin, the heat of earlier turns in the tracks
-of both bodies, and behind them a bulk that warms. So all of it follows from what a simulation
-records, and costs none.
+Friction by velocity multiplies the rise at friction 1. Friction by temperature acts where a
+temperature is computed from that rise. The other parts stand in series with the half-spaces in one
+thermal circuit, `tribo.thermal.circuit_rise`, in proportion to friction: a film on the disk, the
+stem that holds the pin, the heat of earlier turns in the tracks of both bodies, and a bulk behind
+them that warms. All of them follow from what a simulation records, and need no new simulation.
 
 A track that has kept heat of earlier turns is warmer by w s, where s is its body's share of the
-heat. The share is taken to have been that of now all the time, so that the track is one more
-resistance, w over the heat.
+heat. That share is taken as constant in time, so that the track is one more resistance, w over the
+heat.
 """
 
 from __future__ import annotations
@@ -81,7 +80,7 @@ class Track:
 
     @classmethod
     def under(cls, pin: Pin, body: Material, around: float | Disc) -> Self:
-        """The track of a pin's contact on a body, of a length [m], or around a disc.
+        """The track of a pin on a body; `around` is its length [m], or the disc with this rim.
 
         Examples
         --------
@@ -111,7 +110,7 @@ class Corrections:
     Attributes
     ----------
     friction : Friction
-        Friction over the coefficient of the conditions.
+        Friction as factors on the coefficient of the conditions.
     track, pin_track : Track or None
         Tracks of disk and pin, warmed by earlier turns; the track of a body at rest is cold.
     motion : Motion or None
@@ -126,8 +125,8 @@ class Corrections:
     course : tuple of tuple of float
         Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp.
     rate : float or None
-        Rate at which a ramp reaches its load, which is held from then on [N/s]. If there is
-        neither that nor a course, the load is linear between the steps that are known.
+        Rate at which a ramp reaches its load, which is held from then on [N/s]. Without a rate
+        and a course, the load is linear between the steps that are known.
 
     Examples
     --------
@@ -150,8 +149,8 @@ class Corrections:
     def __post_init__(self) -> None:
         if self.friction.coefficient != 1:
             raise InputError(
-                f"friction.coefficient is {self.friction.coefficient!r}; it must be 1, as that of "
-                "the conditions scales it"
+                f"friction.coefficient is {self.friction.coefficient!r}; it must be 1, since the "
+                "conditions' coefficient scales it"
             )
         for name, track, bulk in (
             ("pin", self.pin_track, self.pin_bulk),
@@ -168,14 +167,14 @@ class Corrections:
             )
 
     def under(self, loading: Ramp | MeasuredLoad) -> Self:
-        """The corrections with what a load was before."""
+        """The corrections with the course or the rate of a loading."""
         if isinstance(loading, MeasuredLoad):
             return replace(self, course=loading.course, rate=None)
         return replace(self, course=(), rate=loading.rate)
 
     @property
     def keeps_heat(self) -> bool:
-        """True if a body is the warmer, the longer its load is held."""
+        """True if a body gets warmer the longer its load is held."""
         bulks = self.pin_bulk, self.disk_bulk
         tracks = self.track or self.pin_track or (self.stem and self.stem.settling_time)
         return bool(tracks or any(bulk.capacity for bulk in bulks if bulk))
@@ -210,10 +209,10 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Additional rise of the contact at friction 1 by all that is in the circuit [K].
+        """Rise of the contact at friction 1 that the circuit adds [K].
 
-        The columns are those of `NEEDED`, the steps last, in their order in time. NaN where the
-        temperature was not computed.
+        `columns` has those of `NEEDED`, with the steps on the last axis in order of time. NaN where
+        the temperature was not computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -264,7 +263,7 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Columns with corrected rises at friction 1, at all bulk ratios [K].
 
-        The columns of `NEEDED` are needed, and each column of rises that is to be corrected.
+        `columns` has those of `NEEDED`, and each column of rises that is to be corrected.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -283,13 +282,13 @@ _RISES: dict[str, Any] = {
     "rise_quantile": (..., None),
     "bulk_rise_quantile": (..., None, None),
 }
-"""Columns of rises, and the axes that follow that of the steps."""
+"""Columns of rises, and the index that broadcasts steps along their further axes."""
 
 
 def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
-    """Rises of a state as columns of one moment, with corrections.
+    """Rises of a state by name, with corrections if they are given [K].
 
-    The state has to have a temperature. Before, the load was that of the scene's loading.
+    The state must have a temperature. Its earlier loads are those of the scene's loading.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
@@ -301,7 +300,7 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
 
 
 class _Moment(NamedTuple):
-    """A step of a point, and the load until then."""
+    """A step of a point, with the course of the load until then."""
 
     times: Array  # s, ascending
     loads: Array  # N
@@ -311,10 +310,10 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """The moment at one step of columns, whose last axis is the step.
+        """The moment at one step of columns whose last axis is the step.
 
-        The load before has a rate, or a course, whose shares belong to the load at the last step;
-        else it is linear between the steps that are known.
+        The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
+        the last step. Without both it is linear between the steps that are known.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))
@@ -336,14 +335,14 @@ class _Moment(NamedTuple):
 
 
 def _describe_curve(curve: Curve) -> str:
-    """A measured friction in words, with its factors, which may rest on another coefficient."""
+    """A curve of friction in words, with the range of its factors; empty without a curve."""
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))
     return factors and f"measured, {factors} times the coefficient"
 
 
 def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
-    """Resistance of the stem at some moments, by its flux until then [K/W]."""
+    """Resistance of the stem at each moment, by its heat flow until then [K/W]."""
     if stem is None:
         return 0.0
     return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])
@@ -352,7 +351,7 @@ def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | f
 def _turn_resistance(
     track: Track | None, moments: Sequence[_Moment], speeds: Array
 ) -> Array | float:
-    """Resistance by which earlier turns have warmed a track, at some moments [K/W]."""
+    """Warming of a track by earlier turns over the heat of the contact, at each moment [K/W]."""
     if track is None:
         return 0.0
     return np.array(
@@ -364,7 +363,7 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
-    """Warming of a track at a moment by earlier turns, if all heat flows into its body [K]."""
+    """Warming of a track by earlier turns at friction 1, if its body takes all heat [K]."""
     width = track.width or track.aspect * moment.contact_width
     return track_warming(
         moment.times[-1],

@@ -5,16 +5,18 @@ Each element of the contact C has the friction of its own temperature,
     T = T_b + A q + r µ̄,   q(x) = µ(V, T(x)) V p(x)   on C,                               (1)
 
 with A the partition of heat between the bodies (`tribo.thermal.partition_heat`), which is linear,
-and r the rise at friction 1 that bodies which warm, a stem and a film add evenly, at the mean
-friction µ̄ = Σq/ΣVp.
-It is solved from cold: the first heat is that at the friction of the bulk temperature, and each
-partition adds what the last temperature has changed of it. So where friction rises, temperatures
-only rise on the way, and reach the lowest solution, as a contact that warms up does.
+and r the rise at friction 1 that warm bodies, a stem and a film add evenly, at the mean friction
+µ̄ = Σq/ΣVp.
+
+The iteration starts from cold: its first heat has the friction of the bulk temperature, and each
+further partition adds the change of heat by the last temperature. So where friction rises,
+temperatures only rise on the way, and reach the lowest solution, as a contact that warms up does.
 
 Near a steep rise of friction there may be no solution close to the cold one: the contact ignites.
-That is said where its rise has grown by a quarter, and a round adds more than the one before. Where
-friction rises more slowly than T − T_b to the power of 0.7 that cannot be, and where it falls the
-plain iteration would oscillate: there the last few rounds are combined (Anderson, J. ACM 12, 1965).
+That is the outcome if its rise has grown by a quarter, and a round adds more than the one before.
+Where friction rises more slowly than T − T_b to the power of 0.7 that cannot happen, and where it
+falls the plain iteration would oscillate: there the last few rounds are combined (Anderson, J. ACM
+12, 1965).
 """
 
 from __future__ import annotations
@@ -37,23 +39,23 @@ from tribo.types import Array
 Outcome = Literal["solved", "ignites", "not converged"]
 
 _MOST_ROUNDS = 60
-_CLOSE = 2e-4  # change of a temperature in a round, in the highest rise, at which it is solved
+_CLOSE = 2e-4  # change of a temperature in a round, over the highest rise, at which it is solved
 _TOLERANCE = 1e-3  # tolerance of the partitions, where that of the fidelity is larger
-_LOOSEST = 0.1  # tolerance of a partition that adds little
-_GROWN = 1.25  # mean rise over the cold one from which a contact that gains ever more ignites
-_KEPT = 4  # rounds that are combined
+_LOOSEST = 0.1  # largest tolerance of a partition that adds little
+_GROWN = 1.25  # mean rise over the cold one, from which a contact that heats ever faster ignites
+_KEPT = 4  # rounds that Anderson mixing combines
 
 
 class CoupledRise(NamedTuple):
     """Rise by friction that depends on temperature, and how it was found.
 
-    Rises are over the coefficient of friction: NaN where they are not solved, infinite where the
-    contact ignites [K].
+    Rises are divided by the coefficient of friction [K]. They are NaN where they are not solved,
+    infinite where the contact ignites.
     """
 
     rise: float
     outcome: Outcome | None = None
-    rise_quantile: Array | None = None  # of all of the contact, where it is solved [K]
+    rise_quantile: Array | None = None  # over the contact area, where it is solved [K]
 
 
 UNSOLVED = CoupledRise(math.nan)
@@ -66,7 +68,7 @@ class CoupledHeat:
     Attributes
     ----------
     outcome : {"solved", "ignites", "not converged"}
-        Without a solution the rises are NaN.
+        How the iteration ended. Unless it is "solved", the rises are NaN.
     partitions : int
         Heat partitions that it took.
     rise_quantile : ndarray, shape (len(QUANTILES),)
@@ -118,7 +120,7 @@ def coupled_heat(
     Returns
     -------
     CoupledHeat
-        Rises, as means over the positions of the disk over which the state's temperature is one.
+        Rises, averaged over the same positions of the disk as the state's temperature.
     """
     scene = refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
@@ -135,7 +137,7 @@ def coupled_heat(
 
 
 def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
-    """Solve with the disk where the state's pressure has it."""
+    """Solve Eq. (1) with the disk at the position to which the state's pressure belongs."""
     contact = state.pressure > 0
     nodes = np.flatnonzero(contact)
     pin, disk = bodies_at(scene, state, frictions.velocity)
@@ -143,7 +145,7 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
     heat = friction_heat(scene, state, frictions.velocity).take(nodes)
 
     def rise_by(flux: Array, whole: Array) -> Array:
-        """Rise on the contact by a flux, which is exact enough for that of the whole heat."""
+        """Rise on the contact due to a flux [K], to the tolerance of the rise due to `whole`."""
         size = float(np.linalg.norm(flux))
         if not size:
             return np.zeros(nodes.size)
@@ -190,7 +192,7 @@ class _Frictions:
 def _solve_rise(
     heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
 ) -> tuple[Array, Outcome, int]:
-    """Rise, how the iteration ended, and its rounds, by the heat of elements at friction 1."""
+    """Rise of each element [K], outcome and rounds, from the heat of elements at friction 1."""
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)
     may_ignite, cold = frictions.may_ignite(rise), float(rise.mean())

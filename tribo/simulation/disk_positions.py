@@ -5,8 +5,8 @@ pin's shape varies along both axes, and the roughness that is swept past must be
 pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
 stage of each part the disk lies elsewhere. The patch is taken to repeat itself along both axes.
 
-Where few elements touch, the temperature at one position depends on a few summits. It is then a
-mean over positions, too.
+Where few elements touch, the temperature at one position depends on a few summits. The
+temperature is then a mean over positions, too.
 """
 
 from __future__ import annotations
@@ -25,41 +25,43 @@ from tribo.simulation.state import State
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
-# Under balls and crowned pins of 2 to 40 mm whose wear is 9 to 64 times the roughness, with
-# correlation lengths of 8 to 30 µm, the rise exceeded by 10 % of the contact is by these within
-# 0.9 % of that of 48 parts, in the 25 steps of `standard`; by two parts it is up to 5.2 % too high.
+# Most parts of a step of wear. Measured in 25 steps, under balls and crowned pins of 2 to 40 mm,
+# with wear of 9 to 64 times the roughness and correlation lengths of 8 to 30 µm: the rise exceeded
+# on 10 % of the contact is within 0.9 % of its value with 48 parts, and with 2 parts up to 5.2 %
+# too high.
 _MOST_PARTS = 8
 _IMPRINT = 0.3  # imprint in a part beyond which a step has more parts, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
-# Positions of the disk over which a temperature is a mean: up to so many, and with so many pixels
-# of Hertzian contact in all of them. The rise of five balls and crowned pins on 56 to 563 elements
-# differed between 50, 100, 200 and 400 steps by 0.8 to 7.4 % at one position, by 0.03 to 0.9 % so,
-# and others that wear heavily by up to 2.6 % from 50 to 100. Of the positions themselves: a ball of
-# 2 mm at 10 N that wears off 2.4 µm moves by 0.5 % from 9 to 19 and 0.8 % from 19 to 38.
+# Positions of the disk over which a temperature is averaged: at most the first number, and no more
+# than have the second number of pixels in Hertzian contact. Between 50, 100, 200 and 400 steps,
+# rises under five balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one
+# position, and by 0.03 to 0.9 % as a mean; under others that wear heavily by up to 2.6 % from 50 to
+# 100. Under a ball of 2 mm at 10 N that wears off 2.4 µm the rise moves by 0.5 % from 9 to 19
+# positions, and by 0.8 % from 19 to 38.
 _MOST_POSITIONS, _PIXELS = 100, 1e5
-# Below so many, the disk's own position suffices: from one to another the shipped ball's rise
-# differs by 0.4 %.
+# With fewer positions, the disk's own is enough: from one position to another the shipped ball's
+# rise differs by 0.4 %.
 _FEWEST_POSITIONS = 5
-# From so many positions on steps of wear have more parts. Without, the ball on 140 elements among
-# these differed by 3.0 %, not 0.5 %.
+# From so many positions on, steps of wear have so many times the parts. Otherwise the rise under
+# one of the balls above (140 elements) differed by 3.0 %, not 0.5 %.
 _FEW, _MORE_PARTS = 20, 3
-_SHIFT = 4  # pixels by which positions differ, so that they are the same on larger elements
+_SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elements have the same
 
 
 class Pass(NamedTuple):
     """A contact to be solved within a step."""
 
     stage: Stage
-    shift: tuple[int, int] | None = None  # the disk's along x and y, in elements
+    shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
 
 
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
-    """Parts into which a step of wear is cut, with the disk elsewhere in each.
+    """Number of parts into which a step of wear is cut, with the disk elsewhere in each.
 
-    As many as leave the imprint of each below a limit. Of a wave of the roughness that is an
-    amplitude of kS/λ for small ones: the wear along the distance S [m] by the pressure that
-    flattens it, λ the compliance of the half-space to it. Here it is the mean over the waves.
+    Enough parts that the imprint of each stays below a limit. For a wave of the roughness the
+    imprint is kS/λ, if small: the wear along the distance S [m] by the pressure that flattens the
+    wave, λ the compliance of the half-space to it. Here it is the mean over the waves.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _finer(scene)
@@ -67,7 +69,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
-    """Imprint of the disk's roughness in a pin after a distance [m], see `parts`; 0 if unknown."""
+    """Share of the disk's roughness that wears into the pin over a distance [m]; 0 if unknown."""
     heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
     if heights is None or not yielding > 0:
         return 0.0
@@ -75,7 +77,7 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
 
 
 def _finer(scene: Scene) -> int:
-    """Parts of a step of wear, for each one where many elements touch."""
+    """Factor on the number of parts of a step of wear: 3 where few elements touch, else 1."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
     return _MORE_PARTS if position_count(scene, highest) >= _FEW else 1
@@ -90,9 +92,9 @@ def passes(
     observed: bool,
     scheme: WearScheme | None = None,
 ) -> Iterator[Pass]:
-    """Contacts that the step from `state` to `station` has to solve, with the wear at its velocity.
+    """Contacts that the step from `state` to `station` has to solve, in order.
 
-    The contact at the disk's own position is solved too, last, where it is to be observed.
+    If `observed`, the last one is the contact with the disk at its own position.
     """
     if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
@@ -113,14 +115,14 @@ def passes(
         stages = list(runge_kutta.stages((begin, end), mean, distance / count))
         for place, stage in enumerate(stages, len(stages) * (most * station.index + part)):
             yield Pass(stage, _position(scene, place))
-    # Pressure and temperature are looked at where the disk has worn nothing yet: any other position
+    # Pressure and temperature are evaluated where the disk has worn nothing yet: any other position
     # has left the imprint of its waves, which would make the contact rougher and too hot.
     if observed:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
 
 
 def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
-    """Distance of the unworn, undeformed surfaces where the disk has moved [m]."""
+    """Distance of the unworn, undeformed surfaces with the disk shifted [m]."""
     _, separation, heights, _ = elastic_bodies(scene)
     if shift is None or heights is None:
         return separation
@@ -128,9 +130,9 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 
 
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
-    """Shifts of the disk over which, with its own position, the temperature at a load is a mean.
+    """Shifts of the disk, beside its own position, over which a temperature is averaged.
 
-    By pixels and not by elements, for a mean that all fidelities share.
+    In elements, but multiples of pixels, so that all fidelities average over the same positions.
     """
     if not scene.sweeps_over:
         return []
@@ -140,7 +142,7 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
 
 
 def position_count(scene: Scene, normal_load: float) -> int:
-    """Number of positions over which the temperature at a load is a mean."""
+    """Number of positions of the disk over which the temperature at a load is averaged."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5
     touching = normal_load / scene.pin.patches(scene.grid) / mean_pressure
@@ -150,7 +152,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
-    """Shift in elements, a multiple of as many as are given along each axis."""
+    """Shift of the disk with this number, in elements: a multiple of `units` along each axis."""
     # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (
         unit * int(n / unit * (number * step % 1))

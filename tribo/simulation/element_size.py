@@ -1,19 +1,19 @@
 """Elements as large as the summits of a surface, and their number in a contact, allow.
 
-What errs on large elements is the temperature of summits that are one element wide, and that of a
-contact of few summits. Both are known before a contact is solved: the width of summits from the
-heights, as the mean length of runs of pixels among the highest tenth; the area that touches from
-the load in closed form, F/p with the mean pressure of a rough contact
+Large elements falsify the temperature of summits that are one element wide, and of a contact of few
+summits. Both are known before a contact is solved. The width of summits follows from the heights,
+as the mean length of runs of pixels among the highest tenth. The area that touches follows from the
+load in closed form, F/p with the mean pressure of a rough contact
 
     p = min(H, E* h′/√(2π)),                                                              (1)
 
 h′ the root mean square slope (Bush, Gibson & Thomas, Wear 35, 1975, for light loads), up to the
-nominal area after Hertz; where Eq. (1) gives twice that, the contact is as that of smooth bodies. A
-history, which acts through the wear
-alone, is on larger elements, as far as enough of them touch.
+nominal area after Hertz; where Eq. (1) gives twice that, the contact is as that of smooth bodies.
+Steps before the last act through the wear alone, and so have larger elements, as long as enough of
+them touch.
 
-What a point takes depends on no other point: loads that share a ramp have the elements that the
-lowest of them needs.
+The elements of a point depend on no other point: loads that share a ramp have the elements that
+the lowest of them needs.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ from tribo.types import Array
 # 8 %, with 2 up to 28 %.
 FEWEST_ACROSS, FEWEST_ROWS = 12, 6
 _FULL = 2.0  # area by Eq. (1) over the nominal one, from which on summits no longer stand apart
-_MANY = 2000  # elements from which on contacts are solved as loosely as the fidelity has it
-TIGHTEST = 1e-3  # tolerance of a contact that few elements ask for
-_ON_POSITIONS = 2.0  # times larger elements know summits over whose positions the rise is a mean
-_HIGHEST = 0.9  # quantile of the heights above which summits are looked at
+_MANY = 2000  # touching elements from which on contacts have the tolerance of the fidelity
+TIGHTEST = 1e-3  # least tolerance of a contact, for few elements
+_ON_POSITIONS = 2.0  # factor on the size of elements where the rise is a mean over positions
+_HIGHEST = 0.9  # quantile of the heights from which on pixels belong to summits
 
 
 class Summits(NamedTuple):
-    """Summits of a surface."""
+    """Widths and slope of the summits of a surface."""
 
     widths: tuple[float, float]  # along x and y, in pixels
     slope: float  # root mean square
@@ -53,8 +53,8 @@ class Summits(NamedTuple):
 class _ExpectedContact(NamedTuple):
     """A contact as it is expected at the lowest load of a ramp, in pixels."""
 
-    across: float  # of the smooth contact along x
-    touching: float  # in the window; its square where nothing depends on y, as if divided alike
+    across: float  # width of the smooth contact along x
+    touching: float  # in the window; its square for a plane scene, as if y were divided like x
     is_smooth: bool  # all of the nominal area touches
 
 
@@ -62,11 +62,11 @@ SMOOTH = Summits((math.inf, math.inf), 0.0)
 
 
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
-    """The scene with elements and a history that are fine enough for its surface at a load.
+    """The scene with elements small enough for its surface at a load, also before the last step.
 
     Examples
     --------
-    Summits two pixels wide allow no larger elements, whatever the fidelity allows at most:
+    Summits two pixels wide allow no larger elements, although the fidelity would:
 
     >>> import tribo
     >>> from dataclasses import replace
@@ -82,7 +82,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     lowest, summits = _lowest(scene, normal_load), _kept_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
-    # Elements along a long summit are as warm as each other, and count once for each width of it.
+    # Elements along a long summit are equally warm, and count once for each width of the summit.
     alike, widths = expected.touching, summits.widths
     widest = across
     if not expected.is_smooth:
@@ -97,7 +97,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     size = next((n for n in sizes if n <= widest), 1)
     most = min(math.sqrt(alike / fewest), across) / size
     history = max(1, min(fidelity.history_coarsening, int(most)))
-    # With few elements each counts, also an element that a loose contact or a long step misses.
+    # With few elements each one matters: a loose tolerance or a long step must not miss any.
     share = min(1.0, expected.touching / size**2 / _MANY)
     changed = replace(
         fidelity,

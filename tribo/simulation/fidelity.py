@@ -18,40 +18,40 @@ class Fidelity:
     Parameters
     ----------
     pixels_per_element : int
-        Pixels of the surface, along each axis, that make up one element; at most, where
-        `elements_per_summit` is more than 0.
+        Pixels of the surface along each side of an element; the most of them if
+        `elements_per_summit` is above 0.
     averaging : {"mean", "sample"}
         An element's height: the mean of its pixels, as measured surfaces are coarsened in the
-        paper, or that of one pixel in its middle. A sample keeps the distribution of heights and
-        slopes that the mean smooths, and so comes nearer to what the pixels themselves give.
+        paper, or the height of one pixel in its middle. A sample keeps the distribution of heights
+        and slopes that the mean smooths, and so comes nearer to a computation on the pixels.
     history_coarsening : int
-        Factor by which elements are larger, at most, along each axis until a point's last step. The
-        last step is then repeated on the scene's own grid. The past acts through the wear alone,
-        which a coarse grid knows well where it is swept and many elements touch. Local wear keeps
-        the roughness, and the grid with it.
+        Largest factor on the sides of elements before a point's last step, which is then repeated
+        on the scene's own grid. Earlier steps act through the wear alone, which a coarse grid
+        resolves if it is swept and many elements touch. Local wear keeps the roughness, and the
+        grid with it.
     elements_per_summit : float
-        Least width of the summits of the surface in elements. Where it is more than 0, elements
-        are so small, down to the pixels; see `tribo.simulation.element_size`.
+        Least width of the summits of the surface in elements. If it is above 0, elements are small
+        enough for it, down to the pixels; see `tribo.simulation.element_size`.
     fewest_summits : int
-        Least number of summits that are expected to touch for elements larger than the pixels,
-        which are taken where fewer do, if `elements_per_summit` is more than 0.
+        Least number of summits that are expected to touch for elements larger than the pixels. It
+        counts if `elements_per_summit` is above 0.
     fewest_elements : int
-        Least number of elements that are expected to touch on the grid of the history, which is as
-        fine as that needs, if `elements_per_summit` is more than 0.
+        Least number of elements that are expected to touch before the last step, whose larger
+        elements it limits. It counts if `elements_per_summit` is above 0.
     increments : int
         Steps of the ramp up to its reference load. Given in a scene, it replaces the preset's
         `hold_increments` and `imprint`, too.
     hold_increments : int
-        The same of a hold, whose steps grow with the time; 0 for as many as `increments`.
+        As `increments`, for the steps of a hold, which grow with time; 0 for the same number.
     imprint : float
         Share of a wave of the roughness that a part of a step may wear into the pin. Steps that
-        leave more are cut into parts, at most 4; 0 to cut none. Local wear leaves an imprint, and
-        ridges along y do.
+        leave more are cut into parts, at most 4; 0 to cut none. Local wear leaves such imprints,
+        and ridges along y do.
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. At
-        most 0.03 is taken where the wear is local, which keeps what each contact has wrong.
+        most 0.03 where the wear is local, which keeps the error of each contact.
     contact_criterion : {"gap", "pressure-change"}
         Measure of the contact's error. See `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
@@ -59,15 +59,15 @@ class Fidelity:
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
-        Every step then needs its temperature. With ``"elapsed"`` a growing contact is too warm: in
-        the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
+        Every step then needs its temperature. With ``"elapsed"`` the rise of a growing contact is
+        too high: in the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and
         0.001 m/s.
     heat_kernel : {"pin", "endless", "nearest-image"}
         Length of the heated contact along a periodic y, for the heat in both bodies.
-        ``"pin"``: as far as the pin, the patch in its middle, where it is hottest; the mean over
-        the paper's pin rises 0.8 to 1.4 % less. ``"endless"``: without ends, which is 1.4 to 2.8 %
-        too warm there. ``"nearest-image"``: the patch and the nearer image of each element, as
-        Bosman & de Rooij compensate for leakage.
+        ``"pin"``: as long as the pin, with the patch in its middle, where it is hottest; the mean
+        rise over the paper's pin is 0.8 to 1.4 % lower. ``"endless"``: without ends, which is 1.4
+        to 2.8 % too warm there. ``"nearest-image"``: the patch and the nearer image of each
+        element, as Bosman & de Rooij compensate for leakage.
     partition : {"local", "uniform"}
         Division of friction heat between the bodies. See `tribo.thermal.partition_heat`.
     heat_tolerance : float

@@ -1,4 +1,4 @@
-"""The last step of a point on the scene's own grid, after a history on coarser ones."""
+"""The last step of a point on the scene's own grid, after earlier steps on a coarse one."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from tribo.wear import Stage
 def refine_step(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last.
+    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last one.
 
-    One contact on each of them suffices, see `_rewind`.
+    One contact on each grid is enough; see `_rewind`.
     """
     finest = levels[-1]
-    if finest.remembers_heat:  # on one grid, and its steps have ended as they have to
+    if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
         return after
     if finest.sweeps_over and len(levels) > 1:
         return _solve_on_finest(finest, after)
@@ -42,11 +42,11 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth from which one implicit step ends at the wear of the scheme's stages [m]."""
+    """Wear depth from which one implicit step ends with the wear of the scheme's stages [m]."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
-    if wear is None or stage.normal_load != after.normal_load:  # a load that falls to nothing
+    if wear is None or stage.normal_load != after.normal_load:  # a load that falls to zero
         return before.wear_depth
     return after.wear_depth - wear.depth(after.pressure, stage.distance)
 
@@ -54,7 +54,7 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
 def _solve_on_finest(scene: Scene, after: State) -> State:
     """The contact at the disk's own position on the finest grid, worn as on the coarsest."""
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
-    # the coarse grid knows, and each would be a contact to solve on the fine one.
+    # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
     wear_depth = _spread(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
     guess = _prolong(after.pressure, scene.grid.shape)

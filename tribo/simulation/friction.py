@@ -1,19 +1,19 @@
 """Friction: a coefficient, which the sliding velocity and the temperature of the contact scale.
 
-Where friction depends on temperature, each part of the contact has that of its own temperature,
+Where friction depends on temperature, each part of the contact has the friction of its temperature,
 
     T = T_b + µ(T) r,                                                                    (1)
 
-where r is its own rise at friction 1. Of several solutions that is the lowest, which a contact that
-warms up reaches first. So a temperature exceeds T_c where r exceeds (T_c − T_b)/µ(T_c); or the
-highest of (T − T_b)/µ(T) below T_c, where friction rises so steeply that it runs away before. From
-there on r is taken to grow by the power of 0.3 of T − T_b, so that each rise has a temperature:
-where friction may ignite a contact, (1) decides nothing by itself.
+where r is the rise of that part at friction 1. Of several solutions T is the lowest, which a
+contact that warms up reaches first. So T exceeds T_c where r exceeds (T_c − T_b)/µ(T_c).
+Where friction rises so steeply that the temperature runs away before, the limit of r is the highest
+(T − T_b)/µ(T) below T_c. From there on r is taken to grow by the power of 0.3 of T − T_b, so that
+each rise has a temperature: where friction may ignite a contact, (1) decides nothing by itself.
 
-Neighbours heat a part with the friction of their own temperatures, which (1) takes to be that of
-the part. Beside Eq. (1) of `coupled_friction`, which solves for all elements at once, the rise that
-a tenth of the contact exceeds is 3 % less to 7 % more where friction changes by 0.2 %/K either way.
-A verdict that hangs on it takes that equation.
+Neighbours heat a part with the friction of their own temperatures, for which (1) takes that of the
+part. Compared with Eq. (1) of `coupled_friction`, which solves for all elements at once, the rise
+exceeded on a tenth of the contact is 3 % less to 7 % more, for friction that changes by 0.2 %/K
+either way. A verdict that depends on this difference takes that equation.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from tribo.types import Array
 STEEP = 0.7
 """Exponent d ln µ/d ln(T − T_b) from which on a contact may ignite."""
 _LEAST = 1 - STEEP  # exponent of the rise at friction 1 in T − T_b, however steeply friction rises
-_FARTHEST = 1e60  # times a rise, up to which its power of 1/0.3 is a number
+_FARTHEST = 1e60  # largest ratio of rises whose power of 1/0.3 is finite
 
 Curve = tuple[tuple[float, float], ...]
-"""Abscissae, ascending, and a factor at each."""
+"""Velocities or temperatures, ascending, each with the factor there."""
 
 
 def _velocity_factor(curve: Curve, velocity: Any, _: Any) -> Any:
@@ -59,7 +59,7 @@ FRICTIONS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "by_velocity": _velocity_factor,
     "by_temperature": _temperature_factor,
 }
-"""Forms of friction by the fields of `Friction`: each a factor, from the field, V and T."""
+"""Forms of friction by the fields of `Friction`: functions of the field, V and T to a factor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +71,11 @@ class Friction:
     coefficient : float
         Coefficient of friction; 1 if it multiplies the friction of the conditions.
     by_velocity : tuple of tuple of float
-        Sliding velocities above 0, ascending [m/s], and a factor at each; smooth and monotonic in
-        between, and beyond the ends as there.
+        Sliding velocities above 0, ascending [m/s], each with a factor; smooth and monotonic in
+        between, constant beyond the ends.
     by_temperature : tuple of tuple of float
-        Temperatures of the contact, ascending [K], and a factor above 0 at each; linear in between,
-        and beyond the ends as there.
+        Temperatures of the contact, ascending [K], each with a factor above 0; linear in between,
+        constant beyond the ends.
 
     Examples
     --------
@@ -111,7 +111,7 @@ class Friction:
     def at(self, velocity: Any = None, temperature: Any = None) -> Any:
         """Friction at sliding velocities [m/s] and temperatures of the contact [K].
 
-        Without one of both its factor is left out.
+        The factor of an argument that is None is left out.
         """
         factor: Any = 1.0
         for name, form in FRICTIONS.items():
@@ -119,9 +119,9 @@ class Friction:
         return factor
 
     def temperature(self, rise: Any, bulk: float) -> Any:
-        """Temperature of the contact at rises at friction 1, Eq. (1) [K].
+        """Temperature of the contact at given rises at friction 1, by Eq. (1) [K].
 
-        The factor of velocity is in the rises.
+        The rises include the factor of velocity.
 
         Examples
         --------
@@ -167,7 +167,7 @@ class Friction:
         return float(high - low) / 1e-6
 
     def highest(self, bulk: float) -> float:
-        """Highest friction at any temperature from a bulk on, the factor of velocity left out."""
+        """Highest friction at temperatures from a bulk [K] up, without the factor of velocity."""
         nodes = [bulk, *(node for node, _ in self.by_temperature if node > bulk)]
         return float(np.max(self.at(temperature=np.array(nodes))))
 
@@ -194,11 +194,11 @@ class Friction:
         return float(np.ptp(logs))
 
     def hottest(self, rise: Any, bulk: float) -> Any:
-        """Temperature at the highest friction that any temperature has [K]."""
+        """Upper bound of the temperature for a rise: that at the highest friction of any [K]."""
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:
-        """Temperatures from a bulk on, and rises at friction 1 that reach them [K]."""
+        """Temperatures from a bulk upwards, and the rises at friction 1 that reach them [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])
@@ -212,7 +212,7 @@ class Friction:
 
 @dataclass(frozen=True, slots=True)
 class SolvedFriction:
-    """What friction by temperature is solved for, see `tribo.simulation.coupled_friction`.
+    """Case for which friction by temperature is solved; see `tribo.simulation.coupled_friction`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A step once more with a short implicit end, where its own stages do not know its last pressure.
+"""A step repeated with a short implicit end, where the wear scheme gets its last pressure wrong.
 
 Where whole rows of elements come into contact at a time, as under heavy wear of smooth bodies, the
 rise at the end of a point would be off by up to 4 %, however many steps there are.
@@ -19,18 +19,18 @@ from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
 
 _END = 1 / 6  # share of the step that is taken implicitly
-# The load that may lie where nothing has touched a step before, in that of the whole contact; and
-# the mean pressure there, in that of the whole, below which the new is but a rough contact's rim.
-# Of 28 points below it the short end moved the rise of one by 1.5 %, of the rest by up to 0.6 %.
+# Share of the load on elements that did not touch a step before, from which on the end is repeated;
+# and the mean pressure on them, over that of the contact, below which they are the rim of a rough
+# contact. Below it the short end moved the rise of 1 of 28 points by 1.5 %, of others by 0.6 %.
 _NEW, _RIM = 0.01, 0.75
 
 
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """The state after a step, or after the same with a short end where much has come into contact.
+    """The state after a step, or after it with a short end where much has come into contact.
 
-    The states at its beginning and at its end are on one grid.
+    `before` and `after` are on the same grid.
     """
     if not _comes_into_contact(scene, before, after, velocity):
         return after
@@ -47,7 +47,7 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages ends with much of its load where nothing was worn."""
+    """True if a step of several stages ends with much of its load where nothing was worn before."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
@@ -62,7 +62,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _worn(scene: Scene, state: State) -> Mask:
-    """Elements at which the pressure wears the pin; of a row that is swept, all of them."""
+    """Elements at which the pressure wears the pin; with swept wear, whole rows."""
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)

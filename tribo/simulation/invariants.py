@@ -1,7 +1,7 @@
 """Laws that every result obeys, checked on every result.
 
-A solver may be wrong in ways that it does not notice. So what it returns is held against laws
-that do not depend on how it was found:
+A solver may be wrong in ways that it does not notice. So its result is checked by laws that do not
+depend on how it was found:
 
 =====================  ===========================================================================
 load balance           Σp·dA is the load
@@ -30,8 +30,8 @@ from tribo.types import Array, Mask
 
 # Sums over a million nodes lose less than 1e-13, and the contact solver allows itself 1e-12.
 _BALANCE = 1e-10
-_NO_HEAT = 1e-200  # W/m² in all, which warms nothing by a number that double precision holds
-_QUIET = np.errstate(over="ignore", invalid="ignore")  # what is not finite is named by the check
+_NO_HEAT = 1e-200  # W/m² in all, too little for a rise that double precision holds
+_QUIET = np.errstate(over="ignore", invalid="ignore")  # NaN and infinity are named by the check
 
 
 @_QUIET
@@ -43,9 +43,9 @@ def check_contact(
     residual: float,
     tolerance: float,
 ) -> None:
-    """Load balance, pressure bounds and complementarity of a contact.
+    """Check load balance, pressure bounds and complementarity of a contact.
 
-    The load is that on the whole pin [N], and the area what an element stands for there [m²].
+    `normal_load` is on the whole pin [N], `element_area` what an element represents there [m²].
 
     Examples
     --------
@@ -76,7 +76,7 @@ def check_contact(
 
 @_QUIET
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
-    """Wear balance of a step, and of all steps so far: k·∫F dS is the volume on the whole pin [m³].
+    """Check the wear balance of a step and of all so far; `volume` is k·∫F dS of the whole pin.
 
     Examples
     --------
@@ -89,7 +89,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     total = float(after.sum())
     _require_finite("wear depth", total, after)
     lost = total * area
-    smallest = after.size * float(np.finfo(np.float64).tiny) * area  # that a field can hold
+    smallest = after.size * float(np.finfo(np.float64).tiny) * area  # least that a field can hold
     if not abs(lost - volume) <= _BALANCE * volume + smallest:
         raise InvariantError(
             f"wear balance: the pin has lost {lost:.12g} m³, its law says {volume:.12g} m³"
@@ -106,9 +106,9 @@ def check_heat(
     split: HeatPartition,
     tolerance: float,
 ) -> None:
-    """Heat balance and common temperature of a contact.
+    """Check heat balance and common temperature of a contact.
 
-    The tolerance is that of `HeatPartition.residual`; infinite for a partition that does not make
+    `tolerance` is that of `HeatPartition.residual`; infinite for a partition that does not make
     the temperatures equal.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
@@ -149,7 +149,7 @@ def guard_range(what: str) -> Iterator[None]:
 
 
 def _require_finite(name: str, total: float, field: Array) -> None:
-    """Raise for a field whose sum is not finite, with the first place that is to blame."""
+    """Raise `InvariantError` for a field whose sum is not finite, with its first bad place."""
     if math.isfinite(total):
         return
     bad = np.argwhere(~np.isfinite(field))

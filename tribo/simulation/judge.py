@@ -27,7 +27,7 @@ from tribo.simulation.verdict import (
 from tribo.types import Array
 
 _NEAR = 0.3
-"""Distance of a rise from its limit, over that, up to which friction by temperature is solved."""
+"""Relative distance of a rise from its limit up to which friction by temperature is solved."""
 
 
 def solve_friction(
@@ -37,10 +37,11 @@ def solve_friction(
     load: float,
     conditions: Judging,
 ) -> CoupledRise:
-    """Solve friction by temperature at the worst moment of a point, if its verdict hangs on it.
+    """Solve friction by temperature at the worst moment of a point, if its verdict depends on it.
 
     It does where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit is
-    not known, and where friction may make a contact ignite that would be mild.
+    not known, and where friction may make a contact ignite that would be mild. Else `UNSOLVED` is
+    returned.
 
     Parameters
     ----------
@@ -49,9 +50,9 @@ def solve_friction(
     states : sequence of State
         States of the last steps, those at the full load among them.
     columns : mapping
-        Columns of all steps, as `verdict` takes them.
+        Columns of all steps, as for `verdict`.
     load : float
-        Load that the point is named after [N].
+        Load of the point [N].
     conditions : Judging
         Friction, temperatures and criterion.
     """
@@ -99,13 +100,13 @@ def judge(
     conditions : Conditions
         Friction, temperatures and criterion.
     trunks : Trunks, optional
-        Ramps of other points, from which to go on.
+        Ramps of other points, which this point continues.
 
     Returns
     -------
     Verdict
-        Mild or severe at the worst moment from when the load is reached on: of a hold in which
-        bodies warm that of all its steps.
+        Mild or severe at the worst moment once the load is reached. It is searched at the beginning
+        and the end of a hold, and at each of its steps if bodies keep heat.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def judge(
     if parts:
         parts = replace(parts, motion=scene.motion)
         if parts.stem and scene.velocities_at(velocity).pin:
-            raise InputError("corrections.stem holds a pin that turns; leave out one of them")
+            raise InputError("corrections.stem holds a pin that turns; leave out one of the two")
     conditions = replace(conditions, corrections=parts)
     requested: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):

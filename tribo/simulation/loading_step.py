@@ -16,7 +16,7 @@ from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
 
-_FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
+_FARTHEST = 2.0  # largest step of the load, over the last one, for which contacts are extrapolated
 
 
 def start(scene: Scene) -> State:
@@ -72,14 +72,14 @@ def advance(
         Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
         given.
     observed : bool, optional
-        True to solve the contact at the disk's own position, too, where others pass the pin.
+        True to solve the contact at the disk's own position, too, where other positions pass.
     scheme : str, optional
         Scheme of the wear; the fidelity's if not given.
 
     Returns
     -------
     State
-        State at the station; with a temperature only where that depends on the earlier ones.
+        State at the station; with a temperature only if that depends on the heat of earlier steps.
 
     Examples
     --------
@@ -94,8 +94,8 @@ def advance(
     wear = scene.wear_at(velocity, (slid, slid + distance))
     passed = state.pressure if guess is None else guess
     for contact_pass in passes(scene, state, station, wear, distance, observed, scheme):
-        # At the disk's own position the last two states know the pressure best; elsewhere, only
-        # the contact that has just passed does.
+        # At the disk's own position the last two states give the best guess; elsewhere, the contact
+        # that has just passed does.
         extrapolated = (guess is None and contact_pass.shift is None) or not passed.any()
         near = None if extrapolated else passed
         contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, near)
@@ -150,14 +150,14 @@ def solve_pass(
 ) -> tuple[ContactSolution, Array]:
     """Contact of a pass after a state, and its elastic displacement [m].
 
-    Without a guess the pressure is extrapolated.
+    Without a guess the pressure is extrapolated from the state.
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (
         _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
     )
     if wear:
-        # The pressure sought wears the shape that it meets: what it wears is a compliance more.
+        # The pressure sought also wears the shape: that wear is one more compliance.
         solid = wear.yielding(solid, stage.implicit_distance)
         if displacement is not None and initial is not None:
             displacement += wear.depth(initial, stage.implicit_distance)
@@ -187,14 +187,15 @@ def solve_pass(
 
 
 def _element_area(scene: Scene) -> float:
-    """Area that an element stands for, on the whole pin [m²]."""
+    """Area on the whole pin that an element represents [m²]."""
     return scene.grid.element_area * scene.pin.patches(scene.grid)
 
 
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
     """Pressure and elastic displacement at the next load, linear through the last two states.
 
-    The pressure is kept where the load has hardly changed before, as in a hold.
+    Where the load has hardly changed before, as in a hold, the pressure is the last one. What is
+    not known is None.
     """
     if state.normal_load == 0.0:
         return None, None

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from tribo.errors import InputError, require_positive
 
-_AT_REST = 1e-12  # share of the sliding velocity below which a body's own is rounding
+_AT_REST = 1e-12  # share of the sliding velocity below which a body's velocity is rounding
 
 
 class Velocities(NamedTuple):
@@ -44,7 +44,7 @@ class Velocities(NamedTuple):
 class Motion:
     """Motion of both bodies at a sliding velocity.
 
-    Exactly one of the first two is given.
+    Exactly one of `slide_roll_ratio` and `entrainment_velocity` is given.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ class Motion:
         Mean velocity of both bodies, ū [m/s], the same at every sliding velocity; the disk is the
         faster body. Where the sliding velocity is 0 they roll on each other.
     track_length : float, optional
-        Length of the track around the pin [m]; 2π times its radius if not given. To be given where
-        the pin's radius is the reduced one of two discs.
+        Length of the track around the pin [m]; 2π times its radius if not given. Needed where the
+        pin's radius is the reduced radius of two discs.
 
     Examples
     --------

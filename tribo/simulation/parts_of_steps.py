@@ -17,12 +17,12 @@ from tribo.simulation.disk_positions import imprint_of
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 
-_MOST = 4  # parts
-ENOUGH_STEPS = 25  # of a ramp, with which the worn pin is known without parts
+_MOST = 4  # parts of a step
+ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
-    """The station, and before it those at the ends of the parts of its step."""
+    """Stations at the ends of the parts of a step; the last one is `station`."""
     count = _count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
@@ -41,7 +41,7 @@ def _count(scene: Scene, distance: float, velocity: float) -> int:
 
 
 def between(before: State, station: Station, share: float) -> Station:
-    """A moment within a step; the load has its share of the impulse as if it changed linearly."""
+    """Station after a share of a step's time, as if the load changed linearly within the step."""
     begin, end = before.normal_load, station.normal_load
     load = begin + share * (end - begin)
     impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)

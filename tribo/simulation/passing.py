@@ -1,4 +1,4 @@
-"""Contacts and heat with the disk at other positions, where too few elements touch at one."""
+"""Contacts and heat with the disk at other positions, if too few elements touch at one position."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from tribo.wear import Stage
 
 
 def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """The state with the contacts over which its temperature is a mean, at a velocity [m/s].
+    """The state with contacts at further positions of the disk, over which heat is averaged.
 
-    Pressure and wear of the state stay as at the disk's own position. The state before has the
-    history of the heat, if the temperature depends on it.
+    Pressure and wear of the state stay as at the disk's own position. `before` has the history of
+    the heat, if the temperature depends on it.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
     for shift in further_positions(scene, state.normal_load):

@@ -1,7 +1,7 @@
 """Shapes of the pin: a cylinder, a ball, or a body of two radii.
 
-A pin of another shape is a class here with what `Pin` has, and its name in `PINS`. Nothing else
-asks for its shape.
+To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. Nothing else asks
+for the shape.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from tribo.types import Array
 
 
 class WornContact(NamedTuple):
-    """Smooth contact of a pin that has worn at rest."""
+    """Size of the smooth contact of a pin that has worn without rolling."""
 
     width: float  # along x [m]
-    depth: float  # greatest [m]
+    depth: float  # greatest depth [m]
 
 
 class OilEntry(NamedTuple):
@@ -69,16 +69,16 @@ class Pin(Protocol):
         """Shape and sizes in a few words."""
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches [m], shape ``grid.shape``."""
+        """Distance from a flat that it touches [m], shape ``grid.shape``."""
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and wear of the whole pin to the patch's."""
+        """Ratio of the load and of the wear of the whole pin to those of the patch."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest."""
+        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m]."""
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
         """Minimum thickness of the film between the smooth, unworn bodies [m]."""
@@ -111,12 +111,12 @@ class Cylinder:
         require_positive(radius=self.radius, length=self.length)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches, x²/(2R) [m], shape ``grid.shape``."""
+        """Distance from a flat that it touches, x²/(2R) [m], shape ``grid.shape``."""
         x = grid.coordinates(0)[:, None]
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and wear of the whole pin to the patch's."""
+        """Ratio of the load and of the wear of the whole pin to those of the patch."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -124,7 +124,7 @@ class Cylinder:
         return hertz_contact(normal_load, contact_modulus, self.radius, self.length)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest.
+        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m].
 
         Examples
         --------
@@ -175,13 +175,13 @@ class Ball:
         require_positive(radius=self.radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
+        """Distance from a flat that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = (x**2 + y**2) / (2 * self.radius)
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and wear of the whole pin to the patch's."""
+        """Ratio of the load and of the wear of the whole pin to those of the patch."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -189,7 +189,7 @@ class Ball:
         return hertz_contact(normal_load, contact_modulus, self.radius)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest."""
+        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m]."""
         return _worn_ellipse(half_width, volume, self.radius, 1.0)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
@@ -232,13 +232,13 @@ class Crowned:
         require_positive(radius=self.radius, crown_radius=self.crown_radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches, x²/(2R) + y²/(2R_c) [m], shape ``grid.shape``."""
+        """Distance from a flat that it touches, x²/(2R) + y²/(2R_c) [m], shape ``grid.shape``."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = x**2 / (2 * self.radius) + y**2 / (2 * self.crown_radius)
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and wear of the whole pin to the patch's."""
+        """Ratio of the load and of the wear of the whole pin to those of the patch."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -248,9 +248,9 @@ class Crowned:
         )
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a half-width [m] when a volume [m³] has been worn off the pin at rest.
+        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m].
 
-        The flat of a paraboloid of both radii is an ellipse as much longer as their root.
+        The flat of a paraboloid is an ellipse, longer than wide by the root of its radii's ratio.
         """
         longer = math.sqrt(self.crown_radius / self.radius)
         return _worn_ellipse(half_width, volume, self.radius, longer)
@@ -268,7 +268,7 @@ class Crowned:
 
 
 def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
-    """Worn contact of a paraboloid whose flat is so many times longer than wide."""
+    """Worn contact of a paraboloid whose flat is `longer` times as long as wide."""
     flat = worn_point_width(volume / longer, radius)
     width = ((2 * half_width) ** 4 + flat**4) ** 0.25
     return WornContact(width, 8 * volume / (math.pi * width**2 * longer))
@@ -279,7 +279,7 @@ PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Cro
 
 
 def sizes_of(shape: str | Pin) -> tuple[str, ...]:
-    """Names of the sizes of a pin, or of all of some shape.
+    """Names of the sizes of a pin, which is given as an object or by its shape.
 
     Examples
     --------

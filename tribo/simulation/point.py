@@ -39,13 +39,13 @@ def simulate(
         Ramps of other points, which this point continues and lengthens. The result is the same
         as from the start, bit for bit.
     requested : container of int, optional
-        Indices of stations whose temperature is computed, too, see `Station`.
+        Indices of further stations whose temperature is computed; see `Station`.
 
     Yields
     ------
     State
-        State after every step that no ramp had yet. The state that reaches `normal_load`, the
-        last state and the states of `requested` have their temperature.
+        State after every step that `trunks` did not have yet. The state that reaches `normal_load`,
+        the last state and the states of `requested` have their temperature.
 
     Raises
     ------
@@ -72,8 +72,8 @@ def simulate(
 def heated(scene: Scene, contact: State, velocity: float) -> State:
     """A state of `contacts` at a velocity [m/s], with its temperature if requested.
 
-    The scene may have any thermal constants, and the wear rate with which the contact's wear
-    number is that of the velocity.
+    The scene may have any thermal constants. Its wear number at the velocity must be that of the
+    contact.
 
     Examples
     --------

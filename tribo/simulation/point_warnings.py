@@ -22,32 +22,32 @@ from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
-# Elements larger than pixels, of a choice of one's own. With fewer in contact a coarse history
-# misses the summits that wear, and boundaries err by up to 80 %.
+# Fewest touching elements, where they are larger than pixels by the user's own choice. With fewer,
+# the coarse grid before the last step misses summits that wear, and boundaries err by up to 80 %.
 _FEW_ELEMENTS = 400
-# Pixels: with 211 to 400 in contact presets err by at most 0.6 of their bounds, no more than with
-# others, and with fewer they were not judged. Scenes of an even number of `tests.promises.front`.
+# Fewest touching pixels. With 211 to 400, presets err by at most 0.6 of their bounds, as with more;
+# with fewer they were not judged. Scenes of an even number of `tests.promises.front`.
 _FEW_PIXELS = 200
-# Below which the rise of a ball or crowned pin, over which the disk's roughness passes, differs by
-# up to 0.9 % with the number of steps, and by more with the surface, though it is a mean over
-# positions of the disk.
+# Fewest elements under a ball or crowned pin that rough patches of the disk pass. With fewer, the
+# rise differs by up to 0.9 % with the number of steps, and by more with the surface, although it is
+# a mean over positions of the disk.
 _FEW_SWEPT = 1000
-# Heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved by up to 2.5 %
-# from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
+# The same under heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved
+# by up to 2.5 % from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
 _FEW_WORN = 3000
-_HEAVY = 9.0  # depth of wear, in Ra of the elements
-FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
+_HEAVY = 9.0  # depth of heavy wear, over Ra of the elements
+FEWEST_PIXELS = 2.0  # in a correlation length, to resolve the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
-WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
-_TOO_WARM = 0.01  # error of the rise from which the present heat warns
+WIDEST = 0.3  # half-width in radii up to which a pin is about a parabola and a half-space
+_TOO_WARM = 0.01  # relative error of the rise from which on the heat model "elapsed" is warned of
 _NARROW = 0.7  # elements across a summit, below which the rise was up to 16 % too low
 SLOWEST = 0.3
-"""Exponent of the rise over the velocity down to which presets keep what they promise."""
+"""Least exponent of the rise as a power of the velocity for which presets keep their promise."""
 SLOW = (
     "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
     "velocity errs two to three times as much as the preset promises; ask for an accuracy"
 )
-_FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to about 10 %
+_FEWEST_STEPS = 3  # or stages of steps, which give the rise under heavy wear to about 10 %
 
 
 class WarningKind(IntFlag):
@@ -68,7 +68,7 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
-    """Told by a whole sweep, and of a ball by each point."""
+    """The rise hardly grows with velocity: found for a sweep, under a ball also at each point."""
     MOLTEN = 512
     IGNITION = 1024
     UNSOLVED_FRICTION = 2048
@@ -83,7 +83,7 @@ Reason = tuple[WarningKind, str]
 
 
 class PointWarning(NamedTuple):
-    """Reason for care in relying on a point.
+    """Reason for caution about the result of a point.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class PointWarning(NamedTuple):
 
 @np.errstate(under="ignore")
 def warnings(scene: Scene, state: State) -> list[PointWarning]:
-    """Reasons for care in relying on a state.
+    """Reasons for caution about the result of a state.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
 
 def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
-    """Reasons for care in relying on friction by temperature at a point.
+    """Reasons for caution about friction by temperature at a point.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
 
 
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where a wider window would carry load as well."""
+    """Warn if the contact touches an edge of the window: a wider one would carry load there."""
     touched = [
         f"{name} edge"
         for name, axis in (("x", 0), ("y", 1))
@@ -189,8 +189,8 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     if block > 1 and wide < _NARROW and not scene.sweeps_over:
         yield (
             WarningKind.COARSE_PIXELS,
-            f"what touches of a summit is {wide:.2g} elements wide; below {_NARROW:g} the rise is "
-            f"too low, by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
+            f"touching summits are {wide:.2g} elements wide; below {_NARROW:g} the rise is too low "
+            f"by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
@@ -227,7 +227,7 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where a pin that rolls hardly turns, or stands still at this very velocity alone."""
+    """Warn where a pin that rolls hardly turns, or stands still at just this velocity."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
     turning = abs(scene.velocities_at(state.sliding_distance / state.time).pin)
@@ -246,13 +246,13 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn under a ball so worn and fast that its rise hardly grows with the velocity.
+    """Warn if a ball is so worn and fast that its rise hardly grows with the velocity.
 
-    Its exponent n follows in closed form: the worn cap's radius grows as the fourth root of the
-    worn volume, in the share that wear has in the contact, and a circular source heats a half-space
-    by its radius over the root of 4/π + Pe (Tian & Kennedy 1994). At 96 points of worn balls it was
-    within 0.09 of n between neighbouring velocities; at 13 with n below 0.3 within 0.06, and below
-    0.3 at 12.
+    The exponent n of the rise follows in closed form. The contact's radius grows as the fourth root
+    of the worn volume, as far as wear makes the contact. A circular source heats a half-space by
+    its radius over the root of 4/π + Pe (Tian & Kennedy 1994). At 96 points of worn balls n was
+    within 0.09 of the exponent between neighbouring velocities. At 13 points n was below 0.3: it
+    was within 0.06, and at 12 of them the exponent was below 0.3, too.
     """
     if not isinstance(scene.pin, Ball) or scene.motion or not state.sliding_distance:
         return
@@ -315,13 +315,13 @@ def elements_are_pixels(scene: Scene, state: State) -> bool:
 
 
 def _extent(pressure: Array, axis: int) -> int:
-    """Elements from the first to the last in contact along an axis."""
+    """Number of elements from the first to the last in contact along an axis."""
     touched = np.flatnonzero(pressure.any(axis=1 - axis))
     return int(np.ptp(touched)) + 1 if touched.size else 0
 
 
 def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where a pin that wears has come here in too few steps for its shape to be known."""
+    """Warn if a pin that wears got here in too few steps to resolve its shape."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
         return
@@ -334,7 +334,7 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where the heat of the past is known to be less than the present, by more than counts."""
+    """Warn if the heat model "elapsed" is too warm: past heat was much less than the present."""
     if scene.remembers_heat:
         return
     excess = excess_of_present_heat(scene, state)

@@ -1,13 +1,13 @@
-"""By how much the present friction heat, taken to have acted since the start, is too warm.
+"""Error of the rise if the present friction heat is taken to have acted since the start.
 
-Old heat has spread so far that only its amount counts: along a heated
-length L of a body that moves at U, a unit of it per length and time still warms the middle by
-erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. Where the load has grown, there was less of it
-than the model has; the difference is summed over τ along the loading. As both bodies have one
+Old heat has spread so far that only its amount counts. Along a heated length L of a body that moves
+at U, a unit of heat per length and time still warms the middle by
+erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. Where the load has grown, there was less heat
+than the model has; the difference is integrated over τ along the loading. As both bodies have one
 temperature, each counts with the square of its share of the heat. How wide the contact was then
 does not matter.
 
-How much it is depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
+The error depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
 0.1 m/s the rise is too warm by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
 and 21 % in 1 ms; at 3 m/s by under a third of that. A load that jumps late makes it 3 to 5 %.
 """
@@ -26,12 +26,12 @@ from tribo.simulation.state import State
 from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
-_NODES = 128  # a midpoint rule with them is exact to 1e-4 here
+_NODES = 128  # nodes of a midpoint rule, which is exact to 1e-4 here
 _HOTTEST = 0.1  # share of the contact that decides by default
 
 
 def excess_of_present_heat(scene: Scene, state: State) -> float:
-    """Relative error of the rise that the hottest tenth of a contact exceeds, with its sign.
+    """Relative error of the rise exceeded on a tenth of a contact; positive where it is too high.
 
     Below 0.1 m/s this predicts the error to some percent. On random scenes at 0.07 to 31 m/s the
     true error was 0.88 times the prediction in the median, and 1.31 times at most.
@@ -67,7 +67,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Times before a state, from now on backwards [s], and the shares of its load lacking then."""
+    """Ages before a state, from 0 upwards [s], and the share of its load that was lacking then."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
@@ -75,7 +75,7 @@ def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
 
 
 def _lengths(scene: Scene, state: State) -> tuple[float, float]:
-    """Lengths along y that bear the load, and that are heated [m]."""
+    """Length along y that carries the load, and length that is heated [m]."""
     if scene.pin.length is None:
         touched = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]
         return touched * scene.grid.size[1], touched * scene.grid.size[1]
@@ -88,9 +88,9 @@ def _lengths(scene: Scene, state: State) -> tuple[float, float]:
 def _late_warming(
     material: Material, velocity: float, length: float, ages: Array, lacking: Array
 ) -> float:
-    """Warming, per heat along the contact, that the model has and the loading had not [m K/W].
+    """Warming by which the model is too high, per heat per length of the contact [m K/W].
 
-    The shares of the present load that were lacking belong to ages that ascend from 0 [s].
+    `lacking` are the shares of the present load that were lacking at `ages`, ascending from 0 [s].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

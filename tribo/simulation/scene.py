@@ -1,4 +1,4 @@
-"""Scene: two bodies, how one slides on the other, and with what numerical choices."""
+"""A scene to simulate: two bodies, how one slides on the other, and numerical choices."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from tribo.thermal import HeatedLength
 from tribo.types import Array
 from tribo.wear import RollingWear, Wear, WearLaw, WearPattern, require_wear, wear_over
 
-# Elements along x with which the shape of the wear is still known well.
+# Fewest elements along x that resolve the shape of the wear.
 _FEWEST_ELEMENTS = 24
-# Tolerance of the contacts that wear a pin point by point, which keeps what each has wrong. On 25
-# random scenes `draft` had rises up to 3.5 % off with 0.1, and up to 0.4 % with this.
+# Largest tolerance of contacts under local wear, which keeps the error of each. On 25 random scenes
+# `draft` had rises up to 3.5 % off with 0.1, and up to 0.4 % with this.
 _LOCAL_TOLERANCE = 0.03
 
 
@@ -63,7 +63,7 @@ class Scene:
         True if the bodies may differ in bulk temperature. If so, the response of the contact to a
         difference is solved, too.
     solved_friction : SolvedFriction, optional
-        What friction by temperature is solved for at each point whose verdict hangs on it.
+        Case for which friction by temperature is solved, at points whose verdict depends on it.
     fidelity : Fidelity
         Numerical choices.
 
@@ -144,7 +144,7 @@ class Scene:
         return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
 
     def windows_worn(self, sliding: float) -> float:
-        """Number of windows along x in the part of the pin that wears: its track if it rolls."""
+        """Length along x of the part of the pin that wears, in windows: its track if it rolls."""
         if self.velocities_at(sliding).pin == 0:
             return 1.0
         return self.track_length / self.pixels.size[0]
@@ -172,7 +172,7 @@ class Scene:
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
         """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
 
-        A user's own law may depend on the distances slid at both ends of the step, `distances` [m].
+        `distances` are those slid at both ends of the step [m], for a law that depends on them.
         """
         if self.wear is None or self.contact_pattern is None:
             return None
@@ -184,13 +184,13 @@ class Scene:
 
     @property
     def sweeps_over(self) -> bool:
-        """True along x, and along y, if ever new patches of the disk pass the pin there."""
+        """True if the pin wears over many positions of the disk: swept wear, rough, with y free."""
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
     @property
     def grid(self) -> Grid:
-        """The elements, each of ``pixels_per_element`` squared pixels.
+        """The grid of elements, each of ``pixels_per_element`` squared pixels.
 
         Where both bodies are smooth under a cylinder, on a patch that repeats along y, nothing
         depends on y: elements as long as the patch stand for whole rows.
@@ -206,7 +206,7 @@ class Scene:
 
     @property
     def rows_per_element(self) -> int:
-        """Rows of the fidelity's elements in one element, which is more than 1 in a plane scene."""
+        """Rows of elements that one element stands for; more than 1 only in a plane scene."""
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property
@@ -216,7 +216,7 @@ class Scene:
 
     @property
     def nominal_area(self) -> float:
-        """Area of the window, times the number of times that the pin holds it [m²]."""
+        """Area of the window times the number of windows on the pin [m²]."""
         return self.grid.area * self.pin.patches(self.grid)
 
     @property
@@ -268,7 +268,7 @@ class Scene:
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
 
-        `heights` returns the heights, which are the same for all fidelities.
+        `heights` are those that `Scene.heights` returns, the same for all fidelities.
         """
         profile = self.pin.profile(self.grid)
         if heights is None:
@@ -302,7 +302,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Increment of the trunk that leads to a load [N]; loads of one increment share it."""
+        """Load step of the ramp to a load [N]; ramps of equal steps share their states."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)
@@ -312,8 +312,8 @@ class Scene:
         """Factor by which elements are larger, along each axis, until a point's last step.
 
         The largest number up to the fidelity's ``history_coarsening`` that divides the grid and
-        leaves enough of it to know the wear; 1 where the wear is local, or the heat of all the
-        steps before acts on the last.
+        leaves enough elements to resolve the wear; 1 where the wear is local, or the heat of all
+        the steps before acts on the last.
         """
         if self.wears_locally or self.remembers_heat:
             return 1
@@ -326,7 +326,7 @@ class Scene:
         return next(fits, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """The scene on ever finer grids, from the grid of the history to its own.
+        """The scene on ever finer grids, from the coarse grid of earlier steps to its own.
 
         From one to the next elements become at least four times smaller along each axis, or the
         scene's own: contacts on more grids would take longer than they save.

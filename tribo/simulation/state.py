@@ -14,8 +14,8 @@ from tribo.types import Array
 class Heat:
     """Temperature of the contact, per unit friction coefficient.
 
-    Where the disk passes a ball or crowned pin on few elements, all but the fields are means over
-    positions of the disk.
+    Where the disk passes a ball or crowned pin on few elements, all values but the fields are means
+    over positions of the disk.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class State:
     on_trunk : bool
         True if the simulation of a higher load passes through this state.
     index : int
-        Steps of the loading that lead here.
+        Number of steps of the loading that lead here.
     iterations : int
         Convolutions that the contact took, on all grids.
     residual : float
@@ -100,14 +100,15 @@ class State:
     previous_load : float
         The load at that station [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
-        Elastic ones under both pressures [m], from the datum of the solid, where they are known.
+        Elastic displacement under each of both pressures [m], from the datum of the solid; None
+        where it is not known.
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
         Temperature of the contact, where it was requested.
     history : State or None
-        State at the same moment from which the ramp goes on, where that is another one: on the
-        coarser grid of the history, or of a last step without a short end; see
+        State at the same moment from which the ramp goes on, where it is not this one: on the
+        coarse grid of earlier steps, or of a last step without a short end; see
         `tribo.simulation.implicit_end`.
     heat_history : HeatHistory or None
         Heat that has flowed so far, where the temperature depends on it.

@@ -1,4 +1,4 @@
-"""Values that are kept of a step, and its elements in contact."""
+"""Values recorded at each step, and the number of elements in contact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tribo.types import Array
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
-    """Values kept of a state at every step, by the name of their variable in the dataset.
+    """Values recorded of a state at every step, by the name of their variable in the dataset.
 
     Returns
     -------
@@ -21,8 +21,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
         and ``pin_heat_share``, NaN where the temperature was not computed; with unequal bulk
-        temperatures ``mean_bulk_response`` likewise. What the size of the elements decides is
-        that of the state's own, which are larger at the steps on the grid of the history; see
+        temperatures ``mean_bulk_response`` likewise. Values that depend on the size of elements are
+        for the elements of the state, which are larger before the last step; see
         `Fidelity.history_coarsening`.
 
     Notes
@@ -61,13 +61,13 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """See `Scene.windows_worn`."""
+    """`Scene.windows_worn` at the state's velocity; 1 before anything moves."""
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
-    """Values that the size of the elements decides."""
+    """Measures of contact and pressure, which depend on the size of the elements."""
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))
@@ -82,6 +82,6 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 
 
 def touching_elements(scene: Scene, state: State) -> int:
-    """Number of elements that touch; its square where nothing depends on y, as if divided alike."""
+    """Number of elements that touch; squared in a plane scene, as if y were divided like x."""
     nodes = int(np.count_nonzero(state.pressure))
     return nodes**2 if scene.is_plane else nodes

@@ -34,9 +34,9 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     response to a difference of 1 K is added. The present friction heat is taken to act since
     time 0 (Bosman & de Rooij), whatever the heat model of the fidelity.
 
-    The temperature depends on the pressure and time of the contact, and not on how it has worn.
-    So it may have other thermal constants, another velocity [m/s] and other elements than the
-    contact. See `contacts`.
+    The temperature depends on the pressure and time of the contact, and not on how it has worn. So
+    the scene may have other thermal constants and elements, and the velocity [m/s] may be another,
+    than for the contact. See `contacts`.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 
 
 def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature with the disk where the state's pressure has it."""
+    """Temperature with the disk at the position to which the state's pressure belongs."""
     contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:
@@ -90,9 +90,9 @@ def refined_scene(scene: Scene, state: State) -> Scene:
 
 
 def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Give a state the temperature that it owes to all heat since the start.
+    """Return a state with its temperature by all heat since the start.
 
-    The state one step earlier has the histories of the heat.
+    `before`, the state one step earlier, has the histories of the heat.
     """
     contact = state.pressure > 0
 
@@ -127,7 +127,7 @@ def heated_since(scene: Scene, before: State, state: State, velocity: float) -> 
 
 def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
     on_contact = split.rise[contact]
-    # Quantiles interpolate between the nodes, so each row that a plane stands for has to count.
+    # Quantiles interpolate between nodes, so each row that a plane's element stands for counts.
     rows = scene.rows_per_element
     return Heat(
         rise=split.rise,
@@ -191,7 +191,7 @@ def _check_split(scene: Scene, friction: Array, contact: Mask, split: HeatPartit
 
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
-    """Pin and disk."""
+    """Pin and disk as conductors that move as they do at a sliding velocity [m/s]."""
     length, velocities = scene.heated_length, scene.velocities_at(velocity)
     return (
         Conductor(scene.pin.material, velocities.pin, length),

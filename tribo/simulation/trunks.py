@@ -1,9 +1,9 @@
-"""Ramps at their increments, kept for the points that branch off them.
+"""Ramps cached at their increments, for the points that branch off them.
 
 The ramp to a load passes through the increments of all higher loads of one trunk, see
-`tribo.loading.ramp`. So of points at one velocity each begins at the last increment below its load,
-where a ramp has come so far; what it adds is kept for the next. A point has the same numbers from
-any trunk, bit for bit.
+`tribo.loading.ramp`. So a point begins at the last cached increment below its load, and the
+increments that it adds are cached for the next point. A point has the same numbers from any trunk,
+bit for bit.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from tribo.simulation.state import State
 from tribo.types import Array, Spectrum
 
 MOST_BYTES = 2**28
-"""Bytes of the states that a cache keeps."""
+"""Default limit of the states in a cache [B]."""
 
 
 class Note(NamedTuple):
-    """A value to keep beside the state of each increment, and the name by which it is found."""
+    """A value to keep beside the state of each increment, and the name under which it is kept."""
 
     name: Hashable
     make: Callable[[State], Any]
@@ -31,7 +31,7 @@ class Note(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Trunk:
-    """A ramp, as far as it has come; of a large one the last state alone."""
+    """A ramp up to its last increment so far; a large ramp keeps the last state alone."""
 
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far
@@ -41,11 +41,11 @@ class _Trunk:
 
     @property
     def gone(self) -> int:
-        """Number of the first increments whose states are no longer there."""
+        """Number of increments, from the first on, whose states have been dropped."""
         return self.count - len(self.states)
 
     def require(self, increments: int, noted: int) -> None:
-        """Begin anew if a state is gone of which a point or a note has to be made."""
+        """Discard the ramp if it has dropped the state of an increment that is needed now."""
         if increments and self.gone >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
@@ -60,10 +60,10 @@ class _Trunk:
 
 
 class Trunks:
-    """A cache of ramps by scene, velocity and increment, up to a sum of their sizes [B].
+    """A cache of ramps by scene, velocity and increment, up to a total size [B].
 
-    The least recently used ramps go first. Of a ramp larger than the limit only the last state is
-    kept.
+    The least recently used ramps are dropped first. Of a ramp larger than the limit only the last
+    state is kept.
 
     Examples
     --------
@@ -97,9 +97,9 @@ class Trunks:
         advance: Callable[[State, Station], State],
         note: Note | None = None,
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
-        """Go along the increments of a ramp, yielding the states that are new.
+        """Yield the states of a ramp that are new, up to the last of the stations.
 
-        Returned are the state at the last of the stations, and the notes of all of them.
+        Returns the state at the last station, and the notes of all stations.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

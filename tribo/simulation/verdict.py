@@ -1,4 +1,4 @@
-"""The verdict on one point: mild or severe wear, too hot a contact, bulk + µ r > critical.
+"""The verdict on one point: wear is severe if the contact is too hot, bulk + µ r > critical.
 
 r is the rise that decides (`tribo.Criterion`), at friction 1, at the worst moment of a point. Where
 the disk's bulk is Δ warmer than the pin's, rises count from the colder body, at the ratio Δ/µ, and
@@ -28,7 +28,7 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 
 @dataclass(frozen=True, slots=True)
 class Judging(ABC):
-    """What a verdict asks of conditions: `Conditions` without the criterion."""
+    """Base of conditions: what a verdict needs, apart from the criterion."""
 
     friction: float
     bulk_temperature: float
@@ -39,7 +39,7 @@ class Judging(ABC):
     @property
     @abstractmethod
     def decisive(self) -> Criterion:
-        """Criterion of severe wear."""
+        """Criterion by which wear is judged severe."""
 
     @property
     def bulk_difference(self) -> float:
@@ -59,10 +59,10 @@ class Judging(ABC):
 
     @property
     def rise_factor(self) -> float:
-        """Factor of the rise at friction 1: the friction, but for its dependence on temperature.
+        """Factor on the rise at friction 1: the coefficient of friction.
 
-        Without friction unequal bulk temperatures still warm one of the bodies. Then the factor is
-        so small that the difference over the factor is the largest ratio that is kept.
+        Without friction, unequal bulk temperatures still warm one of the bodies. Then the factor is
+        so small that `bulk_ratio` is the largest one that is stored.
         """
         return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
 
@@ -80,7 +80,7 @@ class Judging(ABC):
 
     @property
     def solved_friction(self) -> SolvedFriction | None:
-        """What friction by temperature is solved for; None without it, and for a rule of one's own.
+        """Case for which friction by temperature is solved; None without it, or with a user's rule.
 
         Bodies of unequal bulk temperatures have no friction by temperature.
         """
@@ -105,7 +105,7 @@ class Judging(ABC):
         return is_mild and law.steepness(bulk, hottest) >= STEEP
 
     def contact_temperature(self, rise: Any) -> Any:
-        """Temperature of the contact [K], from its rise at friction 1 [K], or rises."""
+        """Temperature of the contact [K], from one or more rises at friction 1 [K]."""
         return self.friction_law.temperature(rise, self.coldest_bulk_temperature)
 
     def limit(self, temperature: float) -> float:
@@ -117,7 +117,7 @@ class Judging(ABC):
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
-        """Refuse a rise of unequal bulk temperatures where friction varies."""
+        """Raise `InputError` if the bulk temperatures differ while friction varies."""
         law = self.friction_law
         for name, curve in (("velocity", law.by_velocity), ("temperature", law.by_temperature)):
             if curve and self.bulk_difference:
@@ -173,24 +173,24 @@ class Conditions(Judging):
 
     @property
     def decisive(self) -> Criterion:
-        """Criterion of severe wear."""
+        """Criterion by which wear is judged severe."""
         return self.criterion
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Mild or severe wear at a point at its worst moment; None where the limit is not known.
+    """Mild or severe wear at a point, at its worst moment.
 
     Attributes
     ----------
     is_severe : bool or None
-        True where the decisive temperature is above the critical one.
+        True where the decisive temperature is above the critical one; None if that is not known.
     time : float
         Worst moment, from the start of the loading [s].
     decisive_temperature, max_temperature : float
         Temperature that decides, and the highest of the contact [K].
     failed_fraction : float or None
-        Share of the contact area above the critical temperature.
+        Share of the contact area above the critical temperature; None if that is not known.
     bulk_temperature : float
         First part of the decisive temperature: that of the colder body far from the contact [K].
     contact_rise : float
@@ -226,7 +226,10 @@ def rise_limit(conditions: Judging) -> float:
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Step of the highest rise (..., n_step) from when the load is reached on; else the last."""
+    """Index of the step of highest rise once the load is reached, else of the last step.
+
+    Both arrays have the steps on their last axis.
+    """
     counts = np.isfinite(rise) & (normal_load >= load)
     step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
     return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
@@ -242,7 +245,7 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Deciding rises at friction 1 that have, by Eq. (1) of `friction`, the solved temperatures.
+    """Deciding rises at friction 1 that give the solved temperatures by Eq. (1) of `friction`.
 
     `coupled` is `CoupledRise.rise`: where it is NaN the rise stays, where it is infinite the
     temperature is that at the highest friction of the law [K].
@@ -261,11 +264,11 @@ def verdict(
     conditions: Judging,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, by its columns and the load that it is named after [N].
+    """Mild or severe wear at a point, from its columns and its load [N].
 
     Columns are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise`` (n_step)
-    above the pin's bulk at friction 1 [K], and those that corrections need; `coupled` is what
-    `solve_friction` found.
+    above the pin's bulk at friction 1 [K], and those that corrections need. `coupled` is the result
+    of `solve_friction`.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)

@@ -15,7 +15,7 @@ from tribo.types import Array
 
 
 class Surface(Protocol):
-    """A surface of the disk; it has to be hashable, and the same for the same hash.
+    """A surface of the disk. It must be hashable, and equal hashes must mean equal heights.
 
     Examples
     --------
@@ -25,7 +25,7 @@ class Surface(Protocol):
     """
 
     def __hash__(self) -> int:
-        """Hash by which its heights are kept."""
+        """Hash under which the heights are cached."""
 
     def heights(self, pixels: Grid) -> Array:
         """Heights, positive towards the pin [m], shape ``pixels.shape``."""
@@ -33,7 +33,7 @@ class Surface(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SelfAffineRoughness:
-    """A random surface; see `tribo.surface.self_affine`.
+    """A random, self-affine surface; see `tribo.surface.self_affine`.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class SelfAffineRoughness:
     correlation_length : tuple of float
         Correlation lengths along x and y [m].
     seed : int
-        Number of the random surface.
+        Seed of the random surface; each seed gives another surface.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def array_digest(array: Array) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MeasuredRoughness:
-    """A surface as it was measured.
+    """A measured surface.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class MeasuredRoughness:
 
 
 class UnknownHeights:
-    """A surface that is known by its name alone: its scene may be read, and not simulated."""
+    """Stand-in for a surface known by name alone: its scene can be read, but not simulated."""
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:

@@ -1,4 +1,4 @@
-"""Rough surfaces: self-affine ones, measured ones, and what is measured on them.
+"""Rough surfaces: random self-affine heights, means of blocks, and roughness parameters.
 
 Heights are positive towards the other body.
 """
@@ -62,7 +62,7 @@ def self_affine(
     amplitude **= -(1 + hurst_exponent) / 2
     amplitude[0, 0] = 0.0
     modes[: nx // 2 + 1] *= amplitude
-    modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # it is even in q_x
+    modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # the amplitude is even in q_x
     np.fft.ifft(modes, axis=0, out=modes)
     np.fft.irfft(modes, n=ny, axis=1, out=heights)
     distance = modes.view(float).reshape(-1)[: heights.size].reshape(heights.shape)
@@ -83,7 +83,7 @@ def block_average(heights: Array, factor: int) -> Array:
 
 
 def block_sample(heights: Array, factor: int) -> Array:
-    """One pixel in the middle of each block of ``factor × factor``, shape as of `block_average`.
+    """The middle pixel of each block of ``factor × factor``, shape as from `block_average`.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def block_sample(heights: Array, factor: int) -> Array:
 
 
 def _split_into_blocks(heights: Array, factor: int) -> Array:
-    """Pixels by block and place in it, shape ``(nx/factor, factor, ny/factor, factor)``."""
+    """Pixels by block and place in the block, shape ``(nx/factor, factor, ny/factor, factor)``."""
     nx, ny = heights.shape
     if factor < 1 or nx % factor or ny % factor:
         raise InputError(
@@ -118,7 +118,7 @@ def average_roughness(heights: Array) -> float:
 
 
 def _mean_distance(heights: Array, out: Array) -> float:
-    """The mean distance from the mean plane [m]; `out` gets each."""
+    """The mean distance from the mean plane [m]; `out` receives the distance of each pixel."""
     np.subtract(heights, heights.mean(), out=out)
     return float(np.abs(out, out=out).mean())
 

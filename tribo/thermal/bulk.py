@@ -15,7 +15,7 @@ _SMALL = 1e-4  # |z| below which a series of three terms is exact to 1e-13
 
 @dataclass(frozen=True, slots=True)
 class Bulk:
-    """A body of one temperature that warms by the heat it takes and cools by a loss.
+    """A body of uniform temperature that warms by the heat it takes and cools by a loss.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Bulk:
 
     @property
     def resistance(self) -> float:
-        """Thermal resistance that it puts in series with its body's others [K/W]."""
+        """Resistance in series with the others of its body [K/W]; 0 with a heat capacity."""
         return 0.0 if self.capacity else 1 / self.loss
 
 
@@ -93,7 +93,7 @@ def bulk_warming(
     gain = modes.T @ (roots * np.array([h1, h2]) / (h1 + h2))
     t, q = np.append(0.0, times), np.append(0.0, heats)
     lengths, rates = np.diff(t), np.minimum(rates, 0.0)[:, None]
-    # Heat is linear over an interval: its remainder at the interval's end, and at the last time.
+    # Heat is linear over an interval: what remains at the interval's end, then at the last time.
     first, second = _weights(rates * lengths)
     left = lengths * (first * q[:-1] + second * np.diff(q)) * np.exp(rates * (t[-1] - t[1:]))
     pin, disk = roots * (modes @ (gain * left.sum(axis=1)))

@@ -15,10 +15,10 @@ spectrum of the whole kernel is a sum of outer products of one-dimensional trans
 The panels of the quadrature are in `quadrature`, and the factors f and g in `factors`.
 
 **Length of the pin.** Along a periodic y the patch repeats as far as the pin reaches, which may be
-much less than heat spreads. Of a flux, what varies along y has then long evened out: the ends are
-felt by its mean along y alone. In the middle of a length ℓ heated evenly the factor E_y of that
-mean is erf(ℓ/(2s)) of what it is without ends (in the middle of b = ℓ/2, E_y = 2 erf(ℓ/(2s))). So
-it is here at each node of the quadrature, for the mode k_y = 0.
+much less than heat spreads. Variations of the flux along y have then long evened out, and only its
+mean along y feels the ends. In the middle of an evenly heated length ℓ the factor E_y of that mean
+is erf(ℓ/(2s)) times its value without ends (in the middle of b = ℓ/2, E_y = 2 erf(ℓ/(2s))). So the
+mode k_y = 0 has this factor at each node of the quadrature.
 """
 
 from __future__ import annotations
@@ -59,12 +59,12 @@ class ConductingHalfSpace(Convolution):
     time : float
         Duration of heating, t [s], at least 0.
     quadrature_nodes : int, optional
-        Gauss nodes on each panel of the integral (1); 10 give 7e-7 of the kernel's self term,
-        16 give 6e-12.
+        Gauss nodes on each panel of the integral (1). The error, as a share of the kernel's self
+        term, is 7e-7 with 10 and 6e-12 with 16.
     length : float or "nearest-image", optional
-        Length along a periodic y that is heated [m], the patch in its middle; at least that of the
-        patch is taken. Endless if not given. ``"nearest-image"``: the patch and, of its images,
-        the nearer one of each element, as the leakage of Bosman & de Rooij adds it.
+        Heated length along a periodic y [m], with the patch in its middle, and at least as long as
+        the patch. Endless if not given. ``"nearest-image"``: the patch and the nearer image of each
+        element, as the leakage of Bosman & de Rooij adds it.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     motion. Infinite at rest, and where the patch repeats along x.
     """
     kappa = material.thermal_diffusivity
-    # The rest is for rounding.
+    # The last factor is a margin for rounding.
     return _leaving_length(grid, abs(velocity) / (4 * kappa)) ** 2 / (4 * kappa) * 1.001
 
 
@@ -124,9 +124,9 @@ def flux_history_spectrum(
     Returns
     -------
     ndarray, shape (mx, c)
-        The first c columns of a spectrum for `Convolution`; the others are 0, since what varies
-        quickly along a periodic y has faded since the first age. Real where the body is at rest.
-        [K m²/W]
+        The first c columns of a spectrum for `Convolution` [K m²/W]; the others are 0, since what
+        varies quickly along a periodic y has faded since the first age. Real where the body is at
+        rest.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def flux_history_spectrum(
     leaving = _leaving_length(grid, v)
 
     rule = _gauss(quadrature_nodes)
-    # Modes along y first: so the products below are of long rows.
+    # Modes along y come first, so that the products below run along long rows.
     half = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
     columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
@@ -207,7 +207,7 @@ def _stretches(
 
 
 def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
-    """Raise `InputError` for a number that makes no kernel."""
+    """Raise `InputError` for a number that allows no kernel."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     for earlier, time in itertools.pairwise((0.0, *ages)):
@@ -235,7 +235,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s of a panel, and the factor along the motion there times the nodes' weights."""
+    """Nodes s of a panel, and at each the factor along x times the weight of the node."""
     (low, high), (nodes, weights) = panel, rule
     if not filon:
         s = (high + low) / 2 + (high - low) / 2 * nodes
@@ -253,7 +253,7 @@ def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Length along y whose ends cool the mean along y [m]; infinite if no end does."""
+    """Heated length along y [m], whose ends cool the mean along y; infinite without ends."""
     if length == "nearest-image":
         if not grid.periodic[1]:
             raise InputError("length 'nearest-image' is for a patch that is periodic along y")

@@ -1,10 +1,10 @@
 """The temperature of the contact that decides about severe adhesive wear (scuffing).
 
 Wear is severe where the deciding temperature exceeds the critical one: the temperature that a
-share of the contact area exceeds (Bosman & de Rooij), the highest (Blok), or the mean. A further
-criterion is one more entry of `CRITERIA`.
+share of the contact area exceeds (Bosman & de Rooij), the highest (Blok), or the mean. To add a
+criterion, add an entry to `CRITERIA`.
 
-Temperatures follow from rises at friction 1. Nothing else in the program picks the deciding one.
+Temperatures follow from rises at friction 1. The deciding one is picked in this module alone.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from tribo.thermal.quantiles import QUANTILES, combine_bulks, require_share, ris
 from tribo.types import Array
 
 Columns = Mapping[str, Any]
-"""Rises by name, each an array with steps, points or nothing in front."""
+"""Temperature rises by name [K]; arrays have axes for points and steps in front, if any."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """A kind of criterion.
+    """How a kind of criterion finds the deciding rise, and what it is called.
 
     Attributes
     ----------
     column : str
         Column that decides, ``"rise_quantile"`` or ``"mean_rise"``.
     rise : callable
-        Called with that column [K], the share and the quantiles; gives the deciding rise [K].
+        Called with that column [K], the share and the quantiles; returns the deciding rise [K].
     temperature, severe : str
-        The deciding temperature and severe wear in words, with the ``{share}`` [%].
+        Words for the deciding temperature and for severe wear, with the ``{share}`` [%].
 
     Examples
     --------
@@ -76,12 +76,12 @@ CRITERIA: dict[str, Rule] = {
 class Criterion:
     """A criterion of severe wear.
 
-    A quantile q of the temperature is the share 1 − q.
+    The temperature that a share s of the contact area exceeds is its quantile 1 − s.
 
     Attributes
     ----------
     name : str
-        One of `CRITERIA`, or the name of a rule that is given.
+        One of `CRITERIA`, or the name of `rule`.
     share : float
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (the highest temperature) to below 1; for the kind "share" alone.
@@ -148,7 +148,7 @@ class Criterion:
         return rise <= limit
 
     def rise(self, columns: Columns) -> Any:
-        """Deciding rise [K], from columns at the bulk temperatures to judge by.
+        """Deciding rise [K]; columns must hold for the bulk temperatures of the verdict.
 
         Parameters
         ----------
@@ -182,10 +182,10 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
 
 
 def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
-    """Columns with their rises at friction 1 above the pin's bulk at a bulk ratio [K].
+    """Convert rises at friction 1, above the pin's bulk, from equal bulks to a bulk ratio [K].
 
-    The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean rise
-    needs the column ``mean_bulk_response`` for that, quantiles need ``bulk_rise_quantile``.
+    The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean
+    rise needs the column ``mean_bulk_response``, quantiles need ``bulk_rise_quantile``.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A disc or ring that is heated around its rim by the turns that it makes, all of it conducting."""
+"""A turning disc or ring that is heated around its rim and conducts heat throughout."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tribo.errors import InputError, require_positive
 from tribo.types import Array
 
 _ROOTS = 120
-# Of (κt)/(a − b)², below which the rim is a curved half-space: there the series needs more
-# roots than are kept, and the half-space is wrong by less than 1e-4.
+# Value of κt/(a − b)² below which the rim counts as a curved half-space: there the series needs
+# more roots than are kept, and the half-space is wrong by less than 1e-4.
 _EARLY = 4e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disc:
-    """A disc or a ring, which loses heat to its surroundings by its rise above the start.
+    """A disc or a ring, which loses heat in proportion to its rise above its starting temperature.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Disc:
         Heat that its rim, and each of its two faces, lose for each area and kelvin [W/(m² K)].
     shaft_loss : float
         Heat that it loses to its shaft for each kelvin [W/K]: at its bore, or evenly over the disc
-        where it has none.
+        if it has no bore.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Disc:
         return ", ".join(parts)
 
     def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
-        """Warming of the rim by heat that was laid around it, per heat per area over ρc [1/m].
+        """Warming of the rim at an age of heat spread around it, per (heat per area)/ρc [1/m].
 
         The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
         over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in Solids*,
@@ -76,10 +76,11 @@ class Disc:
             1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² Fo),  Fo = κt/a²,
 
         φₙ = J₀(βₙx) + cₙY₀(βₙx), from the bore, x = b/a, to 1. Losses h of rim and bore,
-        φ' + (ha/K) φ = 0 outwards, shift the roots βₙ; without them one is 0, and of a whole disc
-        J₁(βₙ) = 0. The loss of the faces multiplies all by exp(−2ht/ρcB), B the width. Integrated
-        over t that is (a/K)(2Fo + 1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²) under a constant flux on a disc
-        without losses. At first it is 1/√(πκt), that of a half-space, and the curvature of the rim.
+        φ' + (ha/K) φ = 0 outwards, shift the roots βₙ. Without losses one root is 0, and on a disc
+        without a bore J₁(βₙ) = 0. The loss of the faces multiplies all by exp(−2ht/ρcB), B the
+        width. Under a constant flux on a disc without losses, the integral over t is
+        (a/K)(2Fo + 1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²). At first the response is 1/√(πκt), that of a
+        half-space, corrected for the curvature of the rim.
 
         Parameters
         ----------
@@ -117,7 +118,7 @@ class Disc:
         return left
 
     def as_dict(self) -> dict[str, float]:
-        """Return its sizes, and the losses that it has, by name."""
+        """Return the sizes, and the losses that are not 0, by name."""
         return {name: value for name, value in asdict(self).items() if value}
 
 
@@ -125,12 +126,12 @@ class Disc:
 def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     """Roots βₙ of a ring from x = inner to 1, and the weights φₙ(1)²/∫φₙ² x dx of its modes.
 
-    The losses of rim and bore are Biot's numbers ha/K.
+    `rim` and `bore` are the losses there as Biot numbers ha/K.
     """
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
     def mode(root: Array, x: float) -> tuple[Array, Array]:
-        """The mode and its slope at x, for any root; the bore's loss holds at all of them."""
+        """The mode and its slope at x, for any root; it satisfies the loss at the bore."""
         if not inner:
             return j0(root * x), -root * j1(root * x)
         first, second = (

@@ -12,8 +12,8 @@ contact then replaces Eq. (1) of `partition` by
 
 Bᵢᵐ depends on the ages of the stations alone. So for steps of equal length it is computed once
 for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
-a few steps only the lowest waves of a flux along a periodic axis are left. A flux that moves
-leaves nothing. So no more of a flux is kept.
+a few steps only the longest waves of a flux along a periodic axis are left, and nothing of a flux
+that moves. Only what is left is kept.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from tribo.thermal.conduction import HeatedLength, flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.types import Array, Mask, Spectrum
 
-_AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal ages
+_AGE_DIGITS = 9  # digits to which ages are rounded, so that equal steps make equal ages
 
 
 class Conductor(NamedTuple):
@@ -61,7 +61,7 @@ class Conductor(NamedTuple):
 
 
 SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], Spectrum]
-"""Spectrum of the rise due to a flux into a body, by its ages and its strengths at them."""
+"""Function of a body, ages [s] and strengths of a flux then; returns the spectrum of the rise."""
 
 
 def conducted_spectrum(
@@ -80,9 +80,9 @@ class HeatHistory:
     Attributes
     ----------
     times : tuple of float
-        Times of the stations [s], the first 0, when all flux was 0.
+        Times of the stations [s]. The first is 0, when there was no flux.
     pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
-        Transforms of the flux at each station [W/m²], the columns that still act.
+        Transforms of the flux at each station [W/m²], without columns that no longer act.
 
     Examples
     --------
@@ -123,10 +123,10 @@ def partition_with_history(
     time : float
         Present time since the first heat [s].
     heat_flux, contact, method, tolerance, bulk_difference
-        Those of `tribo.thermal.partition_heat`.
+        As in `tribo.thermal.partition_heat`.
     spectrum_of : callable, optional
-        Spectrum of the rise due to a flux [K m²/W], which may be kept: steps of equal length ask
-        for the same ones again.
+        Spectrum of the rise due to a flux [K m²/W]. It may be cached: steps of equal length need
+        the same spectra again.
 
     Returns
     -------

@@ -32,9 +32,9 @@ class Axis:
     def series_start(self, drift: float) -> float:
         """Diffusion length from which the Fourier series is cheaper than samples [m].
 
-        Samples need images of the source once heat has spread over the period, and many nodes
-        once a source has passed many elements; the series needs many modes before. At rest it
-        needs no more than there are elements once heat has spread over four.
+        The series needs many modes before that. Samples need images of the source once heat has
+        spread over the period, and many nodes once a source has passed many elements. At rest the
+        series needs no more modes than there are elements once heat has spread over four elements.
         """
         if not self.periodic or self.nearest_image:
             return math.inf
@@ -82,7 +82,7 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
 
 
 def wavenumbers(axis: Axis, s: float) -> Array:
-    """Wavenumbers of the modes that live at diffusion length s, shape (aliases, modes) [rad/m].
+    """Wavenumbers of modes not yet faded at diffusion length s, shape (aliases, modes) [rad/m].
 
     Sampling at the element centres folds the modes m + pn onto the mode m.
     """

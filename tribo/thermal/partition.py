@@ -28,8 +28,8 @@ from tribo.types import Array, Mask, Nodes
 # Directions that the iteration keeps orthogonal. It rarely needs as many.
 _KEPT_DIRECTIONS = 60
 _RESERVE = 0.9  # share of the tolerance for the iteration; the rest is for rounding
-# The iteration goes by single precision, in two thirds of the time, down to this tolerance. What it
-# finds is judged in double.
+# Down to this tolerance the iteration runs in single precision, in two thirds of the time. Its
+# result is judged in double precision.
 _SINGLE_TOLERANCE = 1e-4
 
 
@@ -105,7 +105,7 @@ def partition_heat(
     Returns
     -------
     HeatPartition
-        Zero fields, without a solution, where there is no contact or nothing that drives heat.
+        Fields of 0, without a solution, where nothing is in contact or nothing drives heat.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def partition_heat(
     total = float(np.sum(q))
     share = float(np.sum(solution)) / total if total else math.nan
     rise = pin(pin_flux)
-    # From both temperatures and not from the iteration's own residual, which rounding detaches.
+    # From both temperatures: rounding lets the iteration's own residual drift away from it.
     mismatch = (disk(heat_flux - pin_flux) - rise).take(nodes) + delta
     residual = _norm(mismatch) / _norm(target)
     partition = HeatPartition(rise, pin_flux, share, iterations, residual)
@@ -171,7 +171,7 @@ def partition_heat(
     return partition
 
 
-@functools.lru_cache(maxsize=2)  # of many contacts, one after the other
+@functools.lru_cache(maxsize=2)  # many contacts use the same maps
 def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
     """The map of both bodies, and its stencils."""
     both = pin + disk
@@ -184,7 +184,7 @@ def _faster(both: Convolution, influence: float) -> Convolution:
 
 
 def _check_choices(method: str, tolerance: float) -> None:
-    """Raise `InputError` for a method or tolerance that cannot be."""
+    """Raise `InputError` for a method or tolerance that is not allowed."""
     if method not in ("local", "uniform"):
         raise InputError(f'method is {method!r}; it must be "local" or "uniform"')
     if not 1e-14 <= tolerance < 1:
@@ -235,7 +235,7 @@ def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
 
     def apply(flux: Array) -> Array:
-        largest = float(np.abs(flux).max()) or 1.0  # in units of which single precision holds it
+        largest = float(np.abs(flux).max()) or 1.0  # a scale at which single precision can hold it
         field.reshape(-1)[nodes] = flux / largest
         body(field, out=rise, rows=rows)
         return rise.take(nodes) * largest
@@ -274,8 +274,8 @@ def _iterate(
     Returns the solution and the iterations.
     """
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
-    # In one piece: of two that are freed together, allocators give the memory back, and fetching it
-    # anew page by page costs more than much of the iteration.
+    # In one piece: if two arrays are freed together, the allocator returns their memory, and to get
+    # it again page by page costs more than much of the iteration.
     directions, images = np.empty((2, _KEPT_DIRECTIONS, target.size))
     iteration, error = 0, 1.0
     while error > tolerance and iteration < max_iterations:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tribo.types import Array
 
-# erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
+# erfc(6) = 2e-17 and exp(-6²) = 2e-16: at this many diffusion lengths nothing is felt.
 REACH = 6.0
 _NOTHING = 1e-12  # share of a length below which no part of the integral is worth a panel
 

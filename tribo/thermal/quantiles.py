@@ -6,11 +6,11 @@ exceeds lies above the critical temperature.
 
 **Bodies of unequal bulk temperature.** Let a be the rise of the pin's surface at friction 1 and b
 its response to a disk that is 1 K warmer. At friction µ and a difference Δ the rise is µa + Δb,
-that is µ times a + ρb with the bulk ratio ρ = Δ/µ; only its quantiles are not affine. They are kept
-at several ρ, and linear in between: exact at these, in the mean, and wherever b is uniform. Along
-the paper's boundary, where b lies between 0.8 and 0.9, the temperature exceeded by 10 % of the
-contact area is found to 0.16 % of the mean rise for |ρ| up to 1000 K (100 K at friction 0.1), any
-other to 0.4 %.
+that is µ times a + ρb with the bulk ratio ρ = Δ/µ. Its quantiles are not linear in ρ. They are
+stored at several ρ and interpolated linearly: exact at these, in the mean, and wherever b is
+uniform. Along the paper's boundary, where b lies between 0.8 and 0.9, the temperature exceeded by
+10 % of the contact area is found to 0.16 % of the mean rise for |ρ| up to 1000 K (100 K at friction
+0.1), any other quantile to 0.4 %.
 """
 
 from __future__ import annotations
@@ -24,16 +24,18 @@ QUANTILES: tuple[float, ...] = (
     0.0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75,
     0.8, 0.825, 0.85, 0.875, 0.89, 0.9, 0.91, 0.925, 0.95, 0.975, 0.99, 0.999, 1.0,
 )  # fmt: skip
-"""Quantiles of the temperature that are kept, as shares of the contact area that are cooler."""
+"""Quantiles of the temperature that are stored: shares of the contact area that are cooler."""
 
 _RATIOS = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
 BULK_RATIOS: tuple[float, ...] = (*(-ratio for ratio in reversed(_RATIOS)), *_RATIOS)
-"""Differences of the bulk temperatures, disk's less pin's, over friction, at which quantiles are
-kept, together with 0 [K]. At the outermost the frictional rise is next to nothing."""
+"""Bulk ratios at which quantiles are stored, together with 0 [K].
+
+A bulk ratio is the disk's less the pin's bulk temperature, over friction. At the outermost ratios
+the frictional rise is next to nothing."""
 
 
 def contact_quantiles(rise: Array, contact: Mask) -> Array:
-    """Temperature rise that each of `QUANTILES` of the contact area stays below [K].
+    """Quantiles of the temperature rise over the contact area [K], one for each of `QUANTILES`.
 
     Parameters
     ----------
@@ -52,7 +54,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
         raise InputError("no element is in contact; quantiles of the temperature need at least one")
     ordered = np.sort(rise[contact])
     places = np.asarray(QUANTILES) * (ordered.size - 1)
-    # What np.quantile gives, which for so many quantiles takes several times as long.
+    # The same as np.quantile, which for so many quantiles takes several times as long.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
 
@@ -63,9 +65,10 @@ def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
 
 
 def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
-    """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between those kept.
+    """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between stored ratios.
 
-    Those at the ratio 0 have the shape (..., n_quantile), the others (..., n_ratio, n_quantile).
+    `rise_quantiles`, at the ratio 0, has the shape (..., n_quantile), and `bulk_rise_quantiles`
+    has (..., n_ratio, n_quantile).
 
     Examples
     --------
@@ -95,7 +98,7 @@ def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
 
 
 def require_share(share: float) -> None:
-    """Refuse a share of the contact area that no temperature can be exceeded on."""
+    """Raise `InputError` unless a share of the contact area is at least 0 and below 1."""
     if not 0 <= share < 1:
         raise InputError(
             f"share is {share!r}; it must be at least 0 (the maximum temperature) and below 1"
@@ -105,9 +108,9 @@ def require_share(share: float) -> None:
 def rise_exceeded(
     rise_quantiles: Array, share: float, quantiles: Array | tuple[float, ...] = QUANTILES
 ) -> Array:
-    """Rise that just a share of the contact area exceeds [K]: the inverse of `failed_share`.
+    """Rise exceeded on just this share of the contact area [K]; the inverse of `failed_share`.
 
-    Linear between the quantiles, which are the last axis; `QUANTILES` if not given.
+    Linear between the quantiles, which run along the last axis of `rise_quantiles`.
 
     Examples
     --------
@@ -123,7 +126,7 @@ def rise_exceeded(
         )
     above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
     low, high = quantiles[above - 1], quantiles[above]
-    weight = (1 - share - low) / (high - low) if high > low else 1.0  # of one quantile alone
+    weight = (1 - share - low) / (high - low) if high > low else 1.0  # there is one quantile alone
     exceeded: Array = (1 - weight) * rise_quantiles[..., above - 1] + (
         weight * rise_quantiles[..., above]
     )

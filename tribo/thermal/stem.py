@@ -24,7 +24,7 @@ class Stem:
     resistance : float
         Thermal resistance in the steady state, L/(K A) for a rod [K/W].
     settling_time : float
-        L²/κ [s]; 0 for a resistance without heat capacity.
+        Time of diffusion along the rod, L²/κ [s]; 0 for a resistance without heat capacity.
 
     Examples
     --------
@@ -44,21 +44,21 @@ class Stem:
     def rod(
         cls, length: float, area: float, thermal_conductivity: float, thermal_diffusivity: float
     ) -> Self:
-        """A rod of a length [m], cross section [m²], K [W/(m K)] and κ [m²/s]."""
+        """The stem that is a rod of a length [m], area [m²], K [W/(m K)] and κ [m²/s]."""
         require_positive(length=length, area=area)
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
     def resistance_under(self, times: Array, loads: Array) -> float:
-        """Warming of the heated end, over the heat that flows at the last of some times [K/W].
+        """Thermal resistance at the last time: warming of the heated end over its heat flow [K/W].
 
-        The heat goes as the load: linear between the times, from time 0 on [s]. By Duhamel's
-        theorem, with S the fraction of a constant flow and I its integral,
+        The heat flow is in proportion to the load, which is linear between the times [s] and 0 at
+        time 0. By Duhamel's theorem, with S the fraction of a constant flow and I its integral,
 
             R/F(t) Σ F₀S(t − t₀) − F₁S(t − t₁) + (F₁ − F₀)/(t₁ − t₀) (I(t − t₀) − I(t − t₁))
 
         Examples
         --------
-        A long rod under a load that has grown evenly is two thirds as warm as under all of it:
+        A long rod under a load that has grown evenly is two thirds as warm as under a constant one:
 
         >>> rod = Stem(1.0, settling_time=1e4)
         >>> grown = rod.resistance_under(np.array([5.0]), np.array([750.0]))
@@ -80,8 +80,8 @@ class Stem:
 def stem_fraction(time: float | Array) -> Array:
     """Resistance of a rod after a dimensionless time τ, over that in the steady state.
 
-    A rod of length L, heated by a constant flow at one end from time 0 and kept at its temperature
-    at the other, has a heated end warmer by the flow times the resistance R L/(K A) times
+    The heated end of a rod of length L, under a constant flow from time 0 and with its other end at
+    its starting temperature, is warmer by the flow times the resistance R = L/(K A) times
 
         1 − (8/π²) Σ exp(−n²π²τ/4)/n²,  n = 1, 3, 5 …,  τ = κt/L²
 
@@ -97,7 +97,7 @@ def stem_fraction(time: float | Array) -> Array:
     odd = 2 * np.arange(_TERMS) + 1.0
     series = np.exp(-(odd**2) * (math.pi**2 / 4) * tau[..., None]) / odd**2
     settled: Array = 1 - 8 / math.pi**2 * series.sum(axis=-1)
-    # The series needs ever more terms at short times, where no end is felt yet.
+    # The series needs ever more terms at short times, where the far end is not felt yet.
     return np.where(tau < _EARLY, 2 * np.sqrt(tau / math.pi), settled)
 
 

@@ -10,8 +10,8 @@ import scipy
 from tribo.thermal.disc import Disc
 from tribo.types import Array
 
-_SINGLE = 400  # passes that are summed one by one; of all earlier ones an integral is taken
-_IMAGES, _MODES = 3, 4  # enough for 1e-11 on their side of a spread of a quarter of the body
+_SINGLE = 400  # latest passes, which are summed one by one; earlier passes are integrated
+_IMAGES, _MODES = 3, 4  # for 1e-11; images up to a spread of a quarter of the body, modes beyond
 _PANEL, _NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
 
 
@@ -24,7 +24,7 @@ def track_warming(
     heat_capacity: float,
     disc: Disc | None = None,
 ) -> float:
-    """Warming of the track by earlier passes, for each unit of the heat per distance [K].
+    """Warming of the track by earlier passes at friction 1, if the disk takes all heat [K].
 
     A pass under a pin of width B lays the heat F dx per element of track, at friction 1 and if all
     of it flows into the disk. It is an instantaneous strip on a half-space, whose middle is, a time
@@ -33,8 +33,8 @@ def track_warming(
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
     A disc of a width W, insulated at its sides and with the track in its middle, has mirror images
-    of the strip beside it; with W = B the last factor is 1. Its own `Disc.rim_response` stands for
-    1/√(πκt), with which it begins: heat that has spread around and through the disc is kept.
+    of the strip beside it; with W = B the last factor is 1. The disc's `Disc.rim_response` replaces
+    1/√(πκt), to which it is equal at first: heat that has spread around and through the disc stays.
 
     The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
     that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
@@ -62,7 +62,7 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Warming that a pass of some rounds ago has left."""
+        """Warming that a pass so many rounds ago has left [K]."""
         age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
@@ -76,7 +76,7 @@ def track_warming(
     warming = float(remaining_rise(np.arange(1.0, min(count, _SINGLE) + 1)).sum())
     if count > _SINGLE:
         first, last = _SINGLE + 0.5, count + 0.5
-        # In panels that end where the load kinks, and have much the same age throughout.
+        # Panels end where the load kinks, and the age of the passes hardly changes within one.
         kinks = (time - loads[0]) / round_trip
         even = np.geomspace(first, last, 2 + math.ceil(math.log(last / first) / math.log(_PANEL)))
         ends = np.union1d(even, kinks[(kinks > first) & (kinks < last)])

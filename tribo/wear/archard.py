@@ -28,37 +28,37 @@ EXPLICIT_LIMIT = 2.0
 """Value of `Wear.stiffness` from which on the explicit scheme is unstable."""
 
 
-_LONGEST_STRETCH = 2.0  # factor of a step, to wear off what its stages' loads alone would not
+_LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its stages' low loads
 
 
 class Stage(NamedTuple):
     """A contact to be solved within a step."""
 
     normal_load: float  # on the whole pin [N]
-    distance: float  # slid, over which its pressure wears the pin in all [m]
-    implicit_distance: float  # over which its own pressure has worn the shape that it meets [m]
+    distance: float  # slid, over which the pressure of this contact wears the pin [m]
+    implicit_distance: float  # slid, whose wear by this pressure is part of the shape solved [m]
 
 
 @dataclass(frozen=True, slots=True)
 class RungeKutta:
     """A scheme for dh/dS = k p(h, F), of one or more stages.
 
-    Stage i takes the load Fᵢ at the fraction cᵢ of the step, as if the load changed linearly, and
-    there the pressure pᵢ of the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step ends
-    at h + k dS Σ bᵢpᵢ. Of a step over the distance S, dS is S F̄/Σ bᵢFᵢ, F̄ the mean load along it:
+    Stage i has the load Fᵢ at the fraction cᵢ of the step, as if the load changed linearly. It is
+    solved for its pressure pᵢ on the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step
+    ends at h + k dS Σ bᵢpᵢ. For a step over the distance S at the mean load F̄, dS is S F̄/Σ bᵢFᵢ:
     so the worn volume is kF̄S, whatever the load does within the step.
     """
 
     fractions: tuple[float, ...]  # c
     weights: tuple[float, ...]  # b
-    implicitness: float  # γ; 0 to take the pressure before the wear that it causes
+    implicitness: float  # γ; 0 for the pressure before the wear that it causes
 
     def stages(
         self, loads: tuple[float, float], mean_load: float, distance: float
     ) -> Iterator[Stage]:
-        """Contacts that a step has to solve, one after the other; the last one at its end.
+        """Contacts that a step has to solve, in order; the last one is at the step's end.
 
-        The loads are those at both ends of the step, and the mean along it [N].
+        `loads` are those at both ends of the step, `mean_load` is the mean along it [N].
 
         Examples
         --------
@@ -69,8 +69,8 @@ class RungeKutta:
         begin, end = loads
         carried = [(1 - c) * begin + c * end for c in self.fractions]
         past = sum(b * F for b, F in zip(self.weights, carried, strict=True))
-        # Stages that hardly carry load, as at the end of a fall to nothing, do not know where the
-        # pin has worn. One at the mean load does; another that wears nothing is the step's end.
+        # Stages that carry hardly any load, as where it falls to zero, do not show where the pin
+        # wears. So one stage at the mean load wears it, and one without wear ends the step.
         if mean_load > _LONGEST_STRETCH * past:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
@@ -92,8 +92,8 @@ WEAR_SCHEMES: dict[WearScheme, RungeKutta] = {
 ``"implicit"``, backward Euler: of first order, stable for any step. ``"explicit"``, the loop of
 Bosman & de Rooij (Fig. 2): of first order, stable while k·dS is below `EXPLICIT_LIMIT` times the
 smallest compliance. ``"sdirk2"`` (Alexander, SIAM J. Numer. Anal. 14, 1977): of second order,
-stable for any step, at twice the cost; where much comes into contact within a step, its pressure
-needs a short implicit end, see `tribo.simulation.implicit_end`.
+stable for any step, at twice the cost. Where much area comes into contact within a step, a short
+implicit step has to end it; see `tribo.simulation.implicit_end`.
 """
 
 
@@ -176,8 +176,8 @@ class Wear:
 class RollingWear(Wear):
     """Wear of a pin that rolls: along x by the same depth everywhere on its track.
 
-    See `tribo.simulation.motion`, Eq. (1); along y it wears by the pattern. The window's share is
-    its length along x in that of the track around the pin, above 0 and at most 1.
+    See `tribo.simulation.motion`, Eq. (1); along y it wears by the pattern. `window_share` is the
+    window's length along x over that of the track around the pin, above 0 and at most 1.
 
     Examples
     --------
@@ -212,13 +212,13 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min as in `Wear`, of the waves along y alone: 0 where there are none."""
+        """k·dS/λ_min as in `Wear`, over the waves along y alone; 0 if there are none."""
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
             return 0.0
         return self._compliance(solid, distance) / float(waves[waves > 0].min())
 
     def _compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Wear per pressure on the whole window, in the mode of the padded grid for k_x = 0."""
+        """Worn depth per mean pressure [m/Pa], for the mode k_x = 0 of the padded grid."""
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding

@@ -1,7 +1,7 @@
 """Wear laws whose rate depends on the distance slid: their protocol, and the law that ships.
 
-A law is any object with these attributes. A result that is no `tribo.Wear` is an
-`InvariantError`. A law that ships is a frozen dataclass here, and has a name in `LAWS`.
+A law is any object with the attributes of `WearLaw`. If its wear is no `tribo.Wear`, that is an
+`InvariantError`. The laws of this package are frozen dataclasses here, named in `LAWS`.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class WearLaw(Protocol):
         """Pattern of the wear, ``"local"`` or ``"swept"``; see `tribo.Wear`."""
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear between two sliding distances [m], at the mean rate there."""
+        """Wear between the sliding distances `begin` and `end` [m], at the mean rate there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +44,9 @@ class RunningIn:
     Parameters
     ----------
     initial_rate : float
-        Specific wear rate k₀ at first [m²/N].
+        Specific wear rate k₀ before running in [m²/N].
     final_rate : float
-        Specific wear rate k∞ at last [m²/N].
+        Specific wear rate k∞ after running in [m²/N].
     distance : float
         Sliding distance L over which the rate falls [m].
     pattern : {"local", "swept"}
@@ -72,7 +72,7 @@ class RunningIn:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear between two sliding distances [m], at the mean rate there."""
+        """Wear between the sliding distances `begin` and `end` [m], at the mean rate there."""
         way = (end - begin) / self.distance
         faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
@@ -84,7 +84,7 @@ LAWS: dict[str, type[WearLaw]] = {"running-in": RunningIn}
 
 
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
-    """Wear between two sliding distances [m], also by a user's own law.
+    """Wear between the sliding distances `begin` and `end` [m], by a `Wear` or a wear law.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
 
 
 def require_wear(wear: object) -> None:
-    """Raise `InputError` for an object that is neither a wear nor a wear law."""
+    """Raise `InputError` unless `wear` is None, a `Wear` or an object like a `WearLaw`."""
     if wear is None or isinstance(wear, Wear):
         return
     if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
