@@ -10,10 +10,10 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
     pipeline.margin(hotter, "400 N", "1.4 m/s").verdict
     pipeline.end_of_point("results/first_try.zarr")["contact_width"]
 
-A scene is given by its path, by the name of a shipped one, or read; a store by its path or opened
-by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. The end of
-each point stands at step 0, which `end_of_point` takes. A dataset of a sweep has these answers as
-``ds.irg``, too: ``ds.irg.at(friction=0.12).irg.boundary()``.
+Arguments: a scene is a path, the name of a shipped scene, or what `load_scene` returned; a store is
+a path, or what `open_sweep` returned; a quantity is a number in SI, or text with a unit such as
+``"400 N"``. The end of each point is at step 0, which `end_of_point` takes. A
+dataset of a sweep has these answers as ``ds.irg``: ``ds.irg.at(friction=0.12).irg.boundary()``.
 
 The public names, in the order of the page ``API.md``, which says what each is for:
 
@@ -28,7 +28,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 
-They stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing
+They are listed in ``__init__.pyi``. Each is loaded when it is first used, so that importing
 the package costs next to nothing.
 """
 

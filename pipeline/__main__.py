@@ -21,13 +21,13 @@ def run() -> None:
 
 
 def _leave(code: int, line: str = "") -> None:
-    """End at once: nothing that is to be kept is under way."""
+    """End the process at once: no work is under way that has to be kept."""
     os.write(2, line.encode())
     os._exit(code)
 
 
 def _report(dropped: Any) -> None:
-    if issubclass(dropped.exc_type, KeyboardInterrupt):  # as in the import of a module
+    if issubclass(dropped.exc_type, KeyboardInterrupt):  # as during the import of a module
         interrupts.resend_interrupt()
     else:
         sys.__unraisablehook__(dropped)

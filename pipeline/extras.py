@@ -1,4 +1,4 @@
-"""Extras: folders that nothing else imports. Without the folder of one the rest works."""
+"""Extras: folders that no other part imports. Without one of them the rest works."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "page": ("explore",),
     "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
 }
-"""Folders in `pipeline` that are asked for their modules, if they are there; and public names."""
+"""Extras by the names of their folders in `pipeline`, with the public names of each."""
 STUDIES = "pipeline.workflows", "workflows"
-"""Package of the shipped scenes, which has a command: in `pipeline` if that was installed."""
+"""Names of the package of shipped scenes, which has a command: installed, or in a checkout."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Signals that end a command as Ctrl-C does: SIGTERM, as of Slurm and Docker, and SIGHUP."""
+"""Signals that end a command as Ctrl-C does: SIGTERM, which Slurm and Docker send, and SIGHUP."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SIGNALS: tuple[int, ...] = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
-    """Let a function handle the signals that are not ignored, as by nohup; the handlers before."""
+    """Let a function handle `SIGNALS`, except ignored ones (nohup); return the handlers before."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     before = {number: signal.getsignal(number) for number in SIGNALS}
@@ -26,7 +26,7 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
 
 @contextmanager
 def raised() -> Iterator[None]:
-    """Raise `KeyboardInterrupt` at a signal within the block, whatever error follows from it."""
+    """Raise `KeyboardInterrupt` at a signal within the block, even if another error follows."""
     came: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:
@@ -48,5 +48,5 @@ def raised() -> Iterator[None]:
 
 
 def resend_interrupt() -> None:
-    """Send SIGINT once more, in 0.1 s, where Python has dropped the exception of the first."""
+    """Send SIGINT again in 0.1 s, after Python has dropped the exception of the first one."""
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

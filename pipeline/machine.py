@@ -1,11 +1,11 @@
-"""The machine, as far as a process may use it: its affinity and a container's limits count."""
+"""Cores and memory that this process may use, by its affinity and a container's limits."""
 
 from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
 
-# In a container, in one of control groups of the first version, on the whole machine.
+# Files with the count of kills: of a container (control groups 2, then 1), of the machine.
 _COUNTS = (
     "/sys/fs/cgroup/memory.events",
     "/sys/fs/cgroup/memory/memory.oom_control",
@@ -14,14 +14,14 @@ _COUNTS = (
 
 
 def cores() -> int:
-    """Number of cores."""
+    """Number of cores that this process may use."""
     from dask.system import CPU_COUNT  # here, since it is slow to import
 
     return int(CPU_COUNT)
 
 
 def memory() -> int:
-    """Memory [B]."""
+    """Memory that this process may use [B]."""
     from distributed.system import MEMORY_LIMIT
 
     return int(MEMORY_LIMIT)

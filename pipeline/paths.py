@@ -21,7 +21,7 @@ def user_path(path: str | PathLike[str]) -> Path:
 
 
 def require_file(path: Path) -> None:
-    """Raise for a file without an end, such as a device or a FIFO that nobody writes to."""
+    """Raise `InputError` for what has no end, such as a device or a FIFO that nobody writes to."""
     with suppress(OSError):  # opening it reports the reason better
         if path.exists() and not path.is_file():
             from tribo.errors import InputError  # with NumPy, which --help does not need
@@ -36,7 +36,7 @@ def reason_of(error: OSError, path: Path) -> str:
 
 
 def near_path(path: Path) -> str:
-    """Ask whether a path with a like name was meant; empty if there is none."""
+    """Ask whether a path with a similar name was meant; empty if there is none."""
     wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
     with suppress(OSError):
         names = sorted(entry.name for entry in wrong.parent.iterdir())
@@ -48,7 +48,7 @@ def near_path(path: Path) -> str:
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Text of a file in UTF-8, UTF-16 or Latin-1, and a word on the last."""
+    """Text of a file in UTF-8, UTF-16 or Latin-1, and a list that names Latin-1 if it is that."""
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
     with suppress(UnicodeDecodeError):
         return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []

@@ -58,7 +58,7 @@ _OTHERS = {
     "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9", "mm² K/W": "1e-6",
     "MJ/(m³ K)": "1e6", "N m": "1",
 }  # fmt: skip
-"""Units of what no scene gives."""
+"""Units that no scene uses, and their sizes in SI."""
 UNITS = {
     "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
     "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
@@ -68,9 +68,9 @@ UNITS = {
     "thermal_diffusivity": "mm²/s", "film_resistance": "mm² K/W", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip
-"""Units in which quantities are shown, empty of a number, by the names of columns and fields."""
+"""Units in which quantities are shown, by the names of columns and fields; empty for a number."""
 SIZES = _OTHERS | {unit: size for one in DIMENSIONS.values() for unit, size in one.units.items()}
-"""Values in SI of units."""
+"""Size of each unit in SI."""
 ALIKE = 5e-6
 """Relative difference up to which numbers agree in the six digits that are printed."""
 _FACTORS = {unit: float(1 / Fraction(size)) for unit, size in SIZES.items()}
@@ -84,17 +84,17 @@ def column_heads(*names: str) -> dict[str, str]:
 
 
 def is_unit_of_head(unit: str) -> bool:
-    """Whether a unit in the head of a column is one of ours, so that its values are shown in it."""
+    """True if a unit in the head of a column is known here, so that values are shown in it."""
     return unit in SIZES or unit in DIMENSIONS
 
 
 def units_in_si(*names: str) -> dict[str, str]:
-    """SI units of quantities as scenes write them, empty of a number, by their names."""
+    """SI units of quantities by name, as scenes write them; empty for a plain number."""
     return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}
 
 
 def shown_in(value: Any, unit: str) -> Any:
-    """Value of a quantity, or an array of them, in a unit; one without a size is of SI.
+    """Convert a value, or an array, from SI to a unit; a unit of unknown size counts as SI.
 
     Examples
     --------
@@ -105,13 +105,13 @@ def shown_in(value: Any, unit: str) -> Any:
 
 
 def si_of(value: float, unit: str) -> float:
-    """Value in SI of one in a unit, without what rounding adds to degrees."""
+    """Convert a value from a unit to SI, without the rounding errors of degrees."""
     zero = float(ZERO.get(unit, 0))
     return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
 
 
 def as_written(value: Any, unit: str | None) -> Any:
-    """A number [SI] as an entry of a scene, which reads as the same number.
+    """A number [SI] as a scene file has it, in the unit given; it reads back as the same number.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def as_written(value: Any, unit: str | None) -> Any:
 
 
 def snap(value: float, low: float, high: float) -> float:
-    """A value, or the end of a range that it exceeds by rounding alone.
+    """A value, or the end of a range if it exceeds the end by rounding alone.
 
     Examples
     --------
@@ -136,7 +136,7 @@ def snap(value: float, low: float, high: float) -> float:
 
 
 def display(value: float, unit: str, form: int | str = 6) -> str:
-    """Write an SI value as text in a unit, in as many digits or in a form such as ``".0f"``.
+    """Write an SI value as text in a unit; `form` is the number of digits or a form like ``".0f"``.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Places in a table: operating points, and rows of ``[sweep] along`` with entries of their own."""
+"""Tables of operating points, and rows of ``[sweep] along``, which may also set entries."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _UNITS = {name: UNITS[name] for name in table_of(_Row).keys}
 CONDITIONS = {name: PATHS[name] for name in _UNITS if name not in _PLACE.keys}
 """Conditions that each row may set, and their entries in a scene."""
 _TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
-"""Beginnings of paths of entries."""
+"""Beginnings of the key paths of entries, such as ``pin.``."""
 
 
 class Place(NamedTuple):
@@ -67,7 +67,7 @@ class Place(NamedTuple):
 class OperatingPoints:
     """Operating points of a table, and its further columns by their headings.
 
-    Conditions are those that the row sets: friction, bulk and critical temperature [K].
+    Conditions are those that a row sets: friction, bulk and critical temperature [K].
     """
 
     places: tuple[Place, ...]
@@ -78,7 +78,7 @@ class OperatingPoints:
 
     @property
     def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
-        """Place and own conditions of each row."""
+        """Place and conditions of each row."""
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
     @classmethod
@@ -89,10 +89,10 @@ class OperatingPoints:
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        Of a workbook it is the first sheet with such columns unless one is named.
+        In a workbook the first sheet with such columns is read, unless `sheet_name` is given.
         Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
         Rows at rest, or without a load or a velocity, are left out and counted.
-        `InputError` is raised for all faults at once, by row and column.
+        `InputError` lists all faults, by row and column.
         """
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
@@ -106,7 +106,7 @@ class OperatingPoints:
             for k, heading in enumerate(sheet.headings)
             if heading.text and k not in used
         }
-        for head in others.keys() & listed.keys():  # as they were given, and not as text
+        for head in others.keys() & listed.keys():  # with their types, and not as text
             others[head] = [listed[head][row.number - 1] for row in sheet.rows]
         conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
@@ -143,7 +143,7 @@ def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Columns that stand there twice, and those that a simulation would need."""
+    """Faults of columns: one that appears twice, and one that would need a simulation."""
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
@@ -157,7 +157,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """The document with the first row's values and all places as its lowest layer, and the rest."""
+    """Add the first row and all places as lowest layer; return also the function that adds rows."""
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()
     for number, row in enumerate(rows):
@@ -190,7 +190,7 @@ def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
 
 
 def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
-    """The sweep with a row of its table of variants for each place; raises at a faulty one."""
+    """The sweep with one variant for each row; `InputError` for a faulty row."""
     if entry_at(sweep.plane, "samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
@@ -204,7 +204,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
         Column(head, PLACE_UNITS.get(head, unit), meaning=f"{head} of the row")
         for head, (_, unit) in found.items()
     ]
-    # Friction that is measured at a place is not one by velocity.
+    # A friction measured at one place replaces curves of friction.
     curves = dict.fromkeys(CURVES if COEFFICIENT in found else ())
     table = (
         Row(

@@ -16,7 +16,7 @@ from tribo.simulation.pins import sizes_of
 
 _PLATE = "track_length", "capacity", "loss"
 """Entries of a body that is a plate."""
-_ALIKE = 0.01  # by which two lengths of one track may differ
+_ALIKE = 0.01  # relative difference allowed between two lengths of one track
 _SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
 Misfits = Iterator[tuple[str, str]]
 """Paths of entries that do not fit others, and why."""
@@ -25,7 +25,7 @@ _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[[Any], Misfits]]] 
 
 
 def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], Misfits]]:
-    """Compare the entries at some paths, if all are sound, by the function below."""
+    """Register a function as check of the entries at some paths; it runs if all are sound."""
 
     def add(find: Callable[[Any], Misfits]) -> Callable[[Any], Misfits]:
         _CHECKS.append((paths, frozenset(path.partition(".")[0] for path in paths), find))
@@ -42,7 +42,7 @@ def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
 
 
 def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
-    """Why a body cannot be of a material; empty if there is a table for it."""
+    """Reason why a body cannot have a material; empty if there is a table for it."""
     if not name or name in materials:
         return ""
     known = {**materials, **library()["materials"]}
@@ -121,7 +121,7 @@ def _turning_rod(scene: Any) -> Misfits:
 
 @_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in (*DISC, *_PLATE)))
 def _unfit_bodies(scene: Any) -> Misfits:
-    """A disc of all that it needs, and said in one way."""
+    """Find a disc that lacks a size, and a body that is both a disc and a plate."""
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         plate, disc = (

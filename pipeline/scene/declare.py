@@ -1,8 +1,8 @@
-"""Declared tables: a class is a table of a file, and its annotations say what may stand there.
+"""Declared tables: a class is a table of a file, and its annotations say what is allowed.
 
     radius: A[float, Quantity("2 mm", usual=(0.1, 1000)), "Radius in the plane of sliding."]
 
-One line an entry: type, kind, meaning, and its default if it may be left out. Reader, faults,
+One line for each entry: type, kind, meaning, and its default if it may be left out. Reader, faults,
 doubts of unusual values, reference and template follow from it.
 """
 
@@ -51,18 +51,18 @@ _Class = TypeVar("_Class")
 def declared(table: type[_Class]) -> type[_Class]:
     """Declare a table: its entries are the fields of the class.
 
-    Of several forms of a table each is called as its class, such as "random surface", unless that
-    has a `form_name`.
+    Messages name a form of a table by its class, such as "random surface", unless it has a
+    `form_name`.
     """
     return dataclass(frozen=True, kw_only=True)(table)
 
 
 class Kept(NamedTuple):
-    """Marks an entry of stores, which no file may have."""
+    """Mark of an entry that only stores have, and no scene file."""
 
 
 class Example(NamedTuple):
-    """Value of an entry in the template, if its kind has none."""
+    """Value of an entry in the template, if its kind has no example."""
 
     value: Any
 
@@ -75,7 +75,7 @@ class Entry(NamedTuple):
     example: Any = None
     default: Any = None
     is_needed: bool = False
-    is_kept: bool = False  # by stores alone
+    is_kept: bool = False  # in stores alone
 
 
 @functools.cache
@@ -96,7 +96,7 @@ def _entry(hint: Any, field: Field[Any]) -> Entry:
 
 
 def kind_of(hint: Any) -> Kind:
-    """Kind of the values of a type: the kind with which it is annotated, else that of its form."""
+    """Kind for a type hint: the kind with which it is annotated, else one that fits the type."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
         annotated = (note for note in args[1:] if isinstance(note, Kind))
@@ -144,7 +144,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities between two ends, a step apart."""
+    """Quantities from one end to another, a step apart."""
 
     holds = dict
     of: Quantity
@@ -175,9 +175,9 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, or the one that the form of a value names.
+    """One of several kinds: the first, or another one whose form fits the value.
 
-    A table has the form that shares most of its keys, not counting those of the first form.
+    A table is read as the form that has most of its keys, not counting keys of the first form.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
@@ -187,7 +187,7 @@ class Either(Kind):
         return "; or ".join(map(str, self.kinds))
 
     def kind_for(self, value: Any) -> Kind:
-        """The kind that a value is to be read as."""
+        """The kind as which a value is read."""
         usual, *others = self.kinds
         if not isinstance(usual, Table):
             fits = (isinstance(value, other.holds) for other in others)
@@ -205,7 +205,7 @@ class Either(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         kind = self.kind_for(value)
         if kind is not self.kinds[0]:
-            return kind.read(value, place, faults)  # a fault asks for this form alone
+            return kind.read(value, place, faults)  # its faults name this form alone
         return kind._read(value, place, faults)
 
 
@@ -219,7 +219,7 @@ class Axis(Either):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of fixed keys, read into its class, None where faulty; `form` is its name if any."""
+    """A table of fixed keys, read into `make`, with None for a faulty entry; `form` names it."""
 
     holds = dict
     keys: Mapping[str, Entry]
@@ -293,5 +293,5 @@ class ByPath(Kind):
         return {path: leaf for path, leaf in read.items() if leaf is not None}
 
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        """Paths of entries, and what stands at each in the file."""
+        """Paths of entries, and the value at each."""
         return flat(value, "", self.of.leaf_keys)

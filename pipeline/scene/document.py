@@ -1,4 +1,4 @@
-"""TOML documents: a scene file, the scene that it extends, and entries given in their place.
+"""TOML documents: a scene file, the scene that it extends, and entries that override theirs.
 
 Tables are merged key by key, lists and values replaced; ``without`` leaves entries out.
 """
@@ -33,7 +33,7 @@ _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 
 
 class FileEntries(NamedTuple):
-    """Entries that stand in one file, as TOML has them."""
+    """Entries of one file, as TOML reads them."""
 
     file: Path
     entries: dict[str, Any]
@@ -50,11 +50,11 @@ class Document(NamedTuple):
         return self.layers[0].file
 
     def entries(self) -> dict[str, Any]:
-        """The entries as if the scene were written in full."""
+        """The entries of all layers, merged."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def above(self, entries: Mapping[str, Any]) -> Document:
-        """The document above other entries by their paths, which hold where it gives none."""
+        """The document with further entries, by path, as its lowest layer."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
@@ -69,14 +69,14 @@ class Document(NamedTuple):
         )
 
     def file_of(self, key: str) -> Path:
-        """The file in which an entry stands or, if it stands in none, the table it belongs to."""
+        """The file that has an entry or, if none has it, the table around it."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
         paths = [*itertools.accumulate(parts, "{}.{}".format)]
         held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]
         return self.layers[held.index(max(held))].file
 
     def line(self, fault: Fault) -> str:
-        """Write a fault on one line, with the file that it stands in if that is another one."""
+        """Write a fault on one line, with its file if that is not the scene file itself."""
         file = fault.file or self.file_of(fault.key)
         is_inherited = not fault.file and file != self.file
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
@@ -85,7 +85,7 @@ class Document(NamedTuple):
 
 
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
-    """A scene file and those that it extends; the files above extend this one.
+    """Read a scene file and those that it extends; the files `above` extend this one.
 
     Wrong keys in ``without`` are noted; `SceneFileError` is raised if a file cannot be read.
     """
@@ -116,7 +116,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Override entries of a document by key path, and leave some out."""
+    """Override entries of a document by key path; the paths under ``without`` are left out."""
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
@@ -149,7 +149,7 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
-    """The entries of `lower` with those of `upper` in their place, down to some levels."""
+    """Merge tables key by key, some levels deep; values of `upper` replace those of `lower`."""
     merged = dict(lower)
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
@@ -158,7 +158,7 @@ def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS)
 
 
 def as_toml(value: Any) -> str:
-    """Write a value as it stands in a scene file."""
+    """Write a value as TOML."""
     match value:
         case dict():
             keys = (key if _BARE_KEY.fullmatch(key) else as_toml(key) for key in value)
@@ -172,7 +172,7 @@ def as_toml(value: Any) -> str:
 
 
 def _toml(path: Path) -> dict[str, Any]:
-    """Read one file."""
+    """Read one TOML file; raise `SceneFileError` if that fails."""
     try:
         if path.exists() and not path.is_file():
             what = "a store" if (path / "zarr.json").exists() else "not a file"

@@ -17,15 +17,15 @@ from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
 from tribo import Ramp, SelfAffineRoughness
 
-_LONGEST = 1 / 3  # correlation length in sides of the window
-_REACH = 10.0  # times the ends of the sweep, beyond which the unit of a test is in doubt
+_LONGEST = 1 / 3  # largest correlation length over the side of the window
+_REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 _Doubt = tuple[str, str]
-"""Path of the entry that is in doubt, empty if it is none alone, and words."""
+"""Path of the doubtful entry, empty if it is not a single one, and the reason in words."""
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
-    """Probable slips, and limits to know of before the simulation."""
+    """Warnings of probable slips and of limits of the model, before the simulation."""
     found = [
         *_unusual(sweep, facts),
         *_test_doubts(sweep),
@@ -40,12 +40,12 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
-    """What follows from several entries, and is outside its usual range."""
+    """Warnings of values that follow from several entries and are outside their usual range."""
     for name, material in (sweep.parts.declared.materials or {}).items():
         yield joined(joined("materials", name), "hardness"), soft_or_hard(material)
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.plane.loads)
-    if isinstance(loading, Ramp):  # whose steps it sets
+    if isinstance(loading, Ramp):  # its reference load sets the steps
         usual = highest / 100, highest * 100
         yield "loading.reference_load", unusual(loading.reference_load, usual, "N")
     if facts.surface and facts.surface.measured:
@@ -54,14 +54,14 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def soft_or_hard(material: Any) -> str:
-    """Say that the hardness of a material does not go with its modulus; empty if it does."""
+    """Warning that hardness and modulus of a material do not fit; empty if they do."""
     share = material.hardness / material.elastic_modulus
     usual = USUAL_HARDNESS if math.isfinite(share) else None
     return unusual(share, usual, "times the elastic modulus")
 
 
 def _narrow_window(sweep: Sweep, facts: Facts) -> str:
-    """Say that the window is narrower than a contact, in its y direction that of a ball, too."""
+    """Warning that the window is narrower than the contact, for a ball also along y; else empty."""
     side, pin = facts.window[0], sweep.scene.pin
     if pin.length is None:
         side = min(side, facts.window[1] / pin.hertz(1.0, 1e11).aspect)
@@ -75,7 +75,7 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Conditions of a test or an operating point that are probably in another unit, in words."""
+    """Warnings of conditions of a test or operating point whose unit is probably wrong."""
     for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
         value = own.get(name)
         if value is not None and (words := unusual(value, kind.usual, kind.unit)):

@@ -1,7 +1,7 @@
 """Contacts at the end of points in closed form, before any simulation.
 
-Against simulations of smooth pins the width is within 3 %, the depth within 10 %, and of rough ones
-the width within 12 %.
+Compared with simulations, the width under smooth pins is within 3 % and the depth within 10 %;
+on rough disks the width is within 12 %.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from tribo import Scene, contact_modulus
 from tribo.types import Array
 from tribo.wear import wear_over
 
-_ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
+_ROUGH_RISE = 3.0  # root mean square heights by which peaks reach beyond the smooth contact
 
 
 def expect_contacts(
     scene: Scene, loads: Sequence[float], velocities: Sequence[float], rms_height: float = 0.0
 ) -> dict[str, Array]:
-    """Contacts at the end of points, with a root mean square height of the disk [m].
+    """Contacts expected at the end of points; `rms_height` is that of the disk [m].
 
     Arrays are by load, or by load and velocity, and have the names and units of `Facts`.
 

@@ -1,8 +1,8 @@
-"""What a scene may name beside one plane: logs, values of entries, rows of a table, unknown inputs.
+"""Extensions of a scene beyond one plane: logs, values of entries, rows, unknown inputs.
 
-Each is read by a module with a function ``begin``, loaded only where a scene names it: of this
-room, or ``entries`` of an extra whose ``format`` finds its entries. The function may add to the
-document before it is read, and returns what makes the table of variants afterwards.
+Each is read by a module with a function ``begin``, imported only where a scene needs it: a module
+of this package, or ``entries`` of an extra whose ``format`` finds its entries. ``begin`` may add to
+the document before it is read, and returns the function that adds variants to the sweep.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import entry_at
 
 Extend = Callable[[Sweep], Sweep]
-"""Gives a sweep the variants that its scene names."""
+"""Function that adds to a sweep the variants that its scene names."""
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
-    """The document with what extensions add to it, and what they do to the sweep."""
+    """Let extensions add entries to the document; return also the functions that add variants."""
     extensions, entries = list[Extend](), document.entries()
     named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
     named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]
@@ -32,6 +32,6 @@ def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
             document, extend = import_module(module).begin(document, faults)
             extensions += [extend] if extend else []
             continue
-        for path in paths:  # which nothing reads, so that no more is said of it
+        for path in paths:  # a faulty entry is removed, so that it has no further faults
             document = document.replaced(path, None)
     return document, extensions

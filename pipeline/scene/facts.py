@@ -16,7 +16,7 @@ from tribo import Corrections, InputError
 from tribo.types import Array
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
-_FEWEST_WIDTHS = 10.0  # contact widths in a track, so that a pass is short beside a round
+_FEWEST_WIDTHS = 10.0  # contact widths in a track, at least, so that a pass is short beside a round
 
 
 class Span(NamedTuple):
@@ -34,7 +34,7 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """Meaning of a scene in numbers. Spans are over its loads and velocities."""
+    """Numbers that describe a scene. Spans are over its loads and velocities."""
 
     hertz_pressure: Span  # highest pressure, smooth, elastic and unworn [Pa]
     hertz_half_width: Span  # half-width of that contact [m]
@@ -42,7 +42,7 @@ class Facts:
     window: tuple[float, float]  # sides along x and y [m]
     duration: Span  # time from the first contact to the end of the points [s]
     sliding_distance: Span  # distance slid until then [m]
-    wear_depth: Span | None = None  # expected on the pin by then [m]; None without wear
+    wear_depth: Span | None = None  # expected on the pin at the end [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
     disk_velocity: Span | None  # of its surface through the contact [m/s]; None if the pin rests
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
@@ -77,7 +77,7 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
 
 
 def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Tracks that are too short, and why: each turn is taken to release its heat at once."""
+    """Paths of tracks that are too short, and why: a pass must be short compared with a turn."""
     corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     width, plane = 0.0, parts.declared.sweep

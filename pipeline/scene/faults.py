@@ -15,15 +15,15 @@ from pipeline.scene.units import UnitError
 from pipeline.sweep.remarks import Grade, Remark
 from tribo import InputError, TriboError
 
-_SHOWN_ROWS = 6  # that a message names
-_SHOWN = 100  # faults, at most, where there are thousands
+_SHOWN_ROWS = 6  # rows that a message names
+_SHOWN = 100  # faults that are shown, where there are thousands
 
 
 class Fault(NamedTuple):
-    """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
+    """A fault of an entry: its key path, and a line on the value, what is allowed and what to do.
 
-    The file is given if the key does not tell it, the row if it is one of a table, whose column is
-    the key.
+    `file` is given if the key is not enough to find it. In a table, `row` is the number of the row
+    and `key` the column.
     """
 
     key: str
@@ -33,12 +33,12 @@ class Fault(NamedTuple):
 
 
 class Faults(list[Fault]):
-    """All that is wrong with a scene, and notes on what is not."""
+    """All faults of a scene, with notes and warnings on entries that are not faulty."""
 
     def __init__(self, is_complete: bool = False, has_kept: bool = False) -> None:
         super().__init__()
         self.notes: list[Remark] = []
-        self.is_complete = is_complete  # the entries of a store, which no default completes
+        self.is_complete = is_complete  # the entries of a store, where no default fills a gap
         self.has_kept = has_kept  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str) -> None:
@@ -46,13 +46,13 @@ class Faults(list[Fault]):
         self.append(Fault(key, problem))
 
     def note(self, place: str, words: str, grade: Grade = "note") -> None:
-        """Note what is no fault of the entry at a place; nothing without words."""
+        """Add a note or a warning on an entry that is not faulty; none if `words` is empty."""
         if words:
             self.notes.append(Remark(place, grade, words))
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
-        """Add an error as a fault of the entry at a key path."""
+        """Turn an error within the block into a fault of the entry at a key path."""
         try:
             yield
         except (InputError, UnitError) as error:
@@ -74,7 +74,7 @@ class SceneFileError(TriboError):
     path : Path
         Scene file.
     faults : list of str
-        Every fault, one line each: its key, the file where that is another one, what is wrong and
+        Every fault, one line each: its key, the file if it is another one, what is wrong and
         what is allowed.
 
     Examples
@@ -110,7 +110,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Faults of rows, those of one kind in one line."""
+    """Faults of rows as lines; faults of one kind share a line."""
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)

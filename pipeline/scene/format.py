@@ -61,7 +61,7 @@ def one_or_two(kind: Kind) -> Either:
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """A declared table with the entries of other tables, and with more entries."""
+    """A declared table with the entries of other tables, and with further entries."""
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
@@ -129,7 +129,7 @@ class Body:
     bore: A[float | None, Quantity("30 mm"), "Diameter of its hole, if the disc is a ring."] = None
     rim_loss: A[float | None, HEAT_TRANSFER,
         "Heat loss of the rim to oil and air, for each area and kelvin; none by default."] = None
-    face_loss: A[float | None, HEAT_TRANSFER, "The same for each face; none by default."] = None
+    face_loss: A[float | None, HEAT_TRANSFER, "Heat loss of each face; none by default."] = None
     shaft_loss: A[float | None, Quantity("5 W/K"),
         "Heat loss to the shaft for each kelvin; none by default."] = None
 
@@ -173,7 +173,7 @@ class MeasuredSurface:
         "Sides of a pixel of the file along x and y, if it gives none or wrong ones."] = None
     transpose: A[bool,
         "True to exchange x and y of the file, with the sides of its pixels."] = False
-    flip: A[bool, "True to reverse the heights, as of depths and of a replica."] = False
+    flip: A[bool, "True to reverse the heights, for depths or a replica."] = False
     crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
         "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
@@ -249,8 +249,8 @@ class Archard:
 class RunningIn:
     form_name = "running-in"
     law: A[str, OneOf(tuple(tribo.LAWS)), "Name of a law that ships."]
-    initial_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k₀ at first [m²/N]."]
-    final_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k∞ at last [m²/N]."]
+    initial_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k₀ before running in [m²/N]."]
+    final_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k∞ after running in [m²/N]."]
     distance: A[float, Quantity("100 m"), "Sliding distance L over which the rate falls [m]."]
     pattern: A[str, WEAR_PATTERN, "Pattern of the wear, as in `tribo.Wear`."] = "swept"
 
@@ -291,8 +291,8 @@ class FrictionByTemperature:
 @declared
 class Friction:
     coefficient: A[float, FRICTION,
-        "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales what "
-        "`by_velocity` and `by_temperature` tell; one in the scene (`--set`) leaves their values."]
+        "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales the "
+        "values of `by_velocity` and `by_temperature`; one in the scene (`--set`) keeps them."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
         "Lowest and highest coefficient, whose transitions the diagram draws as thin lines."] = None
     same_rig: A[bool,
@@ -334,21 +334,21 @@ class Model:
 
 _CHOICES = {
     "pixels_per_element":
-        "Pixels of the surface, along each axis, that make up one element; at most, where "
-        "`elements_per_summit` is more than 0.",
+        "Pixels of the surface along each side of an element; the most of them if "
+        "`elements_per_summit` is above 0.",
     "averaging":
         "An element's height: the mean of its pixels, as measured surfaces are coarsened in the "
-        "paper, or that of one pixel in its middle.",
+        "paper, or the height of one pixel in its middle.",
     "history_coarsening":
-        "Factor by which elements are larger, at most, along each axis until a point's last step.",
+        "Largest factor on the sides of elements before a point's last step.",
     "elements_per_summit": "Least width of the summits of the surface in elements.",
     "fewest_summits":
         "Least number of summits that touch for elements larger than the pixels.",
     "fewest_elements":
-        "Least number of elements that touch on the grid of the history.",
+        "Least number of elements that touch before a point's last step.",
     "increments": "Steps of the ramp up to its reference load.",
     "hold_increments":
-        "The same of a hold, whose steps grow with the time; 0 for as many as `increments`.",
+        "As `increments`, for the steps of a hold, which grow with time; 0 for the same number.",
     "imprint":
         "Share of a wave of the roughness that a part of a step may wear into the pin.",
     "contact_tolerance": "Residual of the contact at which its solver stops.",

@@ -1,6 +1,6 @@
-"""A sweep as the text that a store keeps of it: its entries in full, and rows that replace some.
+"""The text of a sweep in a store: its entries in full, and rows that replace some of them.
 
-The text is JSON that a person can read. What was read of files lies beside it, by its digest.
+The text is JSON that a person can read. Contents of files are stored beside it, by digest.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from tribo.types import Array
 
 
 class SweepTextError(InputError):
-    """Text that is not that of a sweep."""
+    """Text that does not describe a sweep."""
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """JSON of a sweep."""
+    """JSON text of a sweep, which `text_sweep` reads."""
     table, selection = sweep.variants, sweep.selection
     values = [row.values for row in table.rows]
     text = {
@@ -47,7 +47,7 @@ def sweep_text(sweep: Sweep) -> str:
 
 
 def files_of(sweep: Sweep) -> dict[str, Array]:
-    """What was read of files for a sweep, by its digests."""
+    """Contents of files that a sweep has read, by digest."""
     return dict(sweep.reader.contents.arrays)
 
 
@@ -66,7 +66,7 @@ def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
             stations=_stations(read.get("stations")),
             chosen=() if "chosen" in read else None,
         )
-        _ = sweep.parts  # refuses what is not sound
+        _ = sweep.parts  # reads the entries: an error for a fault
     except Exception as error:  # a forged text may fail in any way, and is one error
         raise SweepTextError(f"it is not the text of a sweep: {error}") from error
     return sweep

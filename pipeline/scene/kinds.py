@@ -1,4 +1,4 @@
-"""Kinds of single values: reading them, and as ``str(kind)`` what is allowed."""
+"""Kinds of single values: how each is read, and in words (``str(kind)``) what is allowed."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ class Kind(ABC):
 
     words: ClassVar[str] = ""
     holds: ClassVar[type | tuple[type, ...]] = ()
-    """Types of the values that only this kind of several can mean."""
+    """Types of values by which this kind is chosen among several kinds."""
 
     @property
     def leaf_keys(self) -> Collection[str]:
-        """Keys of a table that is one value, rather than a table of paths."""
+        """Keys that make a table one value, and not a table of further paths."""
         return ()
 
     def __str__(self) -> str:
         return self.words
 
     def read(self, value: object, place: str, faults: Faults) -> Any:
-        """Value at a key path as the program wants it; None, and a fault, if it is faulty."""
+        """Read the value at a key path; None, with a fault added, if it is wrong."""
         try:
             return self._read(value, place, faults)
         except (UnfitError, UnitError) as problem:
@@ -60,7 +60,7 @@ class Kind(ABC):
 
     @abstractmethod
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
+        """Read a value, noting faults of its parts; `UnfitError` if it is wrong as a whole."""
 
 
 class Text(Kind):
@@ -129,7 +129,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` beyond the bounds, or the sizes that any number has but for 0."""
+        """Raise `UnfitError` for a value beyond its bounds, or too small or large for a number."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
@@ -162,7 +162,7 @@ class Whole(Number):
 
 
 class Scalar(Kind):
-    """A number, or a quantity whose dimension another entry fixes."""
+    """A number, or text with a quantity, whose dimension is checked where it replaces an entry."""
 
     words = "a number, or a quantity in quotes"
 
@@ -173,13 +173,13 @@ class Scalar(Kind):
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number above 0, or from 0 on, with a unit, read in SI; its example fixes the dimension."""
+    """A number with a unit, above 0 or from 0 on, read in SI; its example fixes the dimension."""
 
     example: str
     zero: bool = False
     usual: tuple[float, float] | None = None  # in the unit of the example
-    ends: tuple[str, str] | None = None  # bounds of its own, if not of its dimension
-    name: str = ""  # if not that of its dimension
+    ends: tuple[str, str] | None = None  # bounds, if not those of its dimension
+    name: str = ""  # in messages, if not that of its dimension
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"
@@ -210,7 +210,7 @@ class Quantity(Kind):
 
 
 def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
-    """Say that a value is outside its usual range, which is in a unit; empty if it is within."""
+    """Warning that a value is outside its usual range, given in `unit`; empty if it is within."""
     (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
     shown, of = shown_in(value, unit), f" {unit}" if unit else ""
     if low <= shown <= high:

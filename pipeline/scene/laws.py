@@ -1,4 +1,4 @@
-"""Laws of a user's own in a scene: Python objects, which stand in place of entries of the file."""
+"""A user's own laws in a scene: Python objects, which replace entries of the file."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _REPLACED = {
     "criterion": ("temperature.criterion",),
     "pin": ("pin.shape", "pin.material", *_SIZES),
 }
-"""Entries of a scene that each law stands for."""
+"""Entries of a scene that each law replaces."""
 _PROTOCOLS: dict[str, Any] = {"wear": tribo.WearLaw, "surface": tribo.Surface, "pin": tribo.Pin}
 _NAMES = {
     "wear": "wear.law",
@@ -33,12 +33,12 @@ _NAMES = {
 }
 """Entry with the name of each law."""
 _PARAMETERS = {kind: f"{path.rpartition('.')[0]}.parameters" for kind, path in _NAMES.items()}
-"""Tables of the fields of each law, where the scene gives them other values."""
+"""Tables in which a scene gives the fields of each law other values."""
 _SOURCE = "source_sha256"
 
 
 def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
-    """The document without the entries that laws stand for; an `InputError` for an unfit law."""
+    """The document without the entries that laws replace; an `InputError` for an unfit law."""
     for kind, law in laws.items():
         if kind not in _REPLACED:
             raise tribo.InputError(f"laws: {kind!r} is unknown; give {', '.join(_REPLACED)}")
@@ -52,7 +52,7 @@ def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
 
 
 def _require_law(kind: str, law: Any) -> None:
-    """Raise an `InputError` for a law that cannot be one, or that no store tells from others."""
+    """Raise an `InputError` for an object that is no law, or that no store tells from others."""
     if kind == "criterion":
         if not isinstance(law, tribo.Rule):
             raise tribo.InputError(f"{law!r:.60} is not a tribo.Rule; give one")
@@ -78,8 +78,8 @@ def take_laws(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Laws with the values that entries give their fields, and the other entries.
 
-    A law that only a store names is a `Law`. A pin of the same length stands in the entries for one
-    that is a law.
+    A law that is known from a store alone is a `Law`. A pin that is a law is replaced in the
+    entries by a ball or a cylinder of its sizes.
     """
     taken = dict(laws)
     for kind, path in _NAMES.items():
@@ -116,9 +116,9 @@ def _laws_of(parts: Parts) -> dict[str, Any]:
 
 
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
-    """Entries with those of the laws of a scene: name, fields and the hash of the source.
+    """Add the laws of a scene to its entries: name, fields and the hash of the source.
 
-    Laws of tables that other parts have alike, and the entries not, are left out.
+    A law is left out if `like` has the same one and the entries do not have its table.
     """
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():
@@ -136,7 +136,7 @@ def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -
 
 
 def _plain(value: Any) -> Any:
-    """A parameter of a law as an entry."""
+    """A parameter of a law as JSON can hold it."""
     if isinstance(value, tribo.Material):
         return asdict(value)
     return [*map(_plain, value)] if isinstance(value, tuple) else value
@@ -149,7 +149,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """A law with other values of some fields; those of numbers are in SI, and no text."""
+    """A law with other values of some fields: numbers in SI, and text only for a field of text."""
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

@@ -19,12 +19,12 @@ from pipeline.sweep.tables import entry_at
 
 Entries = dict[str, Any]
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
-"""Entries of which one's own leaves out all that the library knows by temperature."""
+"""Entries of the viscosity: if a scene gives one, the library adds none of them."""
 
 
 @functools.cache
 def library() -> dict[str, Any]:
-    """Tables ``materials`` and ``oils``, each number with the key of its source; ``sources``."""
+    """Tables ``materials`` and ``oils``, each value with the key of its source, and ``sources``."""
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     materials = tables["materials"]
@@ -33,7 +33,7 @@ def library() -> dict[str, Any]:
 
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
-    """The entries of a scene with those that it takes from the library, and the latter alone."""
+    """Fill the entries of a scene from the library; return them, and what was taken."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
     if (oil := entries.get("oil")) is not None:
@@ -57,9 +57,10 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
 def _filled(
     table: Any, name: str | None, kind: str, place: str, taken: list[FromLibrary], faults: Faults
 ) -> Any:
-    """The entries of a table, and those that it lacks from an entry of the library.
+    """Add to a table the entries that it lacks, from a material or an oil of the library.
 
-    That is the one it is like, or for a table that is not whole the one of its name.
+    The table names that one as ``like``; without it, an incomplete table takes the one with its
+    own name.
     """
     known = library()[kind]
     if not isinstance(table, dict):

@@ -16,24 +16,24 @@ UNITS = units_in_si(
     "load", "velocity", "friction", "bulk_temperature", "hold", "time", "friction_force",
     "critical_temperature",
 )  # fmt: skip
-"""SI units of quantities, empty of a number."""
+"""SI units of quantities by name; empty for a plain number."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
     **{path: name for name, path in PATHS.items() if name in UNITS},
 }  # fmt: skip
 BESIDE = "friction.", "temperature."
-"""Beginnings of paths of a scene, which say exactly what a column is."""
+"""Beginnings of the paths of entries, by which a heading names its quantity exactly."""
 _WITH_UNIT = (
     r"(.*?)\s*\[([^\[\]]*)\]", r"(.*?)\s*\(([^()]*(?:\([^()]*\)[^()]*)?)\)", r"(.*?)\s+in\s+(\S.*)",
     r"(.*?)\s+/\s*(\S.*)", r"([^/]*?),?\s+(\S+)",
     r"(.*?)_(k?N|kgf?|g|m?s|sec|min|h|mps|m?m[/_]s|degC|[CK]|rpm|Hz|[mu]m)",
     r"([^/]*?)/(\S.*)", r"(.*?)\s*,\s*(\S.*)",
 )  # fmt: skip
-"""Ways to write a unit behind a title. They count only if what stands there is one."""
+"""Patterns of a title with a unit behind it; they count only if that is a unit."""
 
 
 class Heading(NamedTuple):
-    """A heading as it stands in the file, its title without the unit, and the unit."""
+    """A heading: its text in the file, its title without the unit, and the unit."""
 
     text: str
     title: str
@@ -58,19 +58,19 @@ class Heading(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Entry of a scene that it names exactly, if it is one."""
+        """The quantity that the title names exactly, else the title in snake case."""
         name = self.title.lower().replace(" ", "_")
         return _EXACT.get(name, name)
 
 
 @dataclass(frozen=True)
 class Names:
-    """SI units of the quantities that are sought, None of text, and how headings name them."""
+    """Quantities that a reader looks for, with SI units (None for text), and their headings."""
 
     units: Mapping[str, str | None]
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """How surely a heading names a quantity; 0 if it does not."""
+        """Rank of a heading as the name of a quantity; 0 if it does not name it."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:
@@ -79,7 +79,7 @@ class Names:
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 
     def count(self, headings: Sequence[Heading]) -> int:
-        """Number of headings that name a quantity."""
+        """Number of quantities that some heading names."""
         return len({*self.columns(headings)[0].values()})
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:

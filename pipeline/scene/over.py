@@ -26,14 +26,14 @@ _FIXED = ("sweep", "unknown")
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """The document with the first values as its lowest layer, and what makes their table."""
+    """Add the first values as lowest layer; return also the function that adds the variants."""
     over = entry_at(document.entries(), "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
     return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
 
 
 def _extend(sweep: Sweep) -> Sweep:
-    """The sweep with a row for every combination; `InputError` at the first that is unfit."""
+    """The sweep with one variant for each combination; `InputError` for the first unfit one."""
     over = sweep.plane.over
     if not over:
         return sweep
@@ -50,7 +50,7 @@ def _extend(sweep: Sweep) -> Sweep:
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """The rows of an entry, by its values in SI in rising order, or as words."""
+    """Variants of one entry, by its values in SI in rising order, or as words."""
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
@@ -61,7 +61,7 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Values of an entry in SI and their unit; as words and None if their dimensions differ."""
+    """Values in SI and their unit; the values as words and None if their dimensions differ."""
     first = values[0]
     try:
         if isinstance(first, str):
@@ -72,7 +72,7 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
-    """Notes that a command prints which computes one value of each entry alone."""
+    """Notes of a command that uses one variant alone, for each entry with several values."""
     for column in table.chosen:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:
@@ -81,9 +81,9 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
-    """The sweep with rows in front of its own, in full; raises at the first that is faulty.
+    """The sweep with further variants as outer axis; `InputError` for the first faulty one.
 
-    A row has values of the library, and the digests of what was read of its files.
+    Each row is completed with values of the library and the digests of its files.
     """
     for path in table.rows[0].values:
         if "." not in path or path.partition(".")[0] in _FIXED:
@@ -104,7 +104,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
-        # What was read for a row alone.
+        # Digests of files that this row names.
         files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
         rows.append(row._replace(values=given | added | files))
         read.append(parts)

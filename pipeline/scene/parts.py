@@ -42,7 +42,7 @@ _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
     "size, by crop, repeat or transpose of [disk.roughness]; x is along the columns of the file"
 )
-_NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
+_NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
 
 
 def material_of(table: Material) -> tribo.Material:
@@ -52,25 +52,25 @@ def material_of(table: Material) -> tribo.Material:
 
 @dataclass
 class Contents:
-    """What was read of files: arrays by their digests; files are relative to folders by path."""
+    """Contents of files as arrays by digest, and the folders of files by the entries' paths."""
 
     arrays: dict[str, Array] = field(default_factory=dict)
     folders: Mapping[str, Path] = field(default_factory=dict)
 
     def keep(self, array: Array) -> str:
-        """Keep what was read of a file; return its digest."""
+        """Keep an array that was read from a file; return its digest."""
         self.arrays[key := array_digest(array)] = array
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """An array by its digest; raise an `InputError` if it is another one."""
+        """Return the array with a digest; raise an `InputError` if its content is another one."""
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
             raise tribo.InputError(f"the array {key} is another one")
         return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
-        """The file of a table, if its content is not known; a store opens none."""
+        """Path of the file of a table; None if its content is known, as from a store."""
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:
@@ -84,9 +84,9 @@ class Contents:
 def loading_of(
     table: Ramp | Record, contents: Contents, faults: Faults, stops: tuple[float, ...]
 ) -> tuple[Loading, str | None]:
-    """The ramp or the recorded load, and the digest of a record; a note tells of a fitted line.
+    """The ramp or the recorded load, and the digest of a record; a fitted line is noted.
 
-    Steps of a hold end at the stops that are shorter [s].
+    `stops` are times in a hold at which steps end [s]; those after its end are dropped.
     """
     if isinstance(table, Ramp):
         stops = tuple(s for s in stops if s < table.hold)
@@ -104,7 +104,7 @@ def loading_of(
 
 
 def _read_record(path: Path, faults: Faults) -> Array:
-    """Times and loads of a file with columns of both, shape (2, n)."""
+    """Times [s] and loads [N] from a file with columns of both, shape (2, n)."""
     sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
     times, loads = (
         sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
@@ -117,12 +117,12 @@ def _read_record(path: Path, faults: Faults) -> Array:
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
-    """Pixels of the window, which a cylinder continues along y."""
+    """Pixels of the window; periodic along y under a cylinder."""
     return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder"))
 
 
 def wear_of(table: Any) -> Any:
-    """Archard's wear, or a law that ships."""
+    """Archard's wear, or a wear law of this package."""
     values = dict(vars(table))
     law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
     return law(**values)
@@ -144,14 +144,14 @@ def oil_of(table: Oil) -> tribo.Oil:
 
 
 def _pair(value: Any) -> tuple[float, float]:
-    """One value, or two."""
+    """A pair as it is, or a single value twice."""
     return value if isinstance(value, tuple) else (value, value)
 
 
 def corrections_of(
     scene: Any, pin: tribo.Pin, disk: tribo.Material, motion: tribo.Motion | None
 ) -> tribo.Corrections | None:
-    """Physics beside the two half-spaces, of a sound scene."""
+    """Physics beside the two half-spaces of a scene without faults; None if there is none."""
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
         f"by_{name}": tuple(
@@ -194,13 +194,13 @@ def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Trac
 
 
 def disc_of(body: Body) -> tribo.Disc | None:
-    """The disc that a body is; None if it is none, or lacks a size."""
+    """The disc that a body is; None if the body is no disc, or lacks a size."""
     sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
     return tribo.Disc(**sizes) if body.diameter and body.width else None
 
 
 def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
-    """The heat capacity and the loss of a body."""
+    """The heat capacity and the loss of a body; None if its table has neither."""
     capacity, loss = body.capacity, body.loss
     if capacity is None and loss is None:
         return None
@@ -213,7 +213,7 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 def roughness_of(
     table: Any, window: Window, contents: Contents, faults: Faults
 ) -> Roughness | None:
-    """The disk's roughness; None of a faulty scan."""
+    """The disk's roughness; None for a faulty scan."""
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):
             raise tribo.InputError(

@@ -40,26 +40,26 @@ from tribo.simulation.pins import sizes_of
 
 @dataclass
 class SceneReader:
-    """Reads entries into the parts of a scene, and files that they name once for all entries.
+    """Reader of entries into the parts of a scene, which reads each file only once.
 
     Attributes
     ----------
     contents : Contents
-        What was read of files.
+        Contents of files that were read.
     laws : mapping
-        Objects of the user's own in place of entries.
+        The user's own objects, which replace entries.
     is_stored : bool
-        True of entries in full: what they lack is not there, whatever its default.
+        True for complete entries: one that is missing has no value, whatever its default.
     """
 
     contents: Contents = field(default_factory=Contents)
     laws: Mapping[str, Any] = field(default_factory=dict)
     is_stored: bool = False
     parts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
-    first: tuple[Entries, Any] = ({}, None)  # the first sound entries, and as they were read
+    first: tuple[Entries, Any] = ({}, None)  # entries without faults, and as they were read
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is kept of earlier entries."""
+        """State to pickle, without the parts that are cached."""
         return vars(self) | {"parts": {}, "first": ({}, None)}
 
     def read(self, entries: Entries) -> Parts:
@@ -71,7 +71,7 @@ class SceneReader:
         return parts
 
     def read_all(self, entries: Entries, faults: Faults) -> Parts | None:
-        """The parts of a scene, with all faults of the entries."""
+        """Parts of a scene, None if it is faulty; adds its faults to `faults`."""
         laws, tables = take_laws(self.laws, dict(entries), faults)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
@@ -98,7 +98,7 @@ class SceneReader:
         }
         oil = part(oil_of, "oil")
         for body in ("pin", "disk"):
-            part(disc_of, body)  # which refuses its sizes
+            part(disc_of, body)  # which notes faults of its sizes
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
             return None
@@ -131,11 +131,11 @@ class SceneReader:
         kept = [k for k in kind.keys if not like or getattr(parts.declared, k) != before[k]]
         full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
         tables = {key: one for key, one in full.items() if one is not None}
-        tables.get("sweep", {}).pop("along", None)  # which rows stand for
+        tables.get("sweep", {}).pop("along", None)  # the rows of variants stand for it
         return add_laws(completed(tables, entries), parts, like)
 
     def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
-        """The file as it is declared, and the tables that are not as in the first sound entries."""
+        """The entries read into their classes, and the tables that differ from those of `first`."""
         kind = table_of(SceneFile)
         before, scene = self.first
         other = {key for key, value in entries.items() if value != before.get(key)}
@@ -150,7 +150,7 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """What tables make, kept for other rows; None without the first, or for a faulty table."""
+        """Make a part from tables, cached; None if the first table is missing, or one is faulty."""
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touch, paths)):
             return None
@@ -161,12 +161,12 @@ class SceneReader:
         return self.parts.get(made_of)
 
     def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
-        """Fidelity of a table, and the name of its preset if it equals that."""
+        """Fidelity of a table, and the name of the preset that it equals, if any."""
         name = (table and table.preset) or USUAL_PRESET
         fidelity = tribo.PRESETS[name]
         listed = (vars(table) if table else {}).items()
         given = {key: value for key, value in listed if key != "preset" and value is not None}
-        if "increments" in given:  # instead of steps by the wear
+        if "increments" in given:  # plain steps, instead of the preset's
             given = {"hold_increments": 0, "imprint": 0.0} | given
         for key, value in given.items():
             with faults.at(f"fidelity.{key}"):
@@ -177,7 +177,7 @@ class SceneReader:
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """What is simulated of a sound scene, with parts that were made, or a pin of the user's own."""
+    """The scene to simulate, from declared tables and parts, or a pin of the user's own."""
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
@@ -191,7 +191,7 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """The conditions of a sound scene, or with a rule of the user's own."""
+    """The conditions of a declared scene; `rule` is a criterion of the user's own."""
     temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,
@@ -206,6 +206,6 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
 
 
 def _bulks_of(scene: Any) -> dict[str, Any]:
-    """Bulk temperatures as conditions have them."""
+    """Bulk temperatures as arguments of `Conditions`."""
     bulk = scene.temperature.bulk
     return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)

@@ -1,4 +1,4 @@
-"""What is made from the format of scenes: its tables and keys by path, and new scenes."""
+"""Made from the format of scenes: its tables and keys by path, and new scene files."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class Section(NamedTuple):
 
     @property
     def header(self) -> str:
-        """The line that begins it in a file."""
+        """The line that begins the table in a file."""
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Keys that hold a value, each with the form that it belongs to, if to one of several."""
+        """Keys that hold a value: entry, and the name of its form if not all forms have the key."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
@@ -71,7 +71,7 @@ def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
-    """The tables that a kind allows, the usual one first; none if it is that of a value."""
+    """The tables that a kind allows, the usual one first; none if it is a kind of values."""
     match kind:
         case Table():
             return (kind,)
@@ -98,7 +98,7 @@ def find_entry(path: str) -> Entry | None:
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
-    """The number or quantity that a value is, or that its parts are."""
+    """Kind of the number or quantity that a value is, or that its parts are."""
     match kind:
         case Quantity() | Number():
             return kind
@@ -117,11 +117,11 @@ def number_at(path: str) -> Quantity | Number:
 
 
 Listed = dict[str, str]
-"""Header of the list of tables that first has each key."""
+"""Headers of lists of tables, by the keys that each list is the first to have."""
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that no list before it has, and the header of a list that has others."""
+    """Keys of a section that no earlier list of tables has, and the header of that list."""
     keys = section.keys()
     if "." in section.path or not section.is_list:
         return keys, ""
@@ -132,7 +132,7 @@ def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, s
 
 
 FILES = ("disk.roughness.file", "loading.file")
-_MEANT, _LONGEST = 40, 80  # column in which meanings begin, and their characters
+_MEANT, _LONGEST = 40, 80  # column in which meanings begin, and their most characters
 
 
 def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
@@ -145,7 +145,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     like : str, optional
         Name of a shipped scene to copy. By default a short scene whose diagram takes seconds.
     full : bool
-        Add every entry that the short scene has not as a comment, with its meaning.
+        Add every other entry as a comment, with its meaning.
 
     Returns
     -------
@@ -222,14 +222,14 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             if key in (values or {}):
                 mark, value = "", values[key]
             elif isinstance(entry.kind, ByPath) and entry.kind.of.leaf_keys:
-                # One of its entries, since all are long.
+                # One of its entries, since the table with all is long.
                 ((inner, value),) = value.items()
                 key = f"{key}.{inner}"
             yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
 
 
 def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """A line with its meaning behind it, of a long one the first clause."""
+    """A line with its meaning behind it; a long meaning is cut to its first clause."""
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]
     clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]

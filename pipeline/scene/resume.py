@@ -1,4 +1,4 @@
-"""A sweep that goes on with the store of another one, or why it cannot."""
+"""Continuing the store of another run with a sweep, or why that cannot be."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from tribo import InputError, TriboError
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
-    """The sweep of a store after another run: rows of both, else as the present scene says.
+    """The sweep of a store after a further run: rows of both runs, all else from `sweep`.
 
-    What is kept of each point, and the reasons for a fidelity, stay those of the first run. Of
-    points that were chosen it says that they were, and the store which.
+    Which steps and fields are stored, and the reasons for a fidelity, stay as in the first run. If
+    points were chosen, `chosen` is empty: the store has them.
     """
     first = before or sweep
     written = dict(sweep.written)
@@ -41,7 +41,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
 
 
 def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Say why a sweep cannot go on with the store of another one; nothing where it can."""
+    """Reasons why a sweep cannot continue the store of another one; none if it can."""
     old, new = stored.variants, sweep.variants
     if [*old.axes] != [*new.axes]:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
@@ -74,7 +74,7 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Entries by which the first row differs that both have, if any is not the same scene."""
+    """Entries that differ in the first common row with another scene, in words."""
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*acting(old, new, lambda one: one.scene)]:
@@ -84,7 +84,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def acting(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Entries that differ, in words, if a part of the sweep differs, and because of them."""
+    """Entries that differ and thereby change a part of the sweep, in words."""
     present = digest(part(old))
     if present == digest(part(new)):
         return
@@ -92,7 +92,7 @@ def acting(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str
         whole = re.split(r"\.\d+(?=\.|$)", path)[0]  # without the number in a list
         try:
             is_same = digest(part(old.changed(whole, entry_at(new.entries, whole)))) == present
-        except TriboError:  # which needs others beside it
+        except TriboError:  # the entry needs others to change, too
             is_same = False
         if not is_same:
             yield _differs(path, before or "none", after or "none")

@@ -1,4 +1,4 @@
-"""Tests of a scene: runs by their stages as the tests that they stand for, and what none can be."""
+"""Tests of a scene: runs by stages expanded into tests, and runs that contradict themselves."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _KINDS = {"load": LOAD, "velocity": VELOCITY}
 
 
 def expand_tests(scene: Any, faults: Faults) -> Any:
-    """The scene with its tests numbered, and those of each run by stages in its place."""
+    """The scene with its tests numbered, and each run by stages replaced by its tests."""
     number, expanded = itertools.count(1), dict[str, Any]()
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
@@ -31,7 +31,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
 
 def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
-    """Tests at the stages of a run."""
+    """Tests at the stages of a run, with their outcomes."""
     if faults.touch(place):
         return
     varied = [name for name in _KINDS if getattr(entry, name) is None]
@@ -56,7 +56,7 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations at the full load of the tests that samples are compared with [s]."""
+    """Holds of the tests with which samples are compared, ascending [s]; none without samples."""
     if not entry_at(scene, "sweep.samples"):
         return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
@@ -68,7 +68,7 @@ def tests_of(scene: Any) -> tuple[Any, ...]:
 
 
 def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:
-    """Places of tests of a run that cannot be of one specimen, and why."""
+    """Indices of tests that contradict another test of their run, and why."""
     runs = dict[str, list[tuple[int, Test]]]()
     for index, test in enumerate(tests):
         if None not in (test.run, test.load, test.velocity):

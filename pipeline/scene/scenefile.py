@@ -105,7 +105,7 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Words that begin with the name of a table or entry, after the paths where it stands."""
+    """Put the paths of an entry before a message that begins with the entry's name."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
@@ -133,7 +133,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Entries to replace by their paths; those of the fidelity may be named by their key alone."""
+    """Overrides by the paths of entries; one of the fidelity may be given by its key alone."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

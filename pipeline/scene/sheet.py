@@ -1,8 +1,8 @@
-"""One reader of tables: rows below headings, of text, of a workbook, or of columns in Python.
+"""Reader of tables: rows below headings, in text, in a workbook, or as columns in Python.
 
 Every row and cell is used, left out with the reason, or refused. A column is found by the plain
-name of a quantity, such as ``load [N]``. The extra of laboratories hands in more names, reads
-workbooks, and derives quantities from others, as its module ``tables``.
+name of a quantity, such as ``load [N]``. The extra ``laboratory`` adds names, reads workbooks, and
+derives quantities from others, by its module ``tables``.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ from tribo.types import Array
 
 BETWEEN = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", "  ": "wide blanks",
            " ": "blanks"}  # fmt: skip
-"""Separators of cells; the first wins where others do as well."""
-_GROUP = "'’\xa0\u202f"  # marks of thousands that are no mark of decimals
+"""Separators of cells, and their names; of equally good ones the first is taken."""
+_GROUP = "'’\xa0\u202f"  # marks of thousands that never mark decimals
 NUMBER = re.compile(rf"[<>]?[+-]?(?:\d[\d.,{_GROUP}]*|[.,]\d+)(?:[eE][+-]?\d+)?(?:\s\D*)?")
-"""A number with any marks, and perhaps a unit."""
+"""A number with decimal or thousands marks of any kind, and perhaps a unit."""
 _ZERO = re.compile(r"[+-]?0*[.,]?0*(?:[eE][+-]?\d+)?(?:\s.*)?")
 EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat", "<na>")
-"""What stands in cells without a value, in small letters."""
-_MOST_ABOVE = 200  # rows among which that of the headings is sought
-_WIDEST = 1000  # headings, each of which is compared with all words
+"""Contents of cells without a value, in lower case."""
+_MOST_ABOVE = 200  # rows among which the row of headings is searched
+_WIDEST = 1000  # headings of a row, each of which is compared with all names
 _SAMPLE = 150  # lines at each end from which the separator is found
 _PLURAL = {"has": "have", "is": "are", "stands": "stand"}
 _DAY = 86400.0  # [s]
@@ -70,7 +70,7 @@ class Sheet:
     """Rows of a table, the columns of its quantities, and what became of all other rows."""
 
     name: str  # of the file, in messages
-    units: Mapping[str, str | None]  # SI units of quantities, None of text
+    units: Mapping[str, str | None]  # SI units of quantities, None for text
     headings: list[Heading]
     places: dict[str, int]  # column of each quantity that was found
     faults: list[str]
@@ -78,7 +78,7 @@ class Sheet:
     above: list[str]  # cells above the headings
     rows: list[Row] = field(default_factory=list)  # that are used, with decimal points
     left_out: dict[int, str] = field(default_factory=dict)  # reasons by the numbers of rows
-    sources: set[int] = field(default_factory=set)  # columns that others were made of
+    sources: set[int] = field(default_factory=set)  # columns from which others were derived
 
     @property
     def unused(self) -> list[str]:
@@ -105,7 +105,7 @@ class Sheet:
 
     @property
     def other_sheets(self) -> str:
-        """Words on the sheet that was read, and on the others; empty if there are none."""
+        """Words on the sheet that was read and on others that were not; empty without others."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
@@ -120,12 +120,12 @@ class Sheet:
             row.cells.append(cell)
 
     def leave_out(self, reasons: Mapping[int, str]) -> None:
-        """Leave rows out, by their numbers."""
+        """Leave out rows, given the reason for each by its number."""
         self.left_out |= reasons
         self.rows = [row for row in self.rows if row.number not in reasons]
 
     def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
-        """Refuse a needed quantity without a column; leave out rows without it, or at rest."""
+        """Add a fault for a needed column that is missing; leave out rows without it or at rest."""
         missing = {name: self.units[name] for name in needed if name not in self.places}
         if missing and not self.faults:
             wanted = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
@@ -167,9 +167,9 @@ class Sheet:
     def entries(
         self, declared: type, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
     ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        """Sound rows as tables of a scene, with outcomes for words, and the same in SI.
+        """Rows without faults: as tables of a scene, and the same in SI.
 
-        An empty cell of a column is a fault, but of one that may lack cells.
+        `words` translates cells into outcomes. An empty cell is a fault, except in `may_lack`.
         """
         row_of = table_of(declared)
         tables, read, faults = [], [], list[Fault]()
@@ -206,18 +206,18 @@ class Sheet:
 
 
 def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
-    """Number and cells of each line, which stand between separators outside of quotes."""
+    """Number and cells of each line; separators within quotes do not count."""
     if separator == "  ":
         yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
         return
-    if separator == " ":  # a unit stands behind one, too
+    if separator == " ":  # the blank before a unit separates nothing
         lines = (re.sub(r"\s+(?=[\[(])", "", line.strip()) for line in lines)
     reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """The separator that makes most numbers, in rows as long as that of the headings."""
+    """The separator that gives most numbers, in rows as long as the row of headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
@@ -254,7 +254,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 
 
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
-    """Headings of a row, with units that stand below them, and the number of rows of both."""
+    """Headings of a row, with units that stand below them, and the number of rows they take."""
     first, *others = rows[k].cells
     is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
     heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
@@ -273,7 +273,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """How many quantities the row of the headings names, and its place; the first of equals."""
+    """Number of quantities that the row of headings names, and its index; the first of equals."""
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
@@ -294,7 +294,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         del headings[-1]
     first = [x.cells[0] for x in body if len(x.cells) == len(headings) + 1 and x.cells[-1]]
     if body and first in ([*map(str, range(k, k + len(body)))] for k in (0, 1)):
-        headings.insert(0, Heading("", "", ""))  # of an index
+        headings.insert(0, Heading("", "", ""))  # the column numbers the rows
     above = [cell for row in rows[:start] for cell in row.cells]
     places, faults = names.columns(headings)
     sheet = Sheet(name, names.units, headings, places, [*faults.values()], [*form], above)
@@ -323,10 +323,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Write numbers with a decimal point; beside one that may be another both stand."""
+    """Write numbers with a decimal point; an ambiguous one is replaced by both readings."""
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
-    # Between commas they are quoted; those before three digits alone may be thousands.
+    # Between commas such numbers are quoted; a comma before three digits may mark thousands.
     is_sure = "commas between cells" not in sheet.form
     is_comma = any(is_sure or not re.search(r"[1-9],\d{3}$", cell) for cell in commas)
     mark, other = (",", ".") if decimal == "," or (is_comma and not decimal) else (".", ",")

@@ -36,7 +36,7 @@ NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
 TURNS = ("rpm", "1/min", "min^-1", "U/min")
-"""Units of a rotation, which is a velocity at a radius or a diameter."""
+"""Units of rotational speed; with a radius or diameter it is a velocity."""
 _TURNS = re.compile(
     rf"\s*(?P<number>{NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
@@ -78,7 +78,7 @@ _OF_TABLES = {
     **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
     **dict.fromkeys(("-", "–", "1", "hh:mm:ss", "hh:mm"), ""),
 }  # fmt: skip
-"""Units meant in tables: none is of charges or capacitances, and a mass there is a weight."""
+"""Units as tables mean them: C is a temperature and not a charge, and a mass is a weight."""
 
 
 class UnitError(TriboError, ValueError):
@@ -96,7 +96,7 @@ def exact_decimals() -> Iterator[None]:
 
 
 class Unit(NamedTuple):
-    """A unit: its dimension by the SI unit as CF writes it, and its size and zero in that."""
+    """A unit: the SI unit of its dimension as CF writes it, and its size and zero point in SI."""
 
     dimension: str
     size: Decimal
@@ -149,7 +149,7 @@ def to_si(text: str, like: str) -> float:
 
 
 def difference_in_si(text: str, like: str) -> float:
-    """Value in SI of a difference of quantities, which is in K for temperatures."""
+    """Value in SI of a difference, such as ``"8 K"``; `UnitError` for a temperature in °C."""
     difference = to_si(text, like)
     if _read(text)[1].zero:
         raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
@@ -164,7 +164,7 @@ def si_unit(text: str) -> str:
 
 
 def unit_of_table(unit: str) -> str:
-    """Unit of a column as it is meant, without parentheses around it; empty of a number."""
+    """Normalise the unit of a column, such as C to degC or kg to kgf; empty for a number."""
     unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
     return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
 
@@ -179,7 +179,7 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 
 @functools.cache
 def is_unit(unit: str, like: str | None = None) -> bool:
-    """True of a unit of any dimension, or of that of another one; a number may be in percent."""
+    """True for a unit, of the dimension of `like` if that is given; % counts without `like`."""
     try:
         found = si_unit(f"1 {unit}")
     except UnitError:
@@ -190,7 +190,7 @@ def is_unit(unit: str, like: str | None = None) -> bool:
 
 
 def clock_time(text: str) -> float:
-    """Time of day of a clock, perhaps behind a date [s].
+    """Seconds since midnight of a clock time, perhaps behind a date [s].
 
     Examples
     --------
@@ -244,7 +244,7 @@ def _unit(unit: str) -> Unit:
     """A unit as data sheets print it; an `InputError` if it is unknown."""
     for pattern, read in _PRINTED:
         unit = pattern.sub(read, unit)
-    for cf, one in DIMENSIONS.items():  # which need no pint
+    for cf, one in DIMENSIONS.items():  # known without pint
         if unit in one.units:
             return Unit(cf, Decimal(one.units[unit]), Decimal(ZERO.get(unit, 0)))
     import pint
@@ -269,7 +269,7 @@ def _unit(unit: str) -> Unit:
 
 
 def middle_of_range(text: str) -> str | None:
-    """The middle of a range of hardness numbers; None of other text.
+    """The middle of a range of hardness numbers; None for other text.
 
     Examples
     --------
@@ -285,7 +285,7 @@ def middle_of_range(text: str) -> str | None:
 
 
 def _misfit(text: str, unit: Unit, like: str) -> str:
-    """Why a quantity of another dimension does not fit, and what to give."""
+    """Reason why a quantity of another dimension does not fit, and what to write instead."""
     (number, typed), needed = _parts(text), _parts(like)[1]
     if unit.dimension == "1":
         return "has no unit"
@@ -309,7 +309,7 @@ _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 @functools.cache
 def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
-    """Numbers of two scales, and Vickers numbers beside them."""
+    """Rockwell C and Brinell numbers of steel, each scale with the Vickers numbers beside it."""
     file = resources.files("pipeline.scene").joinpath("hardness.toml")
     vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
     return {"HR": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
@@ -330,7 +330,7 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Value in SI of a number in SI, or of text with a unit like that of the example."""
+    """A number as it is, which is in SI; text with a unit of the dimension of `like`, in SI."""
     if not isinstance(value, str):
         return float(value)
     try:
@@ -360,7 +360,7 @@ _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
 def typeset(text: str) -> str:
-    """A unit, or a quantity, with the signs of print."""
+    """A unit, or a quantity, with signs as in print: µm, °, ² and ³."""
     for typed, sign in _SIGNS.items():
         text = text.replace(typed, sign)
     return text

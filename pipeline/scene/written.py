@@ -1,4 +1,4 @@
-"""Entries as text: what was read of a file, complete and in its units, and readable again."""
+"""Entries as text: a scene in full and in the user's units, which reads as the same scene."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import Entries, flat
 
-_FEWEST, _MOST = 6, 17  # digits of a number
+_FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Entries that read as a value of a kind, defaults among them; None where there is none."""
+    """Entries that a kind reads as this value, defaults included; None if there is no value."""
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Entries in full, in the words of those that were written of them."""
+    """Complete entries, each in the words in which it was written, if it was."""
     match tables, written:
         case dict(), dict():
             full = {key: completed(value, written.get(key)) for key, value in tables.items()}
@@ -56,20 +56,20 @@ def completed(tables: Any, written: Any) -> Any:
 
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """The table of numerical choices with each of them, and the preset's name beside them."""
+    """Table ``[fidelity]`` with every numerical choice, and the preset's name beside them."""
     return Fidelity(preset=preset, **asdict(made))
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """The sweep with other numerical choices, and the name of their preset if they equal one."""
+    """The sweep with other numerical choices; `preset` is their name if they equal a preset."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 
 
 def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
-    """Entries of a sweep by their paths, in words, without the title; conditions as it is judged.
+    """Entries of a sweep in words, by path, without the title; conditions are those that judge it.
 
-    Other entries that mean the same may be given.
+    `entries` may give other entries with the same meaning.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}
@@ -83,7 +83,7 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
 
 
 def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
-    """Paths of entries that mean something else in another sweep, and both in words."""
+    """Paths of entries with another meaning in another sweep, and both values in words."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
     plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts)) for sweep in sweeps]
@@ -93,7 +93,7 @@ def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
 
 
 def _judged(sweep: Sweep) -> dict[str, str]:
-    """Conditions in place of the entries, in words."""
+    """Conditions by which a sweep is judged, in words, by the paths of the entries they replace."""
     named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
     return {
         path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
@@ -112,7 +112,7 @@ def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
 
 
 def in_words(value: Any) -> str:
-    """An entry in words."""
+    """Value of an entry in words."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, dict):
@@ -127,7 +127,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """The one of several kinds as which a value was read."""
+    """The kind, of several, as which a value was read."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):
@@ -136,7 +136,7 @@ def form_of(kind: Either, value: Any) -> Kind:
 
 
 def _quantity_text(kind: Quantity, value: float) -> str:
-    """A quantity in the unit of its example, in as few digits as read as the same number."""
+    """A quantity in the unit of its example, with the fewest digits that read as this number."""
     unit, zero = kind.unit, float(ZERO.get(kind.unit, 0))
     one = 1.0 if zero else to_si(f"1 {unit}", kind.example)
     texts = (f"{(value - zero) / one:.{digits}g} {unit}" for digits in range(_FEWEST, _MOST + 1))
