@@ -1,8 +1,8 @@
 """A sweep that chooses its own velocities, to find the boundary with few points.
 
-Between a mild and a severe velocity a straight line in logarithms finds the crossing to κh²/8; h is
-the logarithm of their ratio, κ = |d²ln r/d(ln V)²|/(d ln r/d ln V). All loads share an axis of
-velocities, which is halved where need be.
+Between a mild and a severe velocity a straight line in logarithms finds the boundary with an error
+of κh²/8; h is the logarithm of their ratio, κ = |d²ln r/d(ln V)²|/(d ln r/d ln V). All loads share
+an axis of velocities, which is halved where need be.
 """
 
 from __future__ import annotations
@@ -25,27 +25,30 @@ from tribo.types import Array
 _EXPONENT = 0.6  # exponent of the rise over velocity, until it is known
 _TREND = -0.8  # exponent of the boundary's velocity over load, until it is known
 _CURVATURE = 0.5  # κ until it is known
-_LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
+_LEAST_CURVATURE = 0.2  # least κ, since it may be less by chance when known from few points
 _WIDEST = 0.35  # largest h
 _STEEPER = 5.0  # factor by which exponents beyond known points may differ from these
 _FINEST = 12  # halvings of the axis
-_ROUNDING = 1e-5  # relative, of a velocity in round figures, and more
+_ROUNDING = 1e-5  # relative rounding of a velocity in round figures, and more
 _CLOSER = 10.0  # divides the tolerance where friction by velocity may nearly balance the heat
-_EXPECTED = 512  # velocities among which turns are expected
+_EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Turn(NamedTuple):
-    """Where wear is expected to turn, between velocities that are known, by their logarithms."""
+    """An expected crossing of the limit; places are logarithms of velocities."""
 
     place: float
-    low: float = -math.inf  # infinite where none is known
+    low: float = -math.inf  # velocities beside it whose rise is known; infinite without one
     high: float = math.inf
-    bends: Sequence[float] = ()  # κ by three velocities about it
+    bends: Sequence[float] = ()  # κ from three velocities about the crossing
 
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search for the velocities, divided by `scale`, of a rise [K] at each of several loads."""
+    """A search, at each of several loads, for the velocities at which the rise passes a limit [K].
+
+    Velocities to compute are round figures divided by `scale`.
+    """
 
     loads: Sequence[float]
     lowest: float
@@ -53,12 +56,12 @@ class BoundarySearch:
     limit: float
     tolerance: float
     scale: float = 1.0
-    #: Factor of the friction by velocity, with which wear may turn several times.
+    #: Factor of the friction by velocity, with which the rise may pass the limit several times.
     factor: Callable[[Array], Array] = np.ones_like
 
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
-        """A search between a sweep's lowest and highest velocity; `InputError` if there is none."""
+        """A search between a sweep's lowest and highest velocity; `InputError` if it has none."""
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
         limit = rise_limit(sweep.conditions)
@@ -74,7 +77,7 @@ class BoundarySearch:
     def wanted(
         self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
-        """Points to compute next by known rises [K], but failed ones; none once all is known."""
+        """Points to compute next, given the known rises [K]; empty once the search is done."""
         past, chosen = {*rises, *hopeless}, set[Point]()
         turns = {load: self._turns(*row) for load in self.loads if (row := self._row(rises, load))}
         bends = [bend for found in turns.values() for turn in found for bend in turn.bends]
@@ -87,7 +90,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """Logarithms of velocities in the range, and of rises there without their friction."""
+        """Logarithms of velocity and of rise over friction at known points of a load; or None."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
@@ -99,7 +102,7 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _turns(self, x: Array, y: Array) -> list[_Turn]:
-        """Turns by the straight lines through known points."""
+        """Crossings that are expected on the straight lines through known points."""
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
         excess = _line(x, y, _EXPONENT, fine) + np.log(self.factor(np.exp(fine)) / self.limit)
@@ -116,7 +119,7 @@ class BoundarySearch:
         ]
 
     def _first_turns(self, turns: Mapping[float, Sequence[_Turn]]) -> dict[float, list[_Turn]]:
-        """Turns at loads without points: by those of others, or of three loads by their trend."""
+        """Crossings at loads without points: from other loads or, at three loads, from a trend."""
         middle = self.loads[len(self.loads) // 2]
         loads = self.loads if turns else (self.loads[0], middle, self.loads[-1])
         known = {math.log(load): found[0].place for load, found in turns.items() if found}
@@ -125,7 +128,7 @@ class BoundarySearch:
             if known:
                 x, y = np.array([*known.items()]).T
                 place = _line(x, y, _TREND, math.log(load))
-            else:  # a node
+            else:  # a node of the axis
                 above = _TREND * math.log(load / middle) + math.log(self.scale)
                 number = round(self._intervals / 2 + above / self._span)
                 place = math.log(self.lowest / self.scale) + number * self._span
@@ -133,7 +136,7 @@ class BoundarySearch:
         return first
 
     def _next(self, turn: _Turn, curvature: float) -> set[float]:
-        """Velocities to look at next: nodes about a turn, on the coarsest axis that has one."""
+        """Velocities to compute next around a crossing, on the coarsest axis with new ones."""
         if curvature * (turn.high - turn.low) ** 2 / 8 <= self.tolerance:
             return set()
         for level in range(_FINEST):
@@ -157,7 +160,7 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals
 
     def _node(self, number: int, level: int) -> float:
-        """A velocity of the axis, in round figures but for the scale; the nearer end beyond it."""
+        """Velocity of this number on an axis: a round figure over `scale`, within the ends."""
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
@@ -166,7 +169,7 @@ class BoundarySearch:
 
 
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
-    """Straight lines through points; beyond their ends slopes are near the usual one."""
+    """Interpolate points linearly at `at`; extrapolate with slopes close to the usual `slope`."""
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
     slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
@@ -177,7 +180,7 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
-    """κ by three points about a turn in front of the point of this number."""
+    """κ from each three neighbouring points around a crossing, which lies before point `number`."""
     for k in (number - 2, number - 1) if 0 < number < len(x) else ():
         if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
             slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
@@ -187,9 +190,9 @@ def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
 
 
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
-    """What gives the sweep of a store's points and of those to compute next, if there are any.
+    """Return a function that gives the sweep of a store's points and of those to compute next.
 
-    The tolerance is the relative error of the critical velocity that the search adds.
+    `tolerance` is the relative error that the search adds to the critical velocity.
     """
     sweep.require_search()
     searches = {
@@ -198,7 +201,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
         )
         for variant in sweep.variants.names
     }
-    alike: dict[Scene, list[Variant]] = {}  # whose points have the same numbers
+    alike: dict[Scene, list[Variant]] = {}  # variants with the same numbers
     for variant in searches:
         alike.setdefault(sweep.variant(variant).scene, []).append(variant)
 
@@ -219,10 +222,10 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
-    """Decisive rise of each point of a store that is done [K], and points that failed."""
+    """Decisive rise of each done point of a store [K], and the points that failed."""
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
-    inner = len(store.dims) - store.dims.index(along)  # dimensions, with the step
+    inner = len(store.dims) - store.dims.index(along)  # dimensions from there on, with steps
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {

@@ -1,4 +1,4 @@
-"""The Dask scheduler of a sweep and its workers, of this machine or those that are given."""
+"""Dask clusters: worker processes on this machine, or those of a client that is given."""
 
 from __future__ import annotations
 
@@ -53,21 +53,21 @@ CONFIGURATION = {
 POLL = 1.0
 """Time between two looks at the workers [s]."""
 GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
-"""What Dask raises without a scheduler, the last three of a client that was closed."""
+"""Errors that Dask raises without a scheduler, the last three by a client that was closed."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
 
-_START, _TRIES = 120.0, 3  # [s] that the workers may take to start, and how often they are started
-_END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
-_WORD = 10.0  # [s] without a worker, after which the user is told
-# Spans keep 300 B for each task that has ever been.
+_START, _TRIES = 120.0, 3  # time that workers may take to start [s], and attempts
+_END = 60.0  # time that the cluster may take to end [s], after which its processes are killed
+_WORD = 10.0  # time without a worker after which the user is told [s]
+# The extension `spans` keeps 300 B for each task that has ever been.
 _EXTENSIONS = {name: one for name, one in DEFAULT_EXTENSIONS.items() if name != "spans"}
 _ADVICE = "take fewer workers, or fewer window.pixels"
-_OF_DASHBOARD = ["distributed.http.statics"]  # beside its pages, and nothing that gives commands
+_OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing that takes commands
 
 
 @contextmanager
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
-    """Start worker processes, which talk on loopback and to this user alone, and end them."""
+    """Run worker processes within the block; they talk on loopback, and to this user alone."""
     forkserver.start()
     with block_interrupts():
         cluster = _start_cluster(workers, dashboard)
@@ -79,7 +79,7 @@ def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
                 cluster.close(timeout=_END)
             except (OSError, AssertionError):  # not in time, or a worker was just starting
                 for process in multiprocessing.active_children():
-                    process.kill()  # or Python would wait for them in the end
+                    process.kill()  # or Python would wait for them when it ends
 
 
 def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalCluster:
@@ -108,13 +108,13 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
 
 @dataclass
 class Connection:
-    """A client of a scheduler, its workers, and the user, who is told of what goes on."""
+    """A Dask client and its workers when last listed; it also reports to the user."""
 
     client: Client
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
     progress: Report = silent
     cluster: LocalCluster | None = None  #: The cluster if it was started here.
-    #: Workers with threads of each, when it was looked last.
+    #: Number of threads of each worker, by address, at the last look.
     workers: dict[str, int] = field(default_factory=dict)
     _reported: set[str] = field(default_factory=set)
     _looked: float = -math.inf
@@ -122,24 +122,24 @@ class Connection:
     _kills: int = field(default_factory=oom_kills)
 
     def tell(self, words: str) -> None:
-        """Tell the user something in a line, once, if there is a word."""
+        """Report a line to the user, unless it is empty or was reported before."""
         if words and words not in self._reported:
             self._reported.add(words)
             self.progress(Progress(words))
 
     @contextmanager
     def reached(self) -> Iterator[None]:
-        """Raise an `ExecutionError` from an error of Dask's if the scheduler is lost."""
+        """Turn an error of Dask in the block into an `ExecutionError` if the scheduler is lost."""
         limit = time.monotonic() + self.patience
         while self.client.status == "connecting" and time.monotonic() < limit:
-            time.sleep(0.1)  # to a scheduler that was started again
+            time.sleep(0.1)  # the scheduler may be starting again
         try:
             yield
         except GONE as error:
             raise ExecutionError(LOST) from error
 
     def look(self) -> bool:
-        """See which workers there are, once a second at most; return whether it has looked now.
+        """Update `workers`, once a second at most; return whether they were updated now.
 
         `ExecutionError` if the scheduler is lost, or if there is no worker for too long.
         """
@@ -149,9 +149,9 @@ class Connection:
         self._looked = now
         with self.reached():
             self.workers = self.client.nthreads(callback_timeout=self.patience)
-        if self.cluster:  # whose workers Dask gives up 15 s after a death, and replaces if asked
+        if self.cluster:  # Dask replaces a worker only if asked, 15 s after its death
             self.cluster.scale(len(self.cluster.worker_spec))
-        dask.utils.key_split.cache_clear()  # 240 B for each of the last 100 000 tasks
+        dask.utils.key_split.cache_clear()  # its cache has 240 B for each of the last 100 000 tasks
         patience, absent = duration(self.patience), now - self._seen
         if self.workers:
             self._seen = now
@@ -164,10 +164,10 @@ class Connection:
         return True
 
     def want_of_memory(self, workers: Collection[str]) -> str:
-        """Words on workers that were killed for memory, empty if none is known to be.
+        """Message that some of these workers were killed for lack of memory; empty if not known.
 
-        The nanny of a worker reports that it has ended one which held nearly all of its memory. The
-        kernel counts the processes that it has killed, without a word on which.
+        The nanny of a worker reports that it has killed the worker for this. The kernel only counts
+        the processes that it has killed.
         """
         with self.reached():
             events = self.client.get_events("worker-restart-memory")
@@ -211,14 +211,14 @@ def client_of(
 ) -> Client:
     """Client of a scheduler by its address or file; raise an `ExecutionError` if none answers."""
     try:
-        if file is not None:  # which Dask would wait for without end
+        if file is not None:  # Dask would wait for a missing file without end
             address = str(json.loads(file.read_text())["address"])
         with silence_logging_cmgr(logging.CRITICAL):
             return Client(address, set_as_default=False, timeout=patience)
-    # A TypeError is for want of certificates.
+    # A TypeError means that certificates are missing.
     except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:
         reason = f"no Dask scheduler answers at {address or file}: {error}"
-    # Now: a client that was only half made, and is collected while the next one starts, takes a
-    # lock of Dask's that this one holds, and both wait for ever.
+    # Collect now: a half-made client that is collected while the next one starts takes a lock of
+    # Dask's that the next one holds, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)

@@ -1,6 +1,6 @@
-"""The process that workers are forked from, which imports beside the driver what all need.
+"""The process from which workers are forked: it imports their packages once for all of them.
 
-The boundary of first_try at `standard` takes 2.4 s so, and 4.4 s by Dask's own method `spawn`.
+The boundary of first_try at `standard` takes 2.4 s with it, 4.4 s with Dask's method `spawn`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ WORKER_ENVIRONMENT = {
 
 
 def start() -> None:
-    """Start the process, unless it runs."""
+    """Start the process from which workers are forked, unless it runs."""
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
@@ -45,9 +45,9 @@ def start() -> None:
 
 @contextmanager
 def block_interrupts() -> Iterator[None]:
-    """Put off a Ctrl-C until the end; threads and processes begun in it never see one.
+    """Delay a Ctrl-C to the end of the block; threads and processes begun within never see it.
 
-    In a terminal it reaches every process of the foreground. It stops the driver alone, and no
+    A terminal sends Ctrl-C to every process in the foreground. So it stops the driver alone, and no
     worker that may be just starting.
     """
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
@@ -59,7 +59,7 @@ def block_interrupts() -> Iterator[None]:
 
 
 def end_if_imported() -> None:
-    """End this process, without a word, if it is a worker that imports the script of its driver."""
+    """Exit without a message if this process is a worker that imports its driver's script."""
     script = sys.modules.get("__mp_main__")  # under this name, and before the worker has a parent
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # an exception would show a traceback for each worker

@@ -25,14 +25,14 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task
 
 ANYWHERE = ""
-"""Worker of a task that any one may take."""
+"""Address of the worker for a task that any worker may take."""
 
 _CANNOT = "a Dask worker cannot run this program"
 
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task, and the worker that it is given to, perhaps alone."""
+    """A task, the worker that it is for, and whether it runs there alone."""
 
     task: Task
     worker: str = ANYWHERE
@@ -79,10 +79,10 @@ class Jobs:
         return bool(self.running or self.computed or self._without_result)
 
     def _send_run(self) -> None:
-        """Let the scheduler keep the run for its workers, also for those that come later."""
+        """Send the run to the scheduler, which hands it to all workers, also to later ones."""
         try:
             self._client.register_plugin(self._run)
-        except GONE:  # a worker, or the scheduler, as the next look tells
+        except GONE:  # a worker or the scheduler is gone, as the next look finds
             pass
         except Exception as error:
             raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}") from error
@@ -106,14 +106,14 @@ class Jobs:
         self._news.set()
 
     def wait(self) -> None:
-        """Wait for news, a second at most."""
+        """Wait until a task ends or results come, a second at most."""
         self._news.wait(POLL)
         self._news.clear()
 
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
-        """Tasks that are lost, with or without a result on a worker, and how.
+        """Tasks that are lost, also with a result that a worker took along, and how each was lost.
 
-        Tasks of workers that are gone are sought only if the run `has_looked` at the workers.
+        Tasks of workers that are gone are searched only if the workers were just listed.
         """
         lost, self._without_result = self._without_result, []
         while self._ended:
@@ -134,9 +134,9 @@ class Jobs:
         """How a task was lost; raise an `ExecutionError` if the run cannot go on."""
         error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
-            job.worker = error.last_worker.address  # which may have taken it from another one
+            job.worker = error.last_worker.address  # it may have taken the task from another worker
             return Loss.KILLED
-        # The latter on a worker of a scheduler that was started again, which has not got the run.
+        # A KeyError comes from a worker of a scheduler that was started again, which has no run.
         if error is None or isinstance(error, CancelledError | KeyError):
             with self._link.reached():
                 if self._client.status != "running":
@@ -147,7 +147,7 @@ class Jobs:
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
     def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Tasks that wait for a worker which is gone: Dask may let them wait without end."""
+        """Tasks for a worker that is gone, which Dask may never end, and how they were lost."""
         present = {ANYWHERE, *self._link.workers}
         for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:
@@ -158,14 +158,14 @@ class Jobs:
                     yield job, loss
 
     def results(self) -> Iterator[bytes]:
-        """Yield results that have come; once a second, and at the end, ask for those that are new.
+        """Yield results that have come; request new ones once a second, and at the end.
 
-        A worker that stands still holds up results that are asked for together, and no later ones.
+        A worker that hangs delays the results that are requested with its own, but no later ones.
         """
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]
             gathered: dict[str, Any] = {}
-            # A scheduler may be started again, as the next look tells.
+            # A scheduler may be started again, as the next look finds.
             with self._link.reached(), suppress(CancelledError, OSError):
                 gathered = answer.result()
             for key, result in gathered.items():

@@ -1,6 +1,6 @@
-"""Imports of every worker, by the process that workers are forked from.
+"""Imports of every worker, made by the process from which workers are forked.
 
-The driver imports the same, and names what is wrong in Dask's files.
+An error in Dask's files is left to the driver, which imports the same and reports it.
 """
 
 from contextlib import suppress

@@ -1,7 +1,7 @@
-"""Computes the points of a sweep as independent tasks of Dask.
+"""Compute the points of a sweep as independent tasks of Dask.
 
 Two policies decide: `HandOut` which task is next, `Losses` what to do about one that was lost. A
-worker has one task that it computes and one that waits: the graph depends on no time.
+worker has one task that it computes and one that waits.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Task
 
 TRIALS = 5
-"""Times that a point may be lost before it is called failed, all but the first two alone."""
+"""Times that a point may be lost until it counts as failed; after two it is tried alone."""
 
-_TO_COME = 16  # tasks that wait for workers to come
+_TO_COME = 16  # tasks handed out for workers that are still to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
@@ -62,7 +62,7 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, hand: HandOut, tally
 
 
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
-    """Workers with a free place, first those where nothing runs; places for workers to come."""
+    """Workers with room for a task, idle ones first, then `ANYWHERE` for workers still to come."""
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]
     # A cluster that adapts starts as many workers as its tasks need.
@@ -74,7 +74,7 @@ def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
 class Losses:
     """What to do about lost tasks: hand them out again, or try their points alone in the end.
 
-    A worker that dies takes all of its tasks along, so that each point of theirs is suspected.
+    A worker that dies takes all of its tasks along, so that each point of these is suspected.
     """
 
     def __init__(self) -> None:
@@ -88,7 +88,7 @@ class Losses:
         """Note a lost task; return whether it is to be handed out again as it is."""
         for point in job.task.points if loss is not Loss.FORGOTTEN else ():
             self._workers[point].append(job.worker)
-        # A worker that leaves may have died of it: the second time its points are suspected.
+        # A worker that leaves may have died of the task: the second time its points are suspected.
         times = len(self._workers[job.task.points[0]])
         if not job.is_alone and (loss is Loss.FORGOTTEN or (loss is Loss.LEFT and times == 1)):
             return True
@@ -103,7 +103,7 @@ class Losses:
         return [(point, self._workers[point]) for point in failed]
 
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Points to try alone on a worker, once all jobs there are alone; least lost first."""
+        """Jobs that try suspected points alone, once no other jobs run; least lost first."""
         if not all(job.is_alone for job in present):
             return
         free = {*workers} - {job.worker for job in present}

@@ -40,12 +40,12 @@ from tribo.errors import require_positive
 @shown
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Result of a run."""
+    """Result of a run: how many points are done, which failed, and how long it took."""
 
-    #: Points of the sweep, and those of them that are done.
+    #: Number of points of the sweep, and of those among them that are done.
     total: int
     done: int
-    computed: int  #: Points that this run completed.
+    computed: int  #: Number of points that this run completed.
     failed: tuple[FailedPoint, ...]  #: Points that failed, now or in an earlier run.
     wall_time: float  #: Duration of this run [s].
 
@@ -93,9 +93,9 @@ def run_sweep(
         Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
         workers that wait in a queue.
     dashboard : bool, optional
-        True to tell the link of Dask's dashboard, which everybody on this machine can read.
+        True to report the link of Dask's dashboard, which everybody on this machine can read.
     source : str or path, optional
-        Another store, which is read alone: its points that are done, that this sweep asks for and
+        Another store, which is only read: its points that are done, that this sweep asks for and
         that are of the same scene are taken over, and not computed again.
 
     Raises
@@ -155,7 +155,7 @@ def run_sweep(
 
 
 def _require_cluster(client: Client | None) -> None:
-    """Refuse another object than a client."""
+    """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
     end_if_imported()
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:
@@ -168,7 +168,7 @@ def _require_cluster(client: Client | None) -> None:
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, HandOut]]:
-    """The sweep, its store and the tasks of its pending points; then those of each that follows."""
+    """Yield the sweep, its store and pending tasks; in a search, again for each further sweep."""
     while True:
         if hand := HandOut(tasks(store.pending(), sweep)):
             yield sweep, store, hand
@@ -179,7 +179,7 @@ def _rounds(
 
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:
-    """Notes on a store that is resumed, which had another sweep before."""
+    """Notes for the user on a store that is resumed; `before` is the sweep that it had."""
     if changed := [*acting(before, store.sweep, lambda one: one.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "

@@ -1,4 +1,4 @@
-"""What is told of a run: how far it is, and how long it will take."""
+"""Report of a run: how far it is, and how long it will take."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 
 class Tally:
-    """Counts written points, and estimates the remaining time by the mean of those computed."""
+    """Counts written points, and estimates the remaining time by the mean of computed points."""
 
     def __init__(self, store: Store, progress: Report) -> None:
-        self.store = store  # a search of the boundary makes it grow
+        self.store = store  # replaced where a search of the boundary makes it grow
         self._progress, self._began = progress, time.monotonic()
         self._seconds = 0.0
         self.computed = 0
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Count written points."""
+        """Count written points, and report the progress."""
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
@@ -41,7 +41,7 @@ class Tally:
 
 
 def shown_progress(progress: Report | None) -> Report:
-    """What shows progress: the callable that was given, or in a notebook a line below the cell."""
+    """The callable that was given or, in a notebook, one that shows a line below the cell."""
     ipython: Any = sys.modules.get("IPython")
     if progress is not None or not hasattr(ipython and ipython.get_ipython(), "kernel"):
         return progress or silent

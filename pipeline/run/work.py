@@ -1,4 +1,4 @@
-"""What a worker does: the task of a point, whose records the driver gathers.
+"""What a worker does: it computes the points of a task, and returns their records.
 
 ::
 
@@ -45,8 +45,8 @@ def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
     return digest.hexdigest()[:12]
 
 
-# Taken as this module is imported, so that a process that runs on after its files have changed
-# names the code that it runs, and not the files.
+# Taken as this module is imported, so that a process whose files have changed since then names the
+# code that it runs.
 CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
 
 
@@ -66,7 +66,7 @@ class ExecutionError(TriboError):
 
 
 class Run(WorkerPlugin):  # type: ignore[misc]
-    """What the tasks of a run compute; Dask hands it to each worker, also to those that come later.
+    """The sweep of a run, as a plugin that Dask hands to each worker, also to later ones.
 
     It carries the user's laws by value, since their modules are not on the workers.
     """
@@ -78,7 +78,7 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
     @cached_property
     def sweep(self) -> Sweep:
-        """The sweep, read once by a process."""
+        """The sweep, unpickled once by a process."""
         sweep: Sweep = pickle.loads(self._sweep)
         return sweep
 
@@ -92,14 +92,14 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
 
 def _pickled(sweep: Sweep) -> bytes:
-    """A sweep, with the user's laws by value."""
+    """Pickle a sweep, with the user's laws by value."""
     laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
     for name in {code_of(law).__module__ for law in laws} & sys.modules.keys():
         cloudpickle.register_pickle_by_value(sys.modules[name])
     return bytes(cloudpickle.dumps(sweep))
 
 
-# Threads of one process gained 6 % at most.
+# Several threads of one process gained 6 % at most.
 _one_at_a_time = threading.Lock()
 _trunks = Trunks()
 

@@ -1,6 +1,6 @@
-"""Arrays of a store as Zarr has them: their metadata, which follow from the schema, and their keys.
+"""Zarr arrays of a store: their metadata, which follow from the schema, and their chunks by key.
 
-Nothing of the metadata on the disk is read, which only other programs need.
+Metadata on the disk are for other programs alone; this program does not read them.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ if TYPE_CHECKING:
     from zarr.core.array_spec import ArraySpec
 
 Document = dict[str, Any]
-"""What a file of JSON says."""
+"""Content of a JSON document."""
 
 _GROWING = 4096  # entries in a chunk of a coordinate that grows
 _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's codec of this name, with room for no more than the chunk of its array.
+    """Zarr's codec of this name, which unpacks no more than the size of a chunk of its array.
 
     Some kilobytes can unpack to gigabytes, and one flipped bit can state any size.
     """
@@ -82,8 +82,8 @@ def array_documents(
 
 def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, Any]:
     """Open the arrays of a store by their metadata."""
-    # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
-    # own setting of this belongs to all threads, and one that ends would change it for another.
+    # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
+    # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}
     arrays = {}
     for name, document in documents.items():
@@ -94,14 +94,14 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 
 
 class Encoder:
-    """Chunks by key, from names of arrays, places of whole chunks there, and values."""
+    """Encoder of array parts as chunks; a part is a name, an index of whole chunks, values."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._memory: dict[str, Any] = {}
         self._arrays = open_arrays(MemoryStore(self._memory), documents)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
-        """Chunks of some parts."""
+        """Encode parts of arrays; return the bytes of each chunk by its key."""
         self._memory.clear()
         for name, place, values in parts:
             self._arrays[name][place] = values

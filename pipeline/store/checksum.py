@@ -15,12 +15,12 @@ from pipeline.store.schema import AT_END, OF_POINT, STEPPED, VARIABLES
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 
-_LONGEST = 2000  # characters of a message, which somebody is to read
+_LONGEST = 2000  # characters of a message, so that somebody can read it
 _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
 def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Hash of what was simulated, of a point's place, and of the CRC of each variable there."""
+    """Hash of the simulated scene, a point's place, and the CRC of each of its variables."""
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
     for name in sorted(entries.keys() & _COVERED):
@@ -32,14 +32,14 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
-    """A record as it is written, with its checksum."""
+    """A record with its values as they are stored, and its checksum."""
     if record.checksum is not None:
         return record
     data = {
         name: np.asarray(values, VARIABLES[name].dtype, order="C")
         for name, values in (record.data or {}).items()
     }
-    # Names of files in a message may be no text.
+    # Names of files in a message may be no valid text.
     message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
     about = {"message": message, "warning_flags": np.int32(record.warning_flags)}
     return replace(

@@ -42,7 +42,7 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     in its place, another process writes to it, or it cannot be read or written.
     """
     place = place_of(path)
-    find_root(place)  # before a lock is laid in what is no store
+    find_root(place)  # before a lock is put into a folder that is no store
     with locked(place, progress) as lock:
         if isinstance(place, Folder):
             with reaches(place, "written"):
@@ -101,14 +101,14 @@ def _write_root(place: StorePlace, root: Root) -> None:
 
 
 def _found(place: StorePlace, key: str) -> Document:
-    """A document, or an empty one if there is none, or a damaged one."""
+    """Document of a store; empty if it is missing or damaged."""
     with suppress(ValueError):
         return dict(json.loads(place.read(key) or b"{}"))
     return {}
 
 
 def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
-    """Raise a `StoreError` if axes do not begin with those that a store has."""
+    """Raise a `StoreError` if axes do not begin with the values that a store has along them."""
     old = before.axes
     for name, values in axes.items():
         if name not in old or values[: len(old[name])] != old[name]:

@@ -1,7 +1,7 @@
-"""Files of a closed tree, which are on the disk, names included, once they are written.
+"""Files of a store, which are on the disk, names included, once they are written.
 
 A file is named by a root and a key, such as ``load/c.0``. The root may be a link. Below it, nothing
-is written or locked by way of a link.
+is written or locked through a link.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems canno
 
 
 def _path_of(root: Path, key: str) -> Path:
-    """Path of a file; raise an `OSError` if a link leads there."""
+    """Path of a file; raise an `OSError` if it lies behind a symbolic link."""
     path = root / key
     for folder in reversed(path.parents[: key.count("/")]):
         _require_no_link(folder)
@@ -43,7 +43,7 @@ def open_file(root: Path, key: str) -> int:
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Replace files, each at one stroke; return once all are on the disk, names included."""
+    """Replace files, each atomically; return once all are on the disk, names included."""
     paths = [_path_of(root, key) for key in contents]
     folders = {path.parent for path in paths}
     for folder in folders:

@@ -15,7 +15,7 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable of arrays of some sizes, if there are any; attributes tell where each lies."""
+    """The variable for arrays of these sizes, by its name; its attributes list the arrays."""
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"
     return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}

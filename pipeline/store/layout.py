@@ -21,19 +21,20 @@ from tribo.thermal import BULK_RATIOS
 from tribo.types import Array, Indices, Mask
 
 Axes = dict[str, list[Any]]
-"""Values along each dimension, and of coordinates along another one."""
+"""Values along each dimension, and values of coordinates that lie along another dimension."""
 Slices = tuple[slice, ...]
 
 _LARGEST = 2**22  # bytes of a chunk
 _FEWEST, _MOST = 1, 1024  # points in a chunk
-_LEAST = {"velocity": 16, POINT: _MOST}  # of a chunk, since others come later
-_ROOM = 2  # reference loads up to which a course has room for its steps
+_LEAST = {"velocity": 16, POINT: _MOST}  # least points in a chunk, since more come later
+_ROOM = 2  # multiple of the reference load up to which a course has room for its steps
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Points in a chunk along each dimension: some hundred, fewer where they are large.
+    """Points in a chunk along each dimension: up to 1024 in all, fewer where points are large.
 
-    All loads, which one ramp computes, then neighbouring velocities, then surfaces or samples.
+    A chunk has all loads, which one ramp computes, then neighbouring velocities, then surfaces or
+    samples.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):
@@ -79,7 +80,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Dimensions of the rows of a sweep, ascending, and the columns that follow from them."""
+    """Values along the dimensions of a sweep's rows, ascending, and of columns along these."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {
@@ -88,7 +89,7 @@ def row_axes(sweep: Sweep) -> Axes:
 
 
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Dimensions within a point; that of steps has room, since it cannot grow at its lower end."""
+    """Values along the dimensions within a point; steps have room for more."""
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
@@ -107,7 +108,7 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at places that are given by their indices along each dimension of points."""
+    """Points at given indices along each dimension of points."""
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
         numbers = where[dims.index(wanted[name].dims[0])]
@@ -121,7 +122,7 @@ def points_at(
 def points_on(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], dims: Sequence[str]
 ) -> list[Point]:
-    """Points along some of the dimensions of points, each time the first along the others."""
+    """Points at every index along `dims`; of their other dimensions only the first index."""
     sizes = [len(axes[dim]) if dim in dims else 1 for dim in wanted["status"].dims]
     return points_at(sweep, axes, wanted, np.nonzero(np.ones(sizes)))
 
@@ -129,9 +130,9 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Time, load and distance at each step, and ids of scenes, by those of the rows of the sweep.
+    """Time, load and distance at each step, and ids of scenes; NaN before a point's first step.
 
-    NaN before a point's first step.
+    `ids` are those of the rows of the sweep.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))
@@ -161,7 +162,7 @@ def made_coordinates(
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Numbers and slices of the chunks of these sizes that hold any point of a mask."""
+    """Numbers and slices of the chunks, of these sizes, that contain a point of `mask`."""
     for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
         if mask[block := slices_of(numbers, sizes)].any():
             yield numbers, block

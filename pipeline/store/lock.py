@@ -21,18 +21,18 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-_TRIES, _PAUSE = 10, 0.05  # [s]: who asks for the holder has the lock for a moment
+_TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` has the lock for a moment
 
 
 Lock = Callable[[], bool]
-"""Tells whether a lock that this process took is still in its place."""
+"""Function that returns True if a lock which this process took is still in its place."""
 
 
 @contextmanager
 def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
-    """Hold the lock of a store at once; raise a `StoreError` if another process does.
+    """Hold the lock of a store within the block; raise a `StoreError` if another process has it.
 
-    Where there are no locks, say so, and hold nothing.
+    Yields the check that the lock is still there. Where there are no locks, that is reported.
     """
     unlocked = Progress(f"{place} has no locks: let one run at a time write to it")
     if isinstance(place, Bucket):
@@ -62,7 +62,7 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
 
 
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
-    """Lock a file; False if its disk cannot."""
+    """Lock a file; False if its file system has no locks. `StoreError` if another run has it."""
     for _ in range(_TRIES):
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -105,6 +105,6 @@ def holder_of(place: StorePlace) -> str | None:
 
 
 def _named(descriptor: int) -> tuple[str, str | None]:
-    """Process that the file of a lock names, and its host."""
+    """Process that is named in the file of a lock, and its host."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

@@ -32,9 +32,9 @@ PathLike = str | os.PathLike[str]
 ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
-"""Key of the lock of a store: within it, where no other path misses it."""
+"""Key of the lock of a store: within it, so that every path to the store finds it."""
 KEPT = "status/kept-"
-"""Beginning of the keys of what commands keep beside the lock, which is no data."""
+"""Beginning of the keys of files that commands cache in a store, which are no data."""
 REMEDY = "irg run with its scene mends it; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
@@ -82,7 +82,7 @@ class Folder:
         return str(self.path)
 
     def zarr(self) -> Store:
-        """Zarr's view of the folder, to read."""
+        """Read-only Zarr store of the folder."""
         from zarr.storage import LocalStore  # which workers do not need
 
         return LocalStore(self.path, read_only=True)
@@ -105,7 +105,7 @@ class Folder:
 
 @dataclass(frozen=True)
 class Bucket:
-    """An address of fsspec, such as ``s3://bucket/sweep.zarr``; what is put is safe."""
+    """An address of an object store, such as ``s3://bucket/sweep.zarr``."""
 
     address: str
 
@@ -113,13 +113,13 @@ class Bucket:
         return self.address
 
     def zarr(self) -> Store:
-        """Zarr's view of the objects, to read."""
+        """Read-only Zarr store of the objects."""
         from zarr.storage import FsspecStore
 
         return FsspecStore.from_url(self.address, read_only=True, storage_options=_OPTIONS)
 
     def _opened(self) -> tuple[Any, str]:
-        """File system of the objects, and what their names begin with."""
+        """File system of fsspec, and the beginning of the names of the objects."""
         import fsspec  # which stores in folders do without
 
         system, path = fsspec.core.url_to_fs(self.address, **_OPTIONS)
@@ -133,7 +133,7 @@ class Bucket:
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace objects, side by side."""
+        """Replace objects, several at a time."""
         system, above = self._opened()
         system.pipe({above + key: content for key, content in contents.items()})
 
@@ -143,16 +143,16 @@ class Bucket:
         return {name.removeprefix(above) for name in system.find(above)}
 
 
-# With more, each read of an object would begin with a request for its size.
+# With a higher number, each read of an object would begin with a request for its size.
 _OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
 StorePlace = Folder | Bucket
-"""Files of a store by their keys."""
+"""Where the files of a store are: a folder, or an object store."""
 
 
 def place_of(path: PathLike) -> StorePlace:
-    """Place of a store; raises a `StoreError` for the top of a disk."""
+    """Place of a store by its path or address; raises a `StoreError` for the top of a disk."""
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))
@@ -180,7 +180,7 @@ def reaches(place: StorePlace, verb: str = "read") -> Iterator[None]:
 
 @contextmanager
 def reads(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn errors of data into a `DamagedError`, or a `StoreError` if nobody can read them now."""
+    """Turn errors into a `DamagedError` for wrong data, or a `StoreError` if reading failed."""
     with reaches(place):
         try:
             yield

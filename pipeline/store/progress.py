@@ -1,4 +1,4 @@
-"""Progress of a sweep, by its store."""
+"""Progress of a sweep, counted in its store."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ class FailedPoint:
 @shown
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Progress of a sweep."""
+    """Progress of a sweep: numbers of points by state, failures, and who computes now."""
 
     #: Name and title of the scene.
     name: str
     title: str
-    #: Points that the scene asks for, those of them that are done and those still to do.
+    #: Number of points that the scene asks for, and of those among them that are done and to do.
     total: int
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
-    earlier: int = 0  #: Further points that are done, for which only an earlier run asked.
-    #: Points that are done and carry a warning, also those that only an earlier run asked for.
+    earlier: int = 0  #: Number of further done points, for which only an earlier run asked.
+    #: Number of done points with a warning, also those for which only an earlier run asked.
     warned: int = 0
     running: str | None = None  #: Process that computes points now; None if there is none.
 

@@ -45,9 +45,9 @@ from tribo.types import Indices
 
 
 def open_store(path: PathLike) -> xr.Dataset:
-    """Open a store, which may be written to meanwhile, as it is now; data are read when used.
+    """Open a store as a dataset, as it is now; data are read when they are used.
 
-    Or a dataset of one that xarray wrote elsewhere, as it is.
+    The store may be written to meanwhile. A copy that xarray wrote elsewhere is opened as it is.
     Raise a `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
@@ -96,7 +96,7 @@ class _Backend(BackendEntrypoint):
         variables["status"].encoding["keeper"] = Keeper(store.place)
         steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
         ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
-        return ds.isel(step=slice(int(steps.argmax()), None))  # without the room for more of them
+        return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
 
 
 def _require_chunks(store: Store) -> None:
@@ -111,10 +111,10 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:
-    """The root that a store is shown with, and for each point the number of its row.
+    """The root of the dataset to show, and for each of its points the number of its stored row.
 
-    Points of a search lie in the plane of all of their loads and velocities; −1 stands for a place
-    without a point.
+    Points of a search are shown in the plane of all their loads and velocities; −1 stands for a
+    place without a point. A store of a plane is shown as it is, with None instead of numbers.
     """
     if POINT not in root.axes:
         return root, None
@@ -130,7 +130,7 @@ def _plane(root: Root) -> tuple[Root, Indices | None]:
 
 
 class _Masked(BackendArray):
-    """A variable that shows the entries of some points alone, by their rows if it has any."""
+    """A stored variable, with fill values at points without data; `rows` are from `_plane`."""
 
     def __init__(self, store: Store, name: str, rows: Indices | None) -> None:
         self._place, self._name, self._rows = store.place, name, rows
@@ -174,11 +174,11 @@ def _taken(values: Any, key: tuple[Any, ...]) -> Any:
 
 
 class Keeper:
-    """Keeps what commands make of a dataset in the store that it is read from."""
+    """Cache of what commands compute, in the store from which a dataset was read."""
 
     def __init__(self, place: StorePlace) -> None:
         self._place = place
-        self.may_keep = False  # True while a run reads, which writes anyway
+        self.may_keep = False  # True only within a run, which writes anyway
 
     def __deepcopy__(self, _: Any) -> Keeper:
         return self
@@ -188,13 +188,13 @@ class Keeper:
         return open_store(str(self._place))["message"].load()
 
     def kept(self, name: str) -> bytes | None:
-        """Content that is kept under a name; None if there is none."""
+        """Content that is cached under a name; None if there is none."""
         with suppress(OSError):
             return self._place.read(KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
-        """Keep content under a name, if this may write to the store and can."""
+        """Cache content under a name, if this process may write to the store, and can."""
         with suppress(OSError):
             if self.may_keep:
                 self._place.put({KEPT + name: content})

@@ -1,6 +1,6 @@
-"""The root of a store: its sweep, what else it says of itself, and metadata for other programs.
+"""The root of a store: its sweep, facts of the store, and metadata for other programs.
 
-It is replaced at one stroke, and has a hash of all that it says of the store.
+It is replaced atomically, and has a hash of its facts.
 """
 
 from __future__ import annotations
@@ -54,23 +54,23 @@ _CONSOLIDATED = "consolidated_metadata"
 _COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
-"""Attributes of the group about, beside the hash."""
+"""Attributes of the group ``about``, beside the hash."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Root:
-    """What a store says of itself, from which the metadata of its arrays follow."""
+    """Facts of a store, from which the metadata of its arrays follow."""
 
     sweep: Sweep
     axes: Axes
-    ids: list[int]  # of the scenes of the rows of the sweep, in the order of its table
+    ids: list[int]  # of the scenes of the sweep's rows, in their order
     block: dict[str, int]  # points in a chunk along each dimension
-    history: list[str]  # versions that computed
+    history: list[str]  # versions of the programs that computed
     found: Document  # the document that was read, to which users may have added, or an empty one
 
     @cached_property
     def variables(self) -> dict[str, Variable]:
-        """Variables of the store."""
+        """Variables of the store by name."""
         return variables_of(self.sweep) | inputs_variable(self._inputs)
 
     @cached_property
@@ -86,7 +86,7 @@ class Root:
         return array_documents(self.variables, sizes, self.block)
 
     def coordinates(self) -> dict[str, Any]:
-        """Values of all variables that are not of points: they follow from the root."""
+        """Values of coordinates and inputs by name, which follow from the root."""
         made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
         values: dict[str, Any] = self.axes | made
         if arrays := files_of(self.sweep):
@@ -95,7 +95,7 @@ class Root:
 
     @cached_property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: words for people, and the texts of the sweep and its ids."""
+        """Attributes of the dataset: texts for people, and the JSON of the sweep and of its ids."""
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.title,
@@ -108,14 +108,14 @@ class Root:
 
     @property
     def others(self) -> dict[str, Document]:
-        """Metadata by path that were read, of the store and of what users have added."""
+        """Metadata that were read, by path: those of the store, and of what users have added."""
         return dict(self.found[_CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
-        """Documents of the groups, by key: the root, as Zarr consolidates it, comes last.
+        """JSON documents of the groups, by key; the root, with consolidated metadata, comes last.
 
-        Zarr itself would write it in two steps. It has all that the others have, which are there
-        for programs that consolidate it anew.
+        Zarr itself would write the root in two steps. The other documents repeat parts of it, for
+        programs that consolidate it anew.
         """
         values = (FORMAT, self.axes, self.block, self.history, self._inputs)
         facts = dict(zip(_FACTS, values, strict=True))
@@ -137,13 +137,13 @@ def _group(attributes: Document) -> Document:
 
 
 def with_others(found: Any, new: Document) -> Document:
-    """A document with attributes that others have added to the one that was found."""
+    """The new document, with attributes that others have added to the one that was found."""
     others = found.get("attributes") if isinstance(found, dict) else None
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
 def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
-    """Hash of what a root says of a store; not of words, nor of what users have added."""
+    """Hash of the facts in a root, without texts for people and what users have added."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], attributes["sweep"], attributes[SCENE_ID], numbers
@@ -153,7 +153,7 @@ def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
 def read_root(place: StorePlace) -> Root:
     """Read a root; raise a `StoreError` if it is missing, lost, damaged or of another version.
 
-    Nothing makes it again: the line says what to do.
+    A root is not made again: the message says what to do.
     """
     if root := find_root(place):
         return root
@@ -164,7 +164,7 @@ def read_root(place: StorePlace) -> Root:
 
 
 def find_root(place: StorePlace) -> Root | None:
-    """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
+    """Read the root of a store; None if there is no store yet; a `StoreError` for anything else."""
     with reaches(place):
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
@@ -177,13 +177,13 @@ def find_root(place: StorePlace) -> Root | None:
 
 
 def _is_beginning(key: str) -> bool:
-    """True for what a creation cut short may leave: metadata, coordinates or the lock, no root."""
+    """True for a file that a creation cut short may leave: metadata, a coordinate or the lock."""
     name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """The root by its document, whatever a stranger may have written there."""
+    """Read a root from its document; a `StoreError` if it is damaged or of another origin."""
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:
@@ -203,7 +203,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 history=facts["history"],
                 found=document,
             )
-            if root.axes.keys() <= root.variables.keys():  # names of files
+            if root.axes.keys() <= root.variables.keys():  # names of axes become names of files
                 return root
     except InputError as error:
         fault = f"a stranger's: {error}"

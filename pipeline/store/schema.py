@@ -12,11 +12,11 @@ from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
 from tribo import InputError, WarningKind
 
 FORMAT = 12
-"""Version of the layout."""
+"""Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
 COMPRESSION: dict[str, Any] = {"level": 1, "checksum": True}
-"""Settings of zstd."""
+"""Settings of the codec Zstandard, which compresses the chunks."""
 
 
 class Variable(NamedTuple):
@@ -30,9 +30,9 @@ class Variable(NamedTuple):
 
 
 PLANE = ("load", "velocity")
-"""Dimensions of the plane; of rows with a place of their own, coordinates along their dimension."""
+"""Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
 POINT = "point"
-"""Dimension of the points that a search of the boundary has chosen, in the store."""
+"""Dimension, in the store, of the points that a search of the boundary has chosen."""
 _STEP = (*PLANE, "step")
 _QUANTILES = (*_STEP, "cooler_share")
 _AT_BULKS = (*_STEP, "bulk_ratio", "cooler_share")
@@ -41,7 +41,7 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    """A field at the end of each point, in single precision: half the size, 1e-7 off."""
+    """A field at the end of each point, in single precision: half the size, relative error 1e-7."""
     return Variable(_FIELD, units, long_name, "float32")
 
 
@@ -64,10 +64,10 @@ MADE = {
     "normal_load": Variable(("load", "step"), "N", "normal load on the pin"),
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
 }
-"""Coordinates of steps, which are made from the scene."""
+"""Coordinates of steps, which are computed from the scene whenever a store is read."""
 SCENE_ID = "scene_id"
 IDS = {SCENE_ID: Variable(PLANE, "1", "digest of the scene that the point is of", "int32")}
-"""Coordinate of points, made from the ids of rows that the root has."""
+"""Coordinate of points: the ids of their scenes, which the root has."""
 COLUMNS = {
     "own_grid": Variable(_STEP, "1", "true on the point's grid, false on its history's", "bool"),
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
@@ -95,7 +95,7 @@ BULK_COLUMNS = {
 }
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {"bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk")}
-"""Variables that such scenes have in addition to `FIELDS`."""
+"""Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
 OF_POINT = {
     "coupled_rise": Variable(
         PLANE, "K", "deciding rise over friction, friction by temperature solved; inf: it ignites"
@@ -118,11 +118,11 @@ RECORDS = {
 }
 
 INPUTS = "inputs"
-"""Variable of the arrays of a scene."""
+"""Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS = "about", "fields"
-"""Groups beside the numbers of points: texts with the facts of the store, and fields."""
+"""Groups beside the numbers of points: one for texts and facts of the store, one for fields."""
 VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
-"""All that a store may hold."""
+"""All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
@@ -136,31 +136,31 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 
 def path_of(name: str) -> str:
-    """Path of a variable in a store, whose main group has numbers alone, all but its labels."""
+    """Path of a variable in a store; texts of points, and fields, are in groups of their own."""
     if name in ("message", "checksum"):
         return f"{ABOUT}/{name}"
     return f"{AT_ENDS}/{name}" if name in AT_END or name in ("x", "y") else name
 
 
 def is_coordinate(name: str) -> bool:
-    """True if a variable is no point's: of a dimension, made from the scene, or an input."""
+    """True if a variable has no data of points: a dimension, made from the scene, or an input."""
     return name in COORDINATES or name in MADE or name not in VARIABLES
 
 
 def is_of_points(dim: str) -> bool:
-    """True if a dimension tells points apart."""
+    """True for a dimension along which points lie; False for one within a point."""
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
 def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable of a column of the table of variants, by the label of a row."""
+    """Variable for a column of the table of variants, of the type of the label of one row."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
     return Variable(dims, column.unit, column.meaning, kinds[type(label)])
 
 
 def require_free_names(sweep: Sweep) -> None:
-    """Raise an `InputError` at a label of rows with a name that the dataset uses otherwise."""
+    """Raise an `InputError` if a column of the rows has the name of another variable."""
     names = Counter(one.name for one in sweep.variants.columns)
     used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
     for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):
@@ -172,12 +172,12 @@ def require_free_names(sweep: Sweep) -> None:
 
 
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
-    """Variables of the store of a sweep."""
+    """Variables of the store of a sweep, by name."""
     require_free_names(sweep)
     first = sweep.variants.rows[0].labels
     table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
     front = tuple(sweep.variants.axes)
-    absent = {*ROWS, POINT}  # which the table has, or not
+    absent = {*ROWS, POINT}  # the table of variants adds those that it has
     if sweep.chosen is not None:
         front, absent = (POINT,), {*ROWS}
         table |= {name: COORDINATES[name] for name in PLANE}
@@ -204,7 +204,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of the rows that a coordinate of steps differs between."""
+    """Dimensions of the rows along which a coordinate of steps varies."""
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

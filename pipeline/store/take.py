@@ -17,8 +17,8 @@ from pipeline.sweep.station_choice import choose_stations
 def take_points(store: Store, other: Store) -> int:
     """Commit points of another store that are pending in this one, and count them.
 
-    They have the same scene, load and velocity, whatever their rows are called. Points that do not
-    have their checksum stay where they are.
+    Points are the same if scene, load and velocity are, whatever their rows are called. Points with
+    a wrong checksum are not taken.
     """
     data = store.arrays.keys() & {*STEPPED, *AT_END, *OF_POINT}
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():

@@ -1,6 +1,6 @@
-"""Damage of a store: points that do not have their checksums, and files that several points share.
+"""Damage of a store: points with wrong checksums, and damaged files that several points share.
 
-What `irg verify` names, `irg run` makes pending, and computes.
+`irg verify` names it. `irg run` makes such points pending, and computes them again.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 
 _MARKS = ("status", "asked")
-_TOLD = {*RECORDS} - {*_MARKS, "steps"}  # also of a point that failed
+_TOLD = {*RECORDS} - {*_MARKS, "steps"}  # variables that a failed point has, too
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """Result of reading a whole store."""
+    """Result of checking a whole store."""
 
     done: int  #: Points that are done and intact.
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
@@ -59,7 +59,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     path : str or path
         Path of the store, which may be in use.
     progress : callable, optional
-        Called now and then with a `Progress`, whose parts are the chunks of points that are read.
+        Called now and then with a `Progress` that counts chunks of points.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 
 
 def mend_store(path: PathLike, sweep: Sweep) -> int:
-    """Make damaged points of a folder pending, and shared files sound; count what was damaged.
+    """Make damaged points of a folder pending and repair shared files; count what was damaged.
 
     Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
     """
@@ -97,7 +97,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
         require_same_scene(place, root, sweep)
         store = Store(place, root, lock, is_damaged=True)
         damage = _find_damage(store, silent)
-        # First: a point that is done is whole, also after a kill in between.
+        # Statuses first, so that a done point is whole even after a kill in between.
         store.write({}, dict.fromkeys(damage.points, PENDING))
         with reaches(place, "written"):
             place.put(store.encoder(damage.files.values()))
@@ -105,14 +105,14 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
 
 class _Damage(NamedTuple):
-    """What is damaged: points, and what several points share, by its key, to be written anew."""
+    """Damaged points, and damaged shared files by key with what has to be written there."""
 
     points: dict[Index, FailedPoint]
     files: dict[str, tuple[str, Any, Any]]  # the variable, the place in it and the values
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Read all chunks of points, and the marks into the store; write nothing."""
+    """Find what is damaged in a store: read all, set `flags` and `asked`, and write nothing."""
     damage = _Damage({}, {})
     with reaches(store.place):
         keys = store.place.keys()
@@ -137,7 +137,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_marks(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
-    """Read statuses and points asked for, which a run writes before it computes, statuses first."""
+    """Read into the store which points are done and which are asked for; note damaged chunks."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
@@ -147,21 +147,21 @@ def _read_marks(store: Store, damage: _Damage, numbers: Index, block: Slices) ->
 
 
 def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
-    """Note a chunk that is to be emptied."""
+    """Note a damaged chunk, which is to be replaced by fill values."""
     damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Values in a chunk, those of no point if it is missing; None if it is damaged."""
+    """Values in a chunk, fill values if it is missing; None if it is damaged."""
     with suppress(DamagedError):
         return store.read(name, block)
     return None
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Values of variables but marks in a chunk of points, None where damaged."""
+    """Values in a chunk of points by variable, None if damaged; not ``status`` and ``asked``."""
     names = [name for name in store.arrays if not (name in _MARKS or is_coordinate(name))]
-    with ThreadPoolExecutor(THREADS) as threads:  # which an object store answers side by side
+    with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
         read = threads.map(lambda name: _read(store, name, block), names)
         return dict(zip(names, read, strict=True))
 
@@ -169,9 +169,9 @@ def read_block(store: Store, block: Slices) -> dict[str, Any]:
 def stored_entries(
     store: Store, block: Slices, values: Mapping[str, Any]
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
-    """What a store has of each point that is not pending, by the values in its chunks.
+    """Index, point and values of each point in a chunk that is not pending.
 
-    None stands for what is lost.
+    A value that is lost is None.
     """
     indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
     places = map(tuple, indices.tolist())
@@ -191,7 +191,7 @@ def stored_entries(
 
 
 def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
-    """Fault of a point by what a store has of it; empty if it has none."""
+    """Fault of a point's stored values in words; empty if they are sound."""
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed
@@ -202,7 +202,7 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Coordinates that have other values than the root, which plain xarray reads.
+    """Coordinates whose stored values differ from the root; plain xarray reads the stored ones.
 
     A growth that was killed may have left arrays longer than the root says.
     """

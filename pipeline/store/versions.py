@@ -1,4 +1,4 @@
-"""What computed a store, for people and for reproducing it."""
+"""Versions of the packages that computed a store, for people and for reproducing it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from importlib import metadata
 
 @functools.cache
 def package_versions() -> dict[str, str]:
-    """Versions of the packages that compute and store."""
+    """Versions of the packages that compute and store, by name."""
     try:
         own = metadata.version("irg-transition")
     except metadata.PackageNotFoundError:  # run from its source

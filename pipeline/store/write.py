@@ -46,7 +46,7 @@ from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
-_ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # what is told about a point
+_ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # texts and facts of a point
 
 Index = tuple[int, ...]
 
@@ -54,8 +54,9 @@ Index = tuple[int, ...]
 class Store:
     """A store, open to be read, or to be written by the process that holds its lock.
 
-    `dims` tell points apart, and `block` is how many share a chunk along each. `flags` are
-    statuses; `asked` is 1 for each point that the last run asked for. Neither is read if damaged.
+    `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
+    `flags` are statuses; `asked` is 1 for each point that the last run asked for. If `is_damaged`,
+    both are not read, and 0.
     """
 
     def __init__(
@@ -80,17 +81,17 @@ class Store:
     # Places of points
 
     def index(self, point: Point) -> Index:
-        """Place of a point."""
+        """Index of a point along `dims`."""
         labels = {"load": point.load, "velocity": point.velocity, POINT: point, **dict(point[2])}
         found = zip(self.dims, self._numbers, strict=True)
         return tuple(numbers[labels[dim]] for dim, numbers in found)
 
     def within(self, index: Index) -> Index:
-        """Place of a point in its chunk."""
+        """Index of a point within its chunk."""
         return tuple(i % n for i, n in zip(index, self.block, strict=True))
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at places that are given by their indices along each dimension."""
+        """Points at given indices along each dimension."""
         return points_at(self.sweep, self.axes, self.root.variables, where)
 
     def in_words(self, point: Point) -> str:
@@ -101,7 +102,7 @@ class Store:
     def key(self, name: str, numbers: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        It is given by its numbers along the dimensions of points, and whole along the others.
+        `numbers` are those of the chunk along the dimensions of points; others have a single chunk.
         """
         within = [0] * (self.arrays[name].ndim - len(numbers))
         return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
@@ -114,7 +115,7 @@ class Store:
             return self.arrays[name][key]
 
     def read_steps(self) -> dict[str, Any]:
-        """All variables at steps, with time, load and distance, in one shape each."""
+        """Variables at steps, with time, load and distance, as arrays of the same dimensions."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
         wanted, made = self.root.variables, self.root.coordinates()
         sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
@@ -127,7 +128,7 @@ class Store:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
 
-    # What is written: all of it raises a `StoreError` if it fails, or the lock was lost
+    # What is written: every method raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
         """Put points on the disk: data first, then statuses."""
@@ -152,13 +153,13 @@ class Store:
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
         changed, self.asked = self.asked != wanted, wanted
-        self._put_marks("status", self.flags, changed)  # or lost ones would look like none
+        self._put_marks("status", self.flags, changed)  # lost ones would look like none
         self._put_marks("asked", wanted, changed)
 
     def write(
         self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
     ) -> None:
-        """Write values of points by name, and once they are on the disk statuses."""
+        """Write values of points by name and, once these are on the disk, statuses."""
         chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
         for index, of_point in values.items():
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
@@ -176,7 +177,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """A variable, the place of a chunk, and its values with new ones at some points."""
+        """Part for the encoder: a variable, a chunk, its values with new ones at some points."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
@@ -189,14 +190,14 @@ class Store:
         return name, block, part
 
     def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
-        """Write every chunk of a small variable in which a value has changed, whole."""
+        """Write whole chunks of a small variable, those in which a value has changed."""
         parts = [(name, block, values[block]) for _, block in blocks(changed, self.block)]
         with self._writes():
             self.place.put(self.encoder(parts))
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        """Hold the lock before and after: else a driver that came may have read what was before."""
+        """Require the lock before and after writing, since another run may have begun meanwhile."""
         self._require_lock()
         with reaches(self.place, "written"):
             yield
@@ -211,21 +212,21 @@ class Store:
 
 
 def opened(path: PathLike) -> Store:
-    """A store, open to be read."""
+    """Open a store to read it."""
     place = place_of(path)
     return Store(place, read_root(place))
 
 
 @contextmanager
 def stored(path: PathLike | None) -> Iterator[PathLike]:
-    """Yield `path`, or a store in a temporary folder that is deleted on leaving."""
+    """Yield `path` or, if it is None, a path in a temporary folder, deleted after the block."""
     with TemporaryDirectory(prefix="irg-") as folder:
         yield Path(folder) / "points.zarr" if path is None else path
 
 
 _PAUSE = 1.0  # [s] between commits: as much work as a kill may cost
 _PAUSE_OF_BUCKET = 10.0  # [s], since each commit to an object store is some 50 requests
-_SHARE = 10.0  # durations of a commit between two, so that they take a tenth of a core at most
+_SHARE = 10.0  # durations of a commit, as pause after it: commits take a tenth of a core at most
 _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the machine
 
 
