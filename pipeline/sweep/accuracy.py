@@ -9,16 +9,16 @@ MEASURES = "irg run SCENE -o STORE --measure"
 """Command that measures the error of a fidelity."""
 
 _OF_FEW_ELEMENTS = {"standard": 0.05}
-"""Bounds of presets where the highest temperature decides, where they are larger.
+"""Error bounds that presets have where the highest temperature decides, if larger than usual.
 
-Rises of `standard` then err by 3.1 % at 99 % of 575 points of 20 scenes, in place of 0.8 %, and
-those of `draft` by 3.2 % (`python -m tests.promises.errors`).
+Rises of `standard` then err by up to 3.1 % at 99 % of 575 points of 20 scenes, instead of 0.8 %;
+rises of `draft` by 3.2 % (`python -m tests.promises.errors`).
 """
-_FEW = 0.05  # failing share below which the temperature that decides is taken for the highest
+_FEW = 0.05  # failing share below which the deciding temperature counts as the highest
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest known relative error of the boundary velocity: measured, or of the preset."""
+    """Largest known relative error of the boundary velocity, measured or promised; else None."""
     if selection := sweep.selection:
         return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions
@@ -35,7 +35,7 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
 
 def error_in_words(sweep: Sweep) -> str:
-    """The one error of a sweep: the largest known of its boundary velocity, and its origin."""
+    """The known error of a sweep's boundary velocity and its origin, in words."""
     if selection := sweep.selection:
         return str(selection)
     error = velocity_error(sweep)

@@ -12,8 +12,8 @@ from tribo.errors import InputError
 from tribo.types import Array
 
 _HAS_LAY = 0.5  # Str, below which a surface has a lay
-_MOST_ALONG = 1500  # heights along a side whose autocorrelation is found, those in the middle
-_ROUNDING = 1e-9  # share of the heights below which what is left above their plane is rounding
+_MOST_ALONG = 1500  # heights along a side, from the middle, that the autocorrelation takes
+_ROUNDING = 1e-9  # share of the heights; a smaller deviation from their plane is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +32,9 @@ class ArealRoughness:
         Slopes of the form along x and y in the middle.
     radii : tuple of float
         Radii of its curvature along x and y [m], positive where the surface is a hill; infinite
-        where it stands out from the roughness no more than by chance, and was left.
+        where the curvature does not stand out from the roughness, and is not removed.
     sal : float
-        Distance of the fastest fall of the autocorrelation, Sal [m], here to 1/e for 0.2.
+        Shortest distance over which the autocorrelation falls, Sal [m], here to 1/e and not 0.2.
     aspect : float
         Str, the shortest over the longest such distance; 0 if that is beyond the area.
     lay : float or None
@@ -56,7 +56,7 @@ class ArealRoughness:
 def remove_form(
     heights: Array, spacing: tuple[float, float]
 ) -> tuple[Array, tuple[float, float], tuple[float, float]]:
-    """Take off the plane, and the curvature where it stands out.
+    """Remove the plane of a surface, and its curvature where that stands out.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def remove_form(
     tuple of float
         Slopes of the form along x and y in the middle.
     tuple of float
-        Radii of curvature along x and y [m]; infinite where it was left.
+        Radii of curvature along x and y [m]; infinite where it was not removed.
 
     Notes
     -----
@@ -102,7 +102,7 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Heights above the form of so many terms, and the factors of these."""
+        """Heights above the form of the first `count` terms, and the factors of these terms."""
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

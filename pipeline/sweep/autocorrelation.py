@@ -9,9 +9,9 @@ import numpy as np
 from tribo.errors import require_positive
 from tribo.types import Array
 
-_DIRECTIONS = 90  # over half a turn, in which the autocorrelation falls
-_FALLEN = 1 / math.e  # autocorrelation down to which a length reaches
-_MOST_LAGS = 16  # for each height along a side, where pixels are much longer than wide
+_DIRECTIONS = 90  # directions over half a turn in which lengths are found
+_FALLEN = 1 / math.e  # value of the autocorrelation at the end of a length
+_MOST_LAGS = 16  # lags for each height along a side, at most, if pixels are much longer than wide
 _FARTHEST = 0.5  # share of a side beyond which lags have too few pairs of heights
 
 
@@ -30,12 +30,13 @@ def autocorrelation_lengths(
     Returns
     -------
     tuple of float
-        The shortest and the longest distance [m], infinite where it stays above over half the side
-        of the surface; and the direction of the longest, from x towards y, from −90 to 90 [°].
+        The shortest and the longest distance [m], infinite where the autocorrelation stays above
+        1/e over half the side; and the direction of the longest, from x towards y, from −90 to 90
+        [°].
 
     Notes
     -----
-    The surface is not taken to repeat itself: each lag has the mean over its own pairs of heights.
+    The surface does not have to be periodic: each lag has the mean over its own pairs of heights.
 
     Examples
     --------
@@ -67,7 +68,7 @@ def autocorrelation_lengths(
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
-    """Autocorrelation up to half a side, 1 without a lag; and the index of that.
+    """Autocorrelation up to lags of half a side, 1 at lag 0; and the index of lag 0.
 
     Heights that are not measured are 0, and make no pair.
     """

@@ -10,7 +10,7 @@ from pipeline.sweep.shown import Line
 
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
-    """Say when wear is severe, a row for each subject; of paths that are drawn, that they are."""
+    """Subjects and words on when wear is severe; entries in `drawn` are "of each sample"."""
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
@@ -25,7 +25,7 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """Say in a line when wear is severe under some conditions, each part of them once."""
+    """A line on when wear is severe under several conditions, without repetitions."""
     each = [
         (
             severe_words(one, drawn),
@@ -39,7 +39,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """When wear is severe; of paths that are drawn, that they are those of each sample."""
+    """Words on when wear is severe; entries in `drawn` are "of each sample"."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"
@@ -52,6 +52,6 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 
 
 def critical_in_words(value: float, sd: float | None) -> str:
-    """How exactly a critical temperature is known, and that verdicts count it [K]."""
+    """Words on a critical temperature [K] and on its standard deviation, if it has one."""
     doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
     return f"the critical temperature is {display(value, '°C', 4)}{doubt}"

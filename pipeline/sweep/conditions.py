@@ -26,7 +26,7 @@ PATHS = {
 }
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
-"""The same by the fields of `Conditions`."""
+"""Entries of the scene file that act after the simulation, by the fields of `Conditions`."""
 _NUMBERS = (
     "friction", "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
 )  # fmt: skip
@@ -47,15 +47,15 @@ class Conditions(Judging):
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
         Or the name of a rule.
     rule : Rule, Law or None
-        A criterion of your own; from a store what that keeps of it.
+        A criterion of your own; a `Law` if it comes from a store, which has its name alone.
     critical_sd : float or None
         Standard deviation of the critical temperature [K]; None if that is taken as exact.
 
     Raises
     ------
     InputError
-        If one lies outside its range, or friction varies between bodies of unequal bulk
-        temperatures; or if the criterion is no kind, and its rule is not given.
+        If a value is out of its range, or friction varies between bodies of unequal bulk
+        temperatures; or if the criterion is unknown, and there is no rule.
 
     Examples
     --------
@@ -83,11 +83,11 @@ class Conditions(Judging):
             raise InputError(f"critical_sd is {self.critical_sd!r} K; it must be above 0")
         own = {one.name: getattr(self, one.name) for one in fields(Judging)}
         criterion = Criterion() if isinstance(self.rule, Law) else self.decisive
-        tribo.Conditions(**own, criterion=criterion)  # which refuses what is out of range
+        tribo.Conditions(**own, criterion=criterion)  # raises for what is out of range
 
     @property
     def decisive(self) -> Criterion:
-        """Criterion of severe wear."""
+        """Criterion by which wear is judged severe."""
         if isinstance(self.rule, Law):
             raise LawError(
                 f"the store is judged by the criterion {self.criterion}, a Python object, of which "
@@ -109,7 +109,7 @@ class Conditions(Judging):
 
     @property
     def has_friction_curve(self) -> bool:
-        """Friction depends on the velocity."""
+        """True if friction depends on the velocity."""
         return bool(self.friction_law.by_velocity)
 
     def friction_factor(self, velocity: Array | float) -> Array:
@@ -125,9 +125,9 @@ class Conditions(Judging):
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
-        """The conditions with those that a row of a table gives in their place, if it gives any.
+        """The conditions, with those replaced that a row of a table gives.
 
-        They are the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
+        A row may have the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
         ``critical_temperature`` [K].
         """
         own = self.changed(
@@ -137,7 +137,7 @@ class Conditions(Judging):
         return own.replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
-        """The conditions with corrections that know the load before."""
+        """The conditions whose corrections have the course or the rate of a loading."""
         corrections = self.corrections and self.corrections.under(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)
 
@@ -152,7 +152,7 @@ class Conditions(Judging):
         return self.critical_temperature
 
     def changed(self, **changes: Any) -> Conditions:
-        """The same with others in their place, by the names of `changes_of`."""
+        """The conditions with some of them replaced, by the names of `changes_of`."""
         return replace(self, **changes_of(**changes))
 
 

@@ -1,4 +1,4 @@
-"""Variants that share contacts: each takes those of the first one with the same contact key."""
+"""Variants that share contacts: each uses those of the first variant with the same key."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pipeline.sweep.variants import Row, Variant
 from tribo import Scene
 from tribo.simulation import inseparable, mechanics, wear_number
 
-_DIGITS = 12  # digits of a wear number: two that ought to be the same differ by rounding
+_DIGITS = 12  # digits of a wear number that are compared: equal ones differ by rounding
 
 
 class ContactSource(NamedTuple):
     """The variant whose ramp of contacts another variant shares, and at which velocity."""
 
     variant: Variant
-    ratio: float = 1.0  # its velocity over that of the other, with the same wear number
-    places: tuple[float, float] | None = None  # velocities of both, if they have one each [m/s]
+    ratio: float = 1.0  # velocity of the source over that of the variant, at the same wear number
+    places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:
         """The source's velocity with the same contacts [m/s]; None where there is no point."""
@@ -28,7 +28,7 @@ class ContactSource(NamedTuple):
 
 
 def drop_last_digits(number: float) -> float:
-    """A number without the rounding of the last digits."""
+    """A number rounded to 12 digits, which drops rounding errors."""
     return float(f"{number:.{_DIGITS}g}")
 
 
@@ -37,7 +37,7 @@ def contact_sources(
     places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, ContactSource]:
-    """For each variant the first one with its contacts, at velocities of a plane or its own."""
+    """For each variant the first one with its contacts; `places` are own velocities, or None."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
     sources = {}
     for (name, scene), place in zip(scenes, places, strict=True):
@@ -62,9 +62,9 @@ def contact_sources(
 def contact_sources_of_samples(
     samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
 ) -> Mapping[Variant, ContactSource]:
-    """For each sample the first one of its contact, which `size` samples share.
+    """For each sample the first one with its contact, which `size` samples share.
 
-    Samples come with the names of the scenes that they are drawn for. No sample is read.
+    `samples` has names, names of the scenes for which they are drawn, and rows. No sample is read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}

@@ -1,4 +1,4 @@
-"""Who computes which task next: who has its ramp, so that few ramps are computed twice."""
+"""Which worker computes which task: one that has its ramp, so that few ramps are repeated."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pipeline.sweep.plan import Task
 
 
 class HandOut:
-    """Tasks that wait, ramp by ramp, and the ramps that each worker has.
+    """Waiting tasks, ramp by ramp, and the ramps that each worker has.
 
-    A worker with a free place gets the next load of a ramp that it has; else the lowest load of one
-    that nobody has begun; else it joins that with the most tasks left.
+    A worker with a free place gets the next load of a ramp that it has; else the lowest load of a
+    ramp that nobody has begun; else the next load of the ramp with most tasks left.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
@@ -35,7 +35,7 @@ class HandOut:
         return bool(self._left)
 
     def take(self, worker: Hashable) -> Task:
-        """The task that a worker gets; there must be one."""
+        """The next task of a worker; there must be one."""
         ramp = self._ramp(has := self._has[worker])
         left = self._left[ramp]
         points = [left.pop()]
@@ -44,11 +44,11 @@ class HandOut:
         if not left:
             del self._left[ramp]
         has.pop(ramp, None)
-        has[ramp] = None  # the last one, whose trunk is the last to go
+        has[ramp] = None  # moved to the end: its trunk is the last to be dropped
         return Task(tuple(points), ramp)
 
     def put_back(self, task: Task) -> None:
-        """Take a task again that was not computed."""
+        """Take back a task that was not computed."""
         self._left.setdefault(task.ramp, []).extend(reversed(task.points))
 
     def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
@@ -56,7 +56,7 @@ class HandOut:
             if (ramp := next(reversed(has))) in self._left:
                 return ramp
             has.popitem()
-        if self._fresh:  # none of which anybody has begun, nor finished
+        if self._fresh:  # ramps that nobody has begun
             return self._fresh.popleft()
         return max(self._left, key=lambda ramp: len(self._left[ramp]))
 
@@ -64,9 +64,9 @@ class HandOut:
 def makespan(
     tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
 ) -> tuple[float, float]:
-    """Time until all tasks are done on so many workers, and their time in all [s].
+    """Time until all tasks are done on some workers, and the sum of the tasks' times [s].
 
-    The cost of a task [s] may depend on what its worker has, which it may add to.
+    `cost` gives the time of a task [s]. It may read and change a dictionary of its worker.
     """
     waiting = HandOut(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

@@ -1,4 +1,4 @@
-"""Digests by which points of a sweep are told from those of another."""
+"""Digests that tell points of different scenes apart."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from pipeline.sweep.variants import Variant
 
 
 def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
-    """Digest of what acts on the simulation and the verdict of each row of a sweep, int32.
+    """Digest of all that acts on the simulation and the verdict of each row of a sweep, int32.
 
-    `choices` are of tests: the oil whose tests count, and the scatter by which they weigh samples.
+    `choices` are about tests: the oil whose tests count, and the scatter that weighs samples.
     """
     table, ids = sweep.variants, list[int]()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces

@@ -3,8 +3,8 @@
 ::
 
     InputError
-    ├── LawError       a law is asked of a store, which has its name alone
-    └── MissingError   heights are asked for that are not beside the sweep
+    ├── LawError       a law is needed, of which a store has the name alone
+    └── MissingError   heights are needed that are not beside the sweep
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from tribo import LAWS, PINS, InputError, Rule, Scene
 from tribo.surface import UnknownHeights
 
 _ROOTS: Final = ("tribo", "pipeline")
-"""Packages whose laws ship."""
+"""Packages whose laws are not a user's own."""
 _METHODS: Final = ("over", "heights", "profile")
 """Methods of a wear law, a surface and a pin."""
 ASKED: Final = ("pattern", "radius", "length", "material", "words")
-"""Attributes of a wear law and of a pin that answers look at."""
+"""Attributes of a wear law and of a pin that answers use."""
 _KEPT: Final = "_source_sha256"
 
 
 class LawError(InputError, AttributeError):
-    """A law that a store names, whose object is not here."""
+    """A law whose object is needed, and not at hand: a store has its name alone."""
 
 
 class MissingError(InputError):
-    """What was read of a file is not beside the entries that name it."""
+    """The content of a file that a scene names is needed, but was not stored with the scene."""
 
 
 @dataclass(frozen=True)
 class MissingSurface(UnknownHeights):
-    """A measured surface whose heights are not beside the sweep."""
+    """A measured surface whose heights are not at hand."""
 
     digest: str
     words: str
@@ -62,7 +62,7 @@ class Law(UnknownHeights):
     name : str
         Module and name of its class; of a criterion, those of its function.
     parameters : tuple
-        Names and values of its fields and of what answers look at, arrays by their digests.
+        Names and values of its fields and of attributes that answers use, arrays by their digests.
     source_sha256 : str
         SHA-256 of the file of its module; of its source where there is no file.
     """
@@ -79,11 +79,11 @@ class Law(UnknownHeights):
         return known[name]
 
     def over(self, begin: float, end: float) -> Any:
-        """Raise a `LawError`, as a wear law whose object is not here."""
+        """Raise a `LawError`: the wear law's object is not at hand."""
         raise self._lost()
 
     def heights(self, pixels: Any) -> Any:
-        """Raise a `LawError`, as a surface whose object is not here."""
+        """Raise a `LawError`: the surface's object is not at hand."""
         raise self._lost()
 
     def _lost(self) -> LawError:
@@ -97,7 +97,7 @@ class Law(UnknownHeights):
 
 
 def is_given(part: Any) -> bool:
-    """True for a law of the user's own, or what a store keeps of it."""
+    """True for a law of the user's own, or the `Law` that a store keeps of it."""
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
@@ -106,7 +106,7 @@ def is_given(part: Any) -> bool:
 
 
 def law_record(law: Any) -> Law:
-    """What a store keeps of a law.
+    """Record of a law for a store: its name, fields and the hash of its source.
 
     Raises
     ------
@@ -130,18 +130,18 @@ def name_of(law: Any) -> str:
 
 
 def code_of(law: Any) -> Any:
-    """Class of a law; of a criterion its function, or the class of what is called as one."""
+    """Class of a law; of a criterion its function, or the class of a callable object."""
     called = law.rise if isinstance(law, Rule) else type(law)
     return called if hasattr(called, "__qualname__") else type(called)
 
 
 def given_laws(scene: Scene) -> list[Any]:
-    """Laws of a scene that do not ship."""
+    """Laws of a scene that are a user's own."""
     return [part for part in (scene.wear, scene.roughness, scene.pin) if is_given(part)]
 
 
 def _kept(value: Any) -> Any:
-    """A parameter as a store keeps it."""
+    """A parameter of a law as a store keeps it: an array as its digest."""
     if not isinstance(value, np.ndarray):
         return value
     sha256 = hashlib.sha256(value.tobytes()).hexdigest()  # of numbers of any type
@@ -151,8 +151,8 @@ def _kept(value: Any) -> Any:
 def _source_sha256(code: Any) -> str:
     """SHA-256 of the file of a class or function; of its source where there is no file.
 
-    It is kept at the class, with which it goes to workers. A file that is edited later does not
-    change it, as it does not change the class.
+    The hash is kept in the class, and goes to workers with it. If the file is edited later, neither
+    the class nor the hash changes.
     """
     try:
         if _KEPT not in vars(code):

@@ -31,10 +31,10 @@ class Lubrication:
 
     scene: Scene
     oil: Oil  # with a pressure-viscosity coefficient
-    rms_height: float  # the disk's [m]
+    rms_height: float  # of the disk [m]
 
     def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
-        """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
+        """Minimum film thickness [m] at a load [N], a sliding velocity [m/s], a temperature [K].
 
         Where the pin is at rest, the oil enters at half the sliding velocity.
         """

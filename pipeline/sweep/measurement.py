@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-_UNNAMED = "without a name"  # oil of tests that name none, in a scene of another
+_UNNAMED = "without a name"  # name of the oil of tests that name none, in a scene of another oil
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
 
@@ -23,25 +23,25 @@ class Measurement:
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: Literal["mild", "severe"] | None = None  # None at a transition
-    number: str | None = None  # by which answers call it
+    number: str | None = None  # number or name in answers
     run: str | None = None  # shared by the tests of one specimen
     oil: str | None = None  # the scene's if None
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """The test of an entry of a scene."""
+        """The test that an entry of a scene describes."""
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """The test in a scene of an oil, which its tests do not name; itself if None."""
+        """The test as seen from `oil`: it names no oil if it has that one; unchanged if None."""
         if oil is None:
             return self
         name = self.oil or _UNNAMED
         return replace(self, oil=None if name == oil else name)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data, of those after the friction only what is known."""
+        """Return the fields as plain data; those after the friction only if they are known."""
         always = ("normal_load", "velocity", "friction")
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
@@ -52,6 +52,6 @@ def oils_of(names: Iterable[str | None]) -> list[str]:
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    """Tests of the scene's own oil; of the first by name where all name theirs."""
+    """Tests of the scene's own oil; if all tests name an oil, those of the first by name."""
     first, *_ = [*oils_of(test.oil for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)

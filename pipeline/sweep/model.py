@@ -26,7 +26,7 @@ from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 
 class Point(NamedTuple):
-    """One place in the diagram, and in which variant of the scene."""
+    """A point of the diagram: a load and a velocity, in one variant of the scene."""
 
     load: float  # on the whole pin [N]
     velocity: float  # [m/s]
@@ -47,15 +47,15 @@ def named(variant: Variant) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """What the entries of a scene read as."""
+    """Typed parts of a scene, which are read from its entries."""
 
-    declared: Any  # the file as it is declared
+    declared: Any  # the file, read into its declared classes
     scene: Scene
     conditions: Conditions
     tests: tuple[Measurement, ...]  # transitions first
     oil: Oil | None  # tells the regime of lubrication; enters no simulation
-    preset: str | None  # that the fidelity equals
-    contents: Mapping[str, str]  # digests of what was read of files, by the paths of their entries
+    preset: str | None  # preset that the fidelity equals
+    contents: Mapping[str, str]  # digests of the contents of files, by the paths of their entries
     sources: tuple[FromLibrary, ...]  # numbers from the library
 
 
@@ -64,17 +64,17 @@ class Parts:
 class Sweep:
     """A scene, where to simulate it and in which variants, and how to judge the results.
 
-    It is the entries of a scene file, and rows that replace some of them. What they read as is
-    made when it is asked for, and kept.
+    It has the entries of a scene file, and rows that replace some of them. What they mean is read
+    when it is first needed, and cached.
 
     Attributes
     ----------
     name : str
-        That of the file, without its ending.
+        Name of the file, without its ending.
     written : mapping
         Entries as the file has them, in tables.
     reader : SceneReader
-        What reads them; it lives with the format.
+        Reader of the entries, `pipeline.scene.reading.SceneReader`.
     variants : Variants
         Rows, each with the entries that it replaces.
     notes : sequence of Remark
@@ -82,13 +82,13 @@ class Sweep:
     sources : tuple of FromLibrary
         Numbers from the library.
     selection : Selection or None
-        Reasons of a fidelity picked for its accuracy.
+        How the fidelity was picked for its accuracy.
     chosen : collection of Point or None
         The points to simulate, if not all of the plane.
     stations : Stations or None
-        Stations that a store has.
+        Stations of a store that has been begun.
     judged : mapping
-        Conditions in place of those of all rows, by the fields of `Conditions`.
+        Conditions that replace those of all rows, by the fields of `Conditions`.
     oil : str or None
         Oil whose tests count; the scene's own if None.
 
@@ -115,7 +115,7 @@ class Sweep:
     oil: str | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is made of the entries, which another process makes anew."""
+        """State to pickle: the fields alone; another process reads the entries again."""
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __eq__(self, other: object) -> bool:
@@ -137,7 +137,7 @@ class Sweep:
 
     @cached_property
     def parts(self) -> Parts:
-        """What the entries read as."""
+        """Typed parts, which are read from the entries."""
         parts: Parts = self.reader.read(self.written)
         return parts
 
@@ -149,23 +149,23 @@ class Sweep:
 
     @cached_property
     def scene(self) -> Scene:
-        """What is simulated, with its numerical choices."""
+        """The scene to simulate, with its numerical choices."""
         scene, solved = self.parts.scene, self.conditions.solved_friction
         return scene if solved == scene.solved_friction else replace(scene, solved_friction=solved)
 
     @property
     def plane(self) -> Any:
-        """Table `[sweep]`: loads [N] and velocities [m/s], and what is kept of each point."""
+        """Table `[sweep]`: loads [N] and velocities [m/s], and what is stored of each point."""
         return self.parts.declared.sweep
 
     @property
     def declared(self) -> Any:
-        """The scene file as its format declares it."""
+        """The scene file, read into its declared classes."""
         return self.parts.declared
 
     @property
     def title(self) -> str:
-        """A line for people, with the oil whose tests count."""
+        """Title for people, with the oil whose tests count."""
         title = self.declared.title or self.name
         return title if self.oil is None else f"{title}, oil {self.oil}"
 
@@ -196,19 +196,19 @@ class Sweep:
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """What verdicts depend on, other than the simulation and the conditions."""
+        """Inputs of verdicts other than the simulation and the conditions."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
     @cached_property
     def entries(self) -> dict[str, Any]:
-        """The entries in full: with defaults, values of the library and choices of the preset."""
+        """All entries: with defaults, values of the library and choices of the preset."""
         entries: dict[str, Any] = self.reader.complete(self.written, self.parts)
         return entries
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Labels of each row, and the entries that it replaces, in full."""
+        """Labels of each row, and all entries that it replaces."""
         return self.variants.rows
 
     def changed(self, path: str, value: Any) -> Self:
@@ -217,19 +217,19 @@ class Sweep:
         Raises
         ------
         InputError
-            If the scene is not sound with it.
+            If the scene has a fault with this value.
         """
         written = dict(self.written)
-        if path == "fidelity.preset":  # all other choices stand for this one
+        if path == "fidelity.preset":  # the preset replaces all other choices
             written.pop("fidelity", None)
         elif path.startswith("fidelity.") and self.reader.is_stored:
-            written = replace_value(written, "fidelity.preset", None)  # whose choices these were
+            written = replace_value(written, "fidelity.preset", None)  # no longer its choices
         changed = replace(self, written=replace_values(written, {path: value}))
-        _ = changed.parts  # refuses what is not sound
+        _ = changed.parts  # reads the entries: an `InputError` for a fault
         return changed
 
     def description(self) -> tuple[str, dict[str, Any]]:
-        """Title, its tables of entries, and the number of its rows."""
+        """Title of the sweep, and its tables of entries with the number of rows."""
         return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
     @property
@@ -253,7 +253,7 @@ class Sweep:
         return self._alone[name]
 
     def keep_parts(self, parts: Iterable[Parts]) -> None:
-        """Keep what the rows of the table read as, which takes 0.2 ms a row."""
+        """Cache the parts of each row of the table, since reading them takes 0.2 ms a row."""
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
 
@@ -266,7 +266,7 @@ class Sweep:
         return self.variant(point.variant)._scene_hash
 
     def below(self, name: Variant) -> Self:
-        """The sweep at labels that are not drawn, on the rows that are drawn for them."""
+        """The sweep of the samples that are drawn for one variant."""
         return replace(self.variant(name), variants=self.variants.below(name))
 
     @cached_property
@@ -318,7 +318,7 @@ class Sweep:
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
         """The scene at one load [N] and velocity [m/s], and at those of its tests unless alone.
 
-        In a store of it `pipeline.margin` at that place is the verdict of ``irg point``.
+        `pipeline.margin` at that place, in a store of this sweep, is the verdict of ``irg point``.
         """
         tests = () if alone else self.tests
         own = (Point(test.normal_load, test.velocity) for test in tests)

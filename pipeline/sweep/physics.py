@@ -24,7 +24,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Say that earlier turns are left out, and where wear is severe with them if that is known."""
+    """Caveat that earlier turns are left out; `severe` says when wear is severe with them."""
     if not cold_tracks(sweep):
         return None
     effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
@@ -32,7 +32,7 @@ def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
 
 
 def note_on_turns(sweep: Sweep) -> str | None:
-    """Say that earlier turns of bodies that roll are not counted, if so, and what counts them."""
+    """Note that earlier turns of rolling bodies are not counted, and what counts them; or None."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None
@@ -47,7 +47,7 @@ def note_on_turns(sweep: Sweep) -> str | None:
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Say when sharp ends of a pin turn severe; None of other pins."""
+    """Note on when wear is severe at sharp ends of a pin; None for other pins."""
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None

@@ -1,8 +1,8 @@
 """The points of a sweep, the tasks that they are computed in, and how a point is computed.
 
-A task is one point, or points of variants that share its contact. It begins at the last increment
-below its load, where a ramp of the same contact, velocity and increment has come so far; a point
-has the same numbers from any of them, bit for bit.
+A task is one point, or points of variants that share its contact. It continues a cached ramp with
+the same contact, velocity and increment, from the last increment below its load. A point has the
+same numbers from any ramp, bit for bit.
 """
 
 from __future__ import annotations
@@ -62,9 +62,9 @@ class PointResult:
     #: needs them, see `tribo.Fidelity.elements_per_summit`.
     state: State = field(repr=False)
     shape: tuple[int, int]  #: Elements of the scene along x and y.
-    warnings: tuple[PointWarning, ...]  #: Reasons for care in relying on the point.
-    wall_time: float  #: Duration of the computation, which may have begun on a trunk [s].
-    #: What friction by temperature was solved for, and its rise.
+    warnings: tuple[PointWarning, ...]  #: Reasons for caution about the result.
+    wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
+    #: Case for which friction by temperature was solved, and its result.
     solved: SolvedFriction | None = field(default=None, repr=False)
     coupled: CoupledRise = field(default=UNSOLVED, repr=False)
 
@@ -113,7 +113,7 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point: variables of the dataset, or None of one that failed."""
+    """Stored result of a point: variables of the dataset, None if it failed."""
 
     point: Point
     data: Mapping[str, Array | bytes] | None
@@ -137,7 +137,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a row: its own alone if it has one."""
+    """Loads or velocities of a row: its own one if it has one, else the usual ones."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -149,7 +149,7 @@ class Task(NamedTuple):
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Yield points by the contacts that they share; ramp by ramp, loads ascending."""
+    """Group points into tasks by the contacts that they share; ramp by ramp, loads ascending."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)
@@ -163,7 +163,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
 
 def step_count(scene: Scene, load: float) -> int:
-    """Number of steps of the ramp up to a load."""
+    """Number of steps of the ramp up to a load [N]."""
     return sum(1 for _ in scene.stations(load))
 
 
@@ -182,8 +182,8 @@ def run_points(
 ) -> tuple[PointResult, ...]:
     """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    They begin on ramps of other points, if given, and lengthen these. `progress` is called
-    after each step.
+    `trunks` are ramps of other points, which these points continue and lengthen. `progress` is
+    called after each step.
     """
     began = time.perf_counter()
     load, stations = points[0].load, choose_stations(sweep)
@@ -212,7 +212,7 @@ def run_points(
         states = [moment[number] for moment in heated]
         course = [moment[number] for moment in states[-1].course]
         columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
-        # Samples, which differ in friction, are judged by what each part of a contact has.
+        # Samples differ in friction: parts of a contact have the friction of their temperatures.
         solved = None if sweep.variants.draw else variant.scene.solved_friction
         coupled = UNSOLVED
         if solved:
@@ -234,7 +234,7 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """A contact with its temperature in a scene, at a velocity of its wear number [m/s]."""
+    """A contact with its temperature in a scene, at a velocity [m/s] with its wear number."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)
@@ -242,10 +242,10 @@ def _heated(scene: Scene, velocity: float, contact: State) -> State:
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values at an increment, on the grid of the history."""
+    """Values of a state at an increment of a ramp, on its coarse grid."""
     try:
         return record_at(scene, _heated(scene, velocity, contact))
-    except TriboError:  # which costs the ends of points nothing
+    except TriboError:  # no temperature here: the end of a point does not need it
         return record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
 
 

@@ -10,7 +10,7 @@ _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
-    """Words beside a result, about the entry of the scene at a place; empty if about none alone."""
+    """Words beside a result, on the entry at `place`, which is empty for no single entry."""
 
     place: str
     grade: Grade
@@ -26,15 +26,15 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Lines of remarks about no entry alone, one for each of the words that are not empty."""
+    """Lines of remarks on no single entry, one for each of the words that are not empty."""
     return (str(Remark("", grade, one)) for one in words if one)
 
 
 def joined(notes: Iterable[str]) -> str | None:
-    """Notes as a cell of a table, each once; None without any."""
+    """Join notes to the text of one cell of a table, each once; None without notes."""
     return _SEPARATOR.join(dict.fromkeys(notes)) or None
 
 
 def parted(cells: Iterable[str | None]) -> list[str]:
-    """The notes of cells of a table, each once."""
+    """Split cells of a table, which `joined` wrote, into their notes, each once."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

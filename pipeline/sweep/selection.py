@@ -13,10 +13,10 @@ from tribo.simulation.element_size import TIGHTEST
 from tribo.simulation.parts_of_steps import ENOUGH_STEPS
 
 KEPT_FIELDS = ("heat_model",)
-"""Fields of a scene's own fidelity that it keeps: how heat acts."""
+"""Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
 
 PRESET_BOUNDS = {"draft": 0.05, "standard": 0.015, "fine": 0.005, "reference": 0.005}
-"""Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md.
+"""Relative error of the boundary velocity that each preset promises, see CHOOSING.md.
 
 Judged by `make promises`.
 """
@@ -34,11 +34,11 @@ _FINER = {
     "contact_tolerance": operator.le,
     "heat_tolerance": operator.le,
 }
-"""How a field compares with that of a coarser preset; the other fields must be equal."""
+"""Comparison by which a field is as fine as a preset's; other fields must be equal."""
 
 
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Finest preset whose promise numerical choices keep, since none is coarser; None for none."""
+    """Finest preset than which no numerical choice is coarser; None if there is none."""
     names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
 
@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _acting(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields as they act: 0 steps of a hold mean those of the ramp, an imprint of 0 no cut step."""
+    """Fields by their effect: 0 hold increments are those of the ramp, imprint 0 cuts no step."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,
@@ -75,16 +75,16 @@ class Choice:
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
     velocity_error: float  # largest at any point, without sign
-    error_at_any_load: float  # largest to expect, by the errors at the points and a margin
+    error_at_any_load: float  # largest to expect: that at the points, and a margin
     seconds: float  # processor time of the points [s]
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """The fidelity that was picked, and why; or the scene's own, and its error."""
+    """A fidelity that was picked, and why; or the scene's own, and its error."""
 
-    #: Largest relative error of the boundary velocity that was asked for; None of the scene's own.
+    #: Largest relative error of the boundary velocity that was asked for; None: the scene's own.
     accuracy: float | None
     name: str  #: Name of the fidelity, as shown to the user.
     fidelity: Fidelity  #: The numerical choices.

@@ -30,7 +30,7 @@ from tribo.types import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-MELTS = 1700.0  # K, where a carbon steel of 1 % begins to
+MELTS = 1700.0  # K, at which a steel with 1 % carbon begins to melt
 
 _SCORES = tuple(NormalDist().inv_cdf((k + 0.5) / 64) for k in range(64))
 """Equally likely normal scores, by which the critical temperature may be off."""
@@ -49,7 +49,7 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Equally likely limits of the rise [K], by the error of the critical temperature (n,).
+    """Equally likely limits of the rise [K], from the error of the critical temperature (n,).
 
     Where the critical temperature is below the bulk, its limit is negative.
     """
@@ -78,8 +78,8 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
     """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
-    Columns are those of `rises_above_colder` and ``normal_load`` (..., n_step) [N], with
-    ``quantile`` where they are not at all of `tribo.QUANTILES`; loads are (..., 1) [N].
+    `columns` are those of `rises_above_colder`, ``normal_load`` (..., n_step) [N], and
+    ``quantile`` unless the quantiles are `tribo.QUANTILES`; loads are (..., 1) [N].
     """
     rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -93,22 +93,23 @@ def verdict(
     conditions: Conditions,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, by its columns and the load that it is named after [N]."""
+    """Mild or severe wear at a point, from its columns and its load [N]."""
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
     return tribo_verdict.verdict(columns, load, conditions, coupled)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary's velocity, from that of the rise near it."""
+    """Relative error of the boundary's velocity, from the error of the rise near it."""
     return math.expm1(-math.log(rise / expected) / exponent)
 
 
 def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
+    """Rises of the contact above the colder body, divided by `Conditions.rise_factor` [K].
 
     Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
-    pin's bulk at friction 1 [K], and `columns_needed`; all come back, those of `RISES` changed.
+    pin's bulk at friction 1 [K], and `columns_needed`. The result has all of
+    them, those of `RISES` converted.
     """
     columns = corrected_columns(columns, conditions)
     if conditions.bulk_ratio:
@@ -128,7 +129,7 @@ def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Map
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
-    """Refuse unequal bulk temperatures where nothing is kept for them."""
+    """Raise an `InputError` for unequal bulk temperatures if nothing is stored for them."""
     kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
     if conditions.disk_temperature is None or kept:
         return

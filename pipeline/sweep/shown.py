@@ -14,12 +14,12 @@ import numpy as np
 Line = tuple[str, str]
 
 T = TypeVar("T")
-_WIDEST = 76  # letters of a value
-_MOST = 6  # values that are listed
+_WIDEST = 76  # letters of a value, at most
+_MOST = 6  # values that are listed, at most
 
 
 def shown(cls: type[T]) -> type[T]:
-    """Let a dataclass show a row for each of its values, or those of its ``description()``.
+    """Let a dataclass print a line for each field, or for each row of its ``description()``.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def _text(answer: Any) -> str:
 
 
 def _html(answer: Any) -> str:
-    """Table of the values; frames of them stand below it."""
+    """HTML table of the values; data frames among them follow below it."""
     title, rows = _titled_rows(answer)
     cells = "".join(
         f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows

@@ -15,7 +15,7 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Numbers of each table that are from one source, in words, and that source."""
+    """For each table and source: the numbers that were taken, in words, and the source."""
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

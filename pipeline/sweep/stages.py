@@ -18,7 +18,7 @@ class Progress:
     """Progress of a long computation: a line for the user if it has words, else its state."""
 
     words: str = ""  #: The stage that begins, or a note.
-    #: Parts that are done, and all of them; those of a sweep are its points, earlier runs included.
+    #: Number of parts done, and of all parts; of a sweep its points, earlier runs included.
     done: int = 0
     total: int = 0
     failed: int | None = None  #: Points of a sweep that have failed.
@@ -40,11 +40,11 @@ class Progress:
 
 
 Report = Callable[[Progress], None]
-"""What a long computation calls with its progress."""
+"""Function that a long computation calls with its progress."""
 
 
 def silent(progress: Progress) -> None:
-    """Show progress to nobody."""
+    """Report progress to nobody."""
 
 
 def staged(
@@ -53,7 +53,7 @@ def staged(
     name: Callable[[T], str] = str,
     weight: Callable[[T], float] = lambda item: 1.0,
 ) -> Iterator[T]:
-    """Go through items, and say before each which it is, of how many, and the time to go."""
+    """Yield items; before each, report which it is, of how many, and the time to go."""
     everything = list(items)
     weights = [weight(item) for item in everything]
     began, total = time.monotonic(), len(everything)

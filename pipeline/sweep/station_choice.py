@@ -1,4 +1,4 @@
-"""Which stations the points of a sweep have, by the word of its scene."""
+"""Stations of a sweep's points that are stored: as its scene says, or by default."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations of a sweep, or those that its store has."""
+    """Stations of the sweep's store if it has one, else those of its scene."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
@@ -18,17 +18,17 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """Default of a scene: the course, if it wears on a ramp with its own contacts."""
+    """Default of `steps`: "course" if the scene wears on a ramp, and shares no contacts."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
-    # Rows that share contacts would pay 2.9 to 4.4 times for the temperatures of each of them.
+    # Rows that share contacts would take 2.9 to 4.4 times as long for their temperatures.
     are_alone = all(name == source.variant for name, source in sweep.contact_sources.items())
     return "course" if are_ramps and wears and are_alone else "end"
 
 
 def _warms_in_hold(sweep: Sweep) -> bool:
-    """The load is held, and a body of some variant keeps heat."""
+    """True if the load is held, and a body of some variant keeps heat."""
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False

@@ -11,22 +11,22 @@ from tribo import MeasuredLoad, Scene
 from tribo.loading import Station
 
 Steps = Literal["course", "end"]
-"""Every step of a point, or those alone that can decide."""
+"""Steps that are stored: all of them ("course"), or those that can decide ("end")."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Stations of all points of a sweep, by the word of its scene."""
+    """Choice of the stations that are stored of each point of a sweep."""
 
     steps: Steps
-    # A body warms as a whole while a hold wears the contact away: the worst moment lies inside.
+    # True if a hold is judged at each step: bodies warm while wear widens the contact.
     judges_hold: bool
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the steps whose temperature is computed on the scene's own grid.
 
-        The load is reached, and the loading ends, with a temperature in any case.
+        The steps that reach the load and end the loading have a temperature in any case.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]
@@ -57,6 +57,6 @@ class Stations:
 
 
 def ramp_of(scene: Scene) -> Hashable:
-    """What the steps of a scene's points depend on."""
+    """Key that is the same for scenes with the same steps."""
     memory = scene.remembers_steps, scene.remembers_heat
     return scene.loading, scene.fidelity.increments, scene.fidelity.hold_increments, *memory

@@ -18,27 +18,27 @@ from tribo.surface import UnknownHeights
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # where heights are distributed normally
-_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height is that of rounding
-_LAY = 2.0  # correlation length along the grooves, in that across them, from which there is a lay
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
+_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height counts as rounding
+_LAY = 2.0  # correlation length along grooves over that across, from which there is a lay
 
 
 @dataclass(frozen=True, slots=True)
 class SurfaceFacts:
-    """The disk's surface, on its pixels."""
+    """Roughness parameters of the disk's surface on its pixels."""
 
     measured: bool
     ra: float  # mean distance of the heights from their mean plane [m]
-    rq: float  # root mean square of it [m]
+    rq: float  # root mean square distance [m]
     mean_height: float = 0.0  # [m]
-    rise: tuple[float, float] = (0.0, 0.0)  # the mean plane's along x and y [m]
+    rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
     radii: tuple[float, float] = (math.inf, math.inf)  # of a curvature along x and y [m]
-    lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
-    slope: float | None = None  # root mean square along x; None of one that is not made
+    lay: float | None = None  # angle of grooves to sliding [°]; None without grooves
+    slope: float | None = None  # root mean square along x; None if no heights are made
 
     @property
     def words(self) -> str:
-        """Roughness, slope, lay and level."""
+        """Roughness, slope, lay and level in words."""
         lay = "no lay" if self.lay is None else f"grooves at {self.lay:.0f}° to sliding"
         slope = "" if self.slope is None else f"rms slope {self.slope:.2g}, "
         heights = f"Ra {display(self.ra, 'µm', 3)}, Rq {display(self.rq, 'µm', 3)}, {slope}{lay}"
@@ -57,7 +57,7 @@ class SurfaceFacts:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Describe the disk's surface, not made if it has a million pixels; None if it is smooth."""
+    """Facts of the disk's surface, beyond 10⁶ pixels estimated from its Ra; None if smooth."""
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
@@ -82,7 +82,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
         return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
     is_scan = isinstance(rough, MeasuredRoughness)
     heights: Array = rough.array if is_scan else rough.heights(pixels)
-    slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none of a single row
+    slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none for a single row
     try:
         found = areal_roughness(heights, pixels.spacing)
     except InputError:  # no height differs from its plane
@@ -100,9 +100,9 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 
 
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
-    """Lubrication that a scene says; None if it gives no oil, or not enough, or no roughness.
+    """Lubrication of a scene; None if its oil or its roughness is missing or not fully known.
 
-    A surface or a pin of the user's own is not known from a store.
+    From a store, a surface or a pin of the user's own is not known.
     """
     scene, oil = sweep.scene, sweep.lubricant
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))

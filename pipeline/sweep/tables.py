@@ -12,7 +12,7 @@ _CONTENTS = {
     "disk.roughness.content": ("disk.roughness.", "window."),
     "loading.content": ("loading.file",),
 }
-"""Digests of what was read of files, and the entries that it depends on."""
+"""Entries with the digest of a file's content, and the entries on which the content depends."""
 
 
 def entry_at(tables: Any, path: str) -> Any:
@@ -24,20 +24,20 @@ def entry_at(tables: Any, path: str) -> Any:
 
 
 def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
-    """Tables with another value at a path, made where it is missing; without it if None."""
+    """Return tables with a value set at a path; None removes the path."""
     first, _, rest = path.partition(".")
     if value is None and first not in tables:
         return dict(tables)
     inner = tables.get(first)
     table = inner if isinstance(inner, dict) else {}
     other = replace_value(table, rest, value) if rest else value
-    if other is None or (value is None and not other):  # nor an empty table
+    if other is None or (value is None and not other):  # an empty table goes, too
         return {key: one for key, one in tables.items() if key != first}
     return {**tables, first: other}
 
 
 def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; a table that is empty or has a key of `ends` is one."""
+    """Paths and values of nested tables; an empty one, or one with a key of `ends`, is a value."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):
@@ -47,7 +47,7 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 
 
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Paths at which tables differ, and what stands there afterwards; None where it is left out."""
+    """Paths at which tables differ, and the value afterwards; None where it is left out."""
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
         path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}
@@ -59,7 +59,7 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
-    """Tables with other values by their paths.
+    """Return tables with values set at their paths.
 
     A coefficient of friction scales the friction by velocity and by temperature, unless these are
     given, too.

@@ -1,4 +1,4 @@
-"""Variants of a scene: a table with one row a variant, whoever filled it."""
+"""Variants of a scene: a table with one row for each variant."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pipeline.quantities import as_written
 from tribo import InputError
 
 VARIANT = "variant"
-"""Dimension of rows that are no full product; it numbers them."""
+"""Dimension that numbers the rows of a table that is no full product of its columns."""
 ROWS = {
     "realization": "seed of the random surface",
     VARIANT: "number of the row in the table of variants",
     "sample": "number of the sample of inputs",
 }
-"""Meanings of the whole numbers that tell rows apart, where no entry of the scene does."""
+"""Dimensions that number rows, without an entry of the scene, and their meanings."""
 PLACE_UNITS = {"load": "N", "velocity": "m/s"}
-"""Units of the columns that are the place at which a row alone is simulated."""
+"""Columns with a load or a velocity of each row's own, and their units."""
 Label = float | int | str
 """Value of a row in a column."""
 Variant = tuple[tuple[str, Label], ...]
@@ -32,7 +32,7 @@ SEED = "disk.roughness.seed"
 class Row(NamedTuple):
     """Labels of a row by column [SI], and the entries of the scene that it replaces by path.
 
-    A column that is called by a path, and has no such entry, gives it by the label.
+    If a column is called by a path that is not among these entries, its label is the entry.
     """
 
     labels: Mapping[str, Label]
@@ -41,23 +41,23 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What a label of the rows is: a dimension, or a value that follows from one."""
+    """A column of the table: a dimension, or values that follow from a dimension."""
 
     name: str
     unit: str | None = "1"  # None for words
-    along: str = ""  # dimension that the values follow from; empty of a dimension
-    is_drawn: bool = False  # rows that differ in it alone differ by chance, each as likely
+    along: str = ""  # dimension from which the values follow; empty for a dimension
+    is_drawn: bool = False  # rows that differ in it alone are equally likely draws
     meaning: str = ""
     entry: str = ""  # path of the entry that it gives, if not the name
 
     @property
     def key(self) -> str:
-        """Path of the entry that it gives, if it gives one."""
+        """Path of the entry that the column sets: its `entry` or, without one, its name."""
         return self.entry or self.name
 
 
 class Sampling(NamedTuple):
-    """What is asked of the rule by which rows were drawn, which the extra that draws them tells."""
+    """Properties of the rule by which rows were drawn, as the extra that draws them reports."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
     movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
@@ -79,13 +79,13 @@ class Variants:
     draw: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        _ = self.by_name  # refuses rows that are not told apart
+        _ = self.by_name  # raises for two rows with the same name
 
     def __len__(self) -> int:
         return len(self.rows)
 
     def __mul__(self, other: Variants) -> Variants:
-        """Every row of one table with every row of another, whose changes come later."""
+        """Every row of one table combined with every row of another, whose entries override."""
         pairs = itertools.product(self.rows, other.rows)
         rows = (Row({**a.labels, **b.labels}, {**a.values, **b.values}) for a, b in pairs)
         return Variants(self.columns + other.columns, tuple(rows), self.draw or other.draw)
@@ -112,7 +112,7 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """Columns that follow from a dimension, each with its values by those along that."""
+        """Columns that follow from a dimension, each with its values by labels of the dimension."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -130,12 +130,12 @@ class Variants:
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
     def base(self, name: Variant) -> Variant:
-        """Name of the scene of which a row is a sample; its own name where it is none."""
+        """Name of the scene of which a row is a sample; its own name if it is no sample."""
         return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
 
     @cached_property
     def rule(self) -> Sampling:
-        """The rule by which rows were drawn; an empty one where none is."""
+        """The rule by which rows were drawn; empty if none were drawn."""
         return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
@@ -144,7 +144,7 @@ class Variants:
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
-        """Entries that a row replaces, or that all rows do which are drawn for given labels."""
+        """Entries that a row replaces or, for labels that are not drawn, rows drawn for them."""
         if name in self.by_name:
             labels, values = self.by_name[name]
             paths = [one for one in self.columns if "." in one.key and one.key not in values]
@@ -170,14 +170,14 @@ class Variants:
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def below(self, name: Variant) -> Variants:
-        """Rows that are drawn for a combination of labels that are not; one if none is drawn."""
+        """Rows that are drawn for a combination of other labels; a single row if none are drawn."""
         columns = self._drawn
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
         return Variants(columns, tuple(rows), self.draw) if columns else Variants()
 
     def union(self, other: Variants) -> Variants:
-        """Rows of both tables, which have the same dimensions; what both have is the other's.
+        """Rows of both tables, which have the same dimensions; a row in both is that of `other`.
 
         Raises
         ------
@@ -196,21 +196,21 @@ class Variants:
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """Every combination of the values of some dimensions; one, ``()``, of no dimensions."""
+    """Every combination of the values of some dimensions; just ``()`` without dimensions."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
 
 
 def in_order(labels: Iterable[Any]) -> list[Any]:
-    """Labels, each once, numbers ascending."""
+    """Labels, each once: numbers ascending, text in the order given."""
     once = dict.fromkeys(labels)
     is_text = any(isinstance(label, str) for label in once)
     return [*once] if is_text else sorted(once)
 
 
 def surfaces(seeds: Sequence[int]) -> Variants:
-    """The scene on random surfaces, by their seeds."""
+    """Variants on random surfaces, by their seeds; a single one without seeds."""
     name = "realization"
     column = Column(name, is_drawn=True, meaning=ROWS[name], entry=SEED)
     rows = tuple(Row({name: seed}, {SEED: seed}) for seed in seeds)
@@ -220,7 +220,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Rows by their number, with columns that follow from it."""
+    """Variants by the numbers of rows, with columns that follow from the numbers."""
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
@@ -230,7 +230,7 @@ def numbered_rows(
 def labelled_rows(
     name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
 ) -> Variants:
-    """Rows by hand: by label the entries that each changes, and its load or velocity [SI]."""
+    """Variants by label: the entries that each changes, and its own load or velocity [SI]."""
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
     own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)

@@ -102,7 +102,7 @@ SCENES = {
     "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "2.5e+07 points are too many": "[sweep]\n"
     + "".join(
-        f'{name} = {{ from = "1 {unit}", to = "5000 {unit}", step = "1 {unit}" }}\n'
+        f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 5000 }}\n'
         for name, unit in (("loads", "N"), ("velocities", "m/s"))
     ),
     "realizations: 100000": "sweep.realizations = 100000",
