@@ -120,7 +120,7 @@ RECORDS = {
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS = "about", "fields"
-"""Groups beside the numbers of points: one for texts and facts of the store, one for fields."""
+"""Zarr groups: one for texts and facts of the store, one for fields at the end of points."""
 VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS

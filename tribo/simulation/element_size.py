@@ -121,7 +121,7 @@ def summit_width(scene: Scene) -> float:
 
 
 def _lowest(scene: Scene, normal_load: float) -> float:
-    """Lowest load that shares the ramp to a load [N]."""
+    """Lowest load whose ramp has the same steps as the ramp to a load [N]."""
     loading = scene.loading
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load
 

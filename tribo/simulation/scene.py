@@ -166,7 +166,7 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """True if each point of the pin wears by its own pressure on one patch."""
+        """True if each point of the pin wears by its own pressure, always facing one patch."""
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:

@@ -80,9 +80,9 @@ class Judging(ABC):
 
     @property
     def solved_friction(self) -> SolvedFriction | None:
-        """Case for which friction by temperature is solved; None without it, or with a user's rule.
+        """Friction law, bulk temperature and criterion for which friction by temperature is solved.
 
-        Bodies of unequal bulk temperatures have no friction by temperature.
+        None if friction does not depend on temperature, or the criterion is a rule of the user.
         """
         law = self.friction_law
         if not (law.by_temperature and law.coefficient):
