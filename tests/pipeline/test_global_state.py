@@ -20,7 +20,7 @@ def answers():
         overrides={
             "pin.radius": "0.0787 inch",
             "temperature.bulk": "24.98765 degC",
-            "sweep.loads": {"from": "0.1 kN", "to": "0.7 kN", "count": 4},
+            "sweep.loads": {"from": "0.1 kN", "to": "0.7 kN", "step": "0.2 kN"},
         },
     )
     point = pipeline.run_point(scene, "89.9236 lbf", "1.00001 m/s")
