@@ -13,6 +13,7 @@ import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
+from decimal import Decimal
 from types import NoneType, UnionType
 from typing import (
     Annotated,
@@ -144,27 +145,34 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities from one end to another, a step apart."""
+    """Quantities from one end to another, a step apart or in equal steps to a count of them."""
 
     holds = dict
     of: Quantity
 
     def __str__(self) -> str:
-        return f"a table with from, to and step, each {self.of}"
+        return f"a table with from, to, and step or count, each {self.of}"
 
     @exact_decimals()
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
         before, end = len(faults), Entry(self.of, is_needed=True)
-        step_apart = Entry(replace(self.of, zero=False), is_needed=True)
-        Table({"from": end, "to": end, "step": step_apart})._read(value, place, faults)
+        step_apart = Entry(replace(self.of, zero=False))
+        number = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
+        keys = {"from": end, "to": end, "step": step_apart, "count": number}
+        Table(keys)._read(value, place, faults)
         if len(faults) > before:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
-        texts = (value[key] for key in ("from", "to", "step"))
-        first, last, step = (exact_si(text, like=self.of.example) for text in texts)
+        first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
             raise UnfitError(f"{span} falls, and from is the lower end")
+        if ("step" in value) == ("count" in value):
+            raise UnfitError(f"{span} needs either step or count")
+        if count := value.get("count"):
+            parts = (Decimal(i) / (count - 1) for i in range(count))
+            return tuple(float(first + part * (last - first)) for part in parts)
+        step = exact_si(value["step"], like=self.of.example)
         steps = (last - first) / step
         if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(

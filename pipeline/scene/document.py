@@ -28,6 +28,8 @@ from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
 _KEYS = table_of(SceneFile).keys
+_REPLACED = {"count": "step", "step": "count"}
+"""Key of a range that is left out where the other one replaces it."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 
@@ -150,7 +152,8 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
     """Merge tables key by key, some levels deep; values of `upper` replace those of `lower`."""
-    merged = dict(lower)
+    replaced = {_REPLACED.get(key) for key in upper}
+    merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
         merged[key] = _merged(lower[key], value, levels - 1) if both else value

@@ -39,6 +39,8 @@ def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
 
 
 def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
+    counted = EXTENDS + '[sweep]\nvelocities = { to = "4 m/s", count = 3 }'
+    assert load_scene(write(own=counted)).plane.velocities == (1.0, 2.5, 4.0)
     fault, *_ = faults_of(write(own=EXTENDS + '[disk.roughness]\nfile = "scan.npy"'))
     assert fault.startswith("disk.roughness.ra (in ")
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')

@@ -83,6 +83,8 @@ def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     assert 0.7 in sweep.plane.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.plane.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
+    sweep = read((written, 'from = "1 m/s", to = "4 m/s", count = 3'))
+    assert sweep.plane.velocities == (1.0, 2.5, 4.0)
 
 
 def test_what_may_be_left_out_takes_its_default(read):
