@@ -15,7 +15,7 @@ from pipeline.laboratory.instruments import Raw, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
 from pipeline.paths import reason_of, require_file, user_path
-from pipeline.quantities import display, display_sides, si_of
+from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from pipeline.sweep.areal import remove_form
 from tribo import InputError
@@ -193,8 +193,7 @@ def window_heights(
     table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
 ) -> Array | None:
     """Heights of a measured surface for the scene's window; None if a fault was reported."""
-    unit = table["height_unit"] and si_of(1.0, table["height_unit"])
-    surface = oriented(read_surface(file, unit), table["transpose"], table["flip"])
+    surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
     if table["pixel_size"]:
         surface = surface.replace_pixels(table["pixel_size"])
     pixels, sides = window.get("pixels"), window.get("pixel_size")

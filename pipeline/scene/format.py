@@ -9,7 +9,6 @@ from typing import Any, get_type_hints
 
 import tribo
 from pipeline import extras
-from pipeline.quantities import DIMENSIONS
 from pipeline.scene.declare import (
     Axis,
     ByPath,
@@ -30,6 +29,7 @@ from pipeline.scene.kinds import (
     Scalar,
     Share,
     Text,
+    UnitText,
     Whole,
 )
 from pipeline.sweep.limits import MOST_SCENES
@@ -166,7 +166,7 @@ class MeasuredSurface:
         "File with the heights, x along its columns, relative to the folder of the scene: .npy, "
         "text, or the format of an instrument (extra `surfaces`).",
         Example("surface.npy")]
-    height_unit: A[str | None, OneOf(tuple(DIMENSIONS["m"].units)), Example("um"),
+    height_unit: A[float | None, UnitText("a unit of length", "um"),
         "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
         "one."] = None
     pixel_size: A[tuple[float, float] | None, List(Quantity("0.8 um"), length=2),

@@ -17,6 +17,7 @@ from pipeline.scene.units import (
     middle_of_range,
     share_of,
     si_unit,
+    to_si,
     typeset,
 )
 from tribo import InputError
@@ -216,3 +217,20 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     if low <= shown <= high:
         return ""
     return f"{shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the number and unit"
+
+
+@dataclass(frozen=True)
+class UnitText(Kind):
+    """A unit alone, read as its value in SI."""
+
+    name: str
+    example: str
+
+    def __str__(self) -> str:
+        return f"{self.name}, such as {quoted(self.example)}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
+        try:
+            return to_si(f"1 {value}", like=f"1 {self.example}")
+        except UnitError as error:
+            raise UnfitError(f"{quoted(value)} is not {self.name}") from error

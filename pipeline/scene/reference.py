@@ -17,7 +17,7 @@ from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Ta
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, Whole
+from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.sweep.tables import entry_at
 from tribo import InputError
@@ -243,7 +243,7 @@ def example(entry: Entry, default: Any = None) -> Any:
 
 def _allowed(kind: Kind, default: Any) -> Any:
     match kind:
-        case Quantity():
+        case Quantity() | UnitText():
             return kind.example
         case List():
             return [_allowed(kind.of, None)] * (kind.length or 1)

@@ -73,7 +73,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
     """The sweep with samples for each variant; unchanged if the scene has none, or faulty ones."""
-    count, unknown = sweep.plane.samples, sweep.declared.unknown or {}
+    scene = sweep.declared
+    count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
         raise InputError(
             f"sweep.samples: {count} needs unknown inputs, and the scene has none; give [unknown], "
@@ -88,7 +89,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
             "probabilities scale the whole rise by friction: give one, or leave out [unknown] "
             "and use irg vary"
         )
-    inputs, known = _inputs(sweep.declared, fixed, faults)
+    inputs, known = _inputs(scene, fixed, faults)
     for one in known:
         faults.note("unknown", f"{one}, because the scene also gives a value")
     if len(inputs) > MOST_INPUTS:
@@ -104,7 +105,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
             "temperature.critical_sd: sweep.samples do not count it; leave it out, and give "
             '"temperature.critical" with mean and sd in [unknown]'
         )
-    design = _design(inputs, layers, sweep.plane.sample_seed or 0, sweep)
+    design = _design(inputs, layers, scene.sweep.sample_seed or 0, sweep)
     if any(column.is_drawn for column in sweep.variants.columns):
         raise InputError(
             "sweep.realizations: sweep.samples excludes them; make the surface an unknown input: "
