@@ -140,6 +140,8 @@ def quoted(value: object) -> str:
         text = json.dumps(value, ensure_ascii=not value.isprintable())
     elif isinstance(value, bool):
         text = str(value).lower()
+    elif isinstance(value, int) and abs(value) > 10**30:  # Python writes 4300 digits at most
+        text = "a number above 10^30"
     else:
         text = str(value)
     return text if len(text) <= 100 else f"{text[:96]} ..."

@@ -10,9 +10,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.format import Oil
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Parts, Sweep
@@ -21,8 +23,10 @@ from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
 from tribo import InputError
 
-_FIXED = ("sweep", "unknown")
-"""Tables whose entries cannot take several values."""
+_LIKE = {"oil": "oil.like"}
+"""Entry of a table that may be given by a name of the library."""
+_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested", "unknown")
+"""Entries and tables that cannot take several values."""
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
@@ -55,9 +59,16 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
         pairs.sort(key=lambda pair: pair[0])
-    column = Column(path, unit, meaning=f"{path} of the scene")
-    rows = (Row({path: label}, {path: text}) for label, text in pairs)
+    column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
+    rows = (Row({path: label}, dict(_entries(path, text))) for label, text in pairs)
     return Variants((column,), tuple(rows))
+
+
+def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Entries that a value replaces, and their values: the name of an oil replaces its table."""
+    if path in _LIKE:
+        yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
+    yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
@@ -86,7 +97,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
     Each row is completed with values of the library and the digests of its files.
     """
     for path in table.rows[0].values:
-        if "." not in path or path.partition(".")[0] in _FIXED:
+        if path.partition(".")[0] in _FIXED:
             raise InputError(
                 f"{key}.{quoted(path)}: this cannot take several values; give an entry of the "
                 'scene, such as "pin.radius"'
