@@ -87,14 +87,14 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, facts),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *[("sources", "library values and their sources: give -o TABLE.md")] * bool(sweep.sources),
         *on_unknown,
         *((one.grade, one.text) for one in said),
         ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
     ]
     meaning = frame_of(_HEADS, rows)
     if not options.json:
-        output.show_text([sweep.title, "", meaning[meaning["subject"] != "library"]])
+        on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
+        output.show_text([sweep.title, "", meaning[meaning["subject"] != "library"], *on_sources])
     if memory > machine:
         raise InputError(
             f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "

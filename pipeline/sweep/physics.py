@@ -51,4 +51,4 @@ def note_on_ends(sweep: Sweep) -> str | None:
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None
-    return "sharp pin ends, not computed, scuff at 9–23 % lower velocity (irg help physics)"
+    return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"

@@ -51,7 +51,7 @@ USUAL = [
 
 def test_the_ends_of_a_cylinder_are_told_with_a_size():
     worn = changed(SMOOTH, wear=tribo.Wear(1.2e-15))
-    size = "9–23 % lower"
+    size = "9–23 % less"
     for cylinder in (worn, changed(worn, wear=None)):
         assert sum(size in doubt for doubt in said_of(cylinder)) == 1
     rolling = changed(worn, motion=tribo.Motion(slide_roll_ratio=1.0))
@@ -136,7 +136,7 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
 
 
 def test_sharp_ends_turn_severe_at_lower_velocities():
-    ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % lower", note_on_ends(SMOOTH))
+    ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % less", note_on_ends(SMOOTH))
     # Rises 4 to 11 % higher, each about a square root of the velocity (PHYSICS.md).
     falls = [100 * (1 - (1 + rise) ** -2.0) for rise in (0.04, 0.11)]
     assert falls == pytest.approx([int(nearest), int(farthest)], rel=0.25)

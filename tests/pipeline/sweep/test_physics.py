@@ -42,7 +42,7 @@ def test_earlier_turns_that_are_not_counted_are_said(scene):
 def test_sharp_ends_are_said_of_a_cylinder_at_rest(scene, entries, is_said):
     note = note_on_ends(scene(entries))
     assert (note is not None) == is_said
-    assert note is None or note.startswith("sharp pin ends, not computed, scuff")
+    assert note is None or note.startswith("sharp pin ends, not computed: severe")
 
 
 def test_a_boundary_says_where_wear_turns_severe_on_tracks_that_earlier_turns_warm(tmp_path, irg):
