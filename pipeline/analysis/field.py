@@ -248,8 +248,8 @@ class PointField:
         ends = (self._curves.end(end) for end in (0, -1))
         (low, first), (high, last) = ((x[..., None], y[..., None]) for x, y in ends)
         beyond = self._curves(velocities, continued=True)
-        is_mild = (velocities < low) & Criterion.is_mild(first, self.limit / factor)
-        is_severe = (velocities > high) & Criterion.is_severe(last, self.limit / factor)
+        is_mild = (velocities < low) & Criterion.is_mild(first * factor, self.limit)
+        is_severe = (velocities > high) & Criterion.is_severe(last * factor, self.limit)
         found = np.where(is_mild, np.minimum(beyond, first), self._curves(velocities))
         return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
 

@@ -194,7 +194,8 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
 def compared(data: Results) -> pd.DataFrame | None:
     """Frame of tests compared with the model at their own conditions; None without tests.
 
-    If the sweep is judged at several values of a condition, the first one is used.
+    If the sweep is judged at several critical temperatures or shares, the first counts. Friction
+    and bulk temperature are those of the test, or of the scene as stored.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:

@@ -254,9 +254,9 @@ def verdict_plane(
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
     """Velocities [m/s] below which wear is mild, and above which it is severe, by load (k, 2).
 
-    `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities the ends
-    are infinite; if severe at all, the upper end is 0. Wear is taken as severe up to velocities
-    where the numerical error is unknown.
+    `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities, the
+    first end is infinite and the second NaN; if severe at all, the first is NaN and the second 0.
+    Wear is taken as severe up to velocities where the numerical error is unknown.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):

@@ -15,7 +15,7 @@ class HandOut:
     """Waiting tasks, ramp by ramp, and the ramps that each worker has.
 
     A worker with a free place gets the next load of a ramp that it has; else the lowest load of a
-    ramp that nobody has begun; else the next load of the ramp with most tasks left.
+    ramp that nobody has begun; else the next load of the ramp with most points left.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:

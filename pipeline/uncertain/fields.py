@@ -324,9 +324,9 @@ def _describe_left_out(ensemble: Ensemble) -> str:
         "their 90 % bands"
     )
     if not left_out.is_known:
-        contacts = counted(left_out.contacts, "contact", "contacts")
-        return f"{count} samples may not suffice: {held}; {contacts} of {JUDGED} needed to tell"
+        takes = f"to tell takes {JUDGED} contacts, not {left_out.contacts}"
+        return f"{count} samples may not suffice: {held}; {takes}"
     if not left_out.is_right:
-        return f"{count} samples may not suffice: {held}; 85 to 95 % are right"
+        return f"{count} samples may not suffice: {held}; it should be 85 to 95 %"
     suffice = " suffice" if count == ensemble.design.sufficient else ""
     return f"{count} samples{suffice}: {held}"

@@ -25,7 +25,7 @@ from tribo.contact.simplex import scaled_to_load
 from tribo.numerics import largest
 from tribo.types import Array
 
-_SETTLED = 0.3  # active-set steps start once this share of the contact's nodes is at a wrong bound
+_SETTLED = 0.3  # active-set steps start once at most this share of the nodes is at a wrong bound
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 _FIRST_GRADIENT_STEPS = 8  # at the first such change; twice as many at each further one
 _GOAL = 0.5  # share of the tolerance that active-set steps aim at

@@ -132,7 +132,8 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
     """Shifts of the disk, beside its own position, over which a temperature is averaged.
 
-    In elements, but multiples of pixels, so that all fidelities average over the same positions.
+    Counted in elements, and multiples of `_SHIFT` pixels where the window allows it, so that all
+    fidelities average over the same positions.
     """
     if not scene.sweeps_over:
         return []

@@ -1,7 +1,7 @@
 """Shapes of the pin: a cylinder, a ball, or a body of two radii.
 
-To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. Nothing else asks
-for the shape.
+To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. A scene file gives
+a new size by an entry of its own (`pipeline.scene.format`).
 """
 
 from __future__ import annotations
