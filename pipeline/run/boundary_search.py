@@ -35,7 +35,7 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Turn(NamedTuple):
-    """An expected crossing of the limit; places are logarithms of velocities."""
+    """An expected crossing of the limit by the rise; places are logarithms of velocities."""
 
     place: float
     low: float = -math.inf  # velocities beside it whose rise is known; infinite without one
@@ -90,7 +90,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """Logarithms of velocity and of rise over friction at known points of a load; or None."""
+        """Logarithms of velocity and of rise over `factor` at a load's known points; or None."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
@@ -102,7 +102,7 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _turns(self, x: Array, y: Array) -> list[_Turn]:
-        """Crossings that are expected on the straight lines through known points."""
+        """Crossings of the limit expected on straight lines through known points, by `_row`."""
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
         excess = _line(x, y, _EXPONENT, fine) + np.log(self.factor(np.exp(fine)) / self.limit)
@@ -136,7 +136,7 @@ class BoundarySearch:
         return first
 
     def _next(self, turn: _Turn, curvature: float) -> set[float]:
-        """Velocities to compute next around a crossing, on the coarsest axis with new ones."""
+        """Velocities to compute next beside a crossing, of the coarsest grid that has new ones."""
         if curvature * (turn.high - turn.low) ** 2 / 8 <= self.tolerance:
             return set()
         for level in range(_FINEST):
@@ -160,7 +160,7 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals
 
     def _node(self, number: int, level: int) -> float:
-        """Velocity of this number on an axis: a round figure over `scale`, within the ends."""
+        """Velocity `number` of the grid of a level: a round figure over `scale`, kept in range."""
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
@@ -180,7 +180,7 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
-    """κ from each three neighbouring points around a crossing, which lies before point `number`."""
+    """Curvature over slope, κ, of each three points around a crossing before point `number`."""
     for k in (number - 2, number - 1) if 0 < number < len(x) else ():
         if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
             slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])

@@ -117,7 +117,7 @@ def compute_points(name: str, points: Sequence[Point]) -> bytes:
 
 
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
-    """Records of points of one contact."""
+    """Simulate points that share one contact, and return their records."""
     try:
         results = run_points(run.sweep, points, _trunks)
         return [packed(result.record(run.with_fields), run.sweep) for result in results]

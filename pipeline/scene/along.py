@@ -157,7 +157,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Add the first row and all places as lowest layer; return also the function that adds rows."""
+    """Add first row, loads and velocities as defaults; return also the function that adds rows."""
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()
     for number, row in enumerate(rows):

@@ -25,7 +25,7 @@ _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[[Any], Misfits]]] 
 
 
 def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], Misfits]]:
-    """Register a function as check of the entries at some paths; it runs if all are sound."""
+    """Register a function that checks the entries at some paths; it runs if all have no fault."""
 
     def add(find: Callable[[Any], Misfits]) -> Callable[[Any], Misfits]:
         _CHECKS.append((paths, frozenset(path.partition(".")[0] for path in paths), find))

@@ -118,7 +118,7 @@ def kind_of(hint: Any) -> Kind:
 
 @dataclass(frozen=True)
 class List(Kind):
-    """Values of one kind, at least one of them, read as a tuple."""
+    """Kind of an entry: a list of one or more values of one kind, read as a tuple."""
 
     holds = list
     of: Kind
@@ -145,7 +145,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Quantities from one end to another, a step apart or in equal steps to a count of them."""
+    """Kind of an entry: a range of quantities, by its ends and either a step or a count."""
 
     holds = dict
     of: Quantity
@@ -183,7 +183,7 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """One of several kinds: the first, or another one whose form fits the value.
+    """Kind of an entry: one of several kinds; the first one, unless another fits the value.
 
     A table is read as the form that has most of its keys, not counting keys of the first form.
     """
@@ -195,7 +195,7 @@ class Either(Kind):
         return "; or ".join(map(str, self.kinds))
 
     def kind_for(self, value: Any) -> Kind:
-        """The kind as which a value is read."""
+        """Which of the kinds a value is read as."""
         usual, *others = self.kinds
         if not isinstance(usual, Table):
             fits = (isinstance(value, other.holds) for other in others)
@@ -227,7 +227,7 @@ class Axis(Either):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A table of fixed keys, read into `make`, with None for a faulty entry; `form` names it."""
+    """Kind of an entry: a table of fixed keys, passed to `make`, with None for a faulty entry."""
 
     holds = dict
     keys: Mapping[str, Entry]
@@ -267,7 +267,7 @@ class Table(Kind):
 
 @dataclass(frozen=True)
 class Tables(Kind):
-    """Tables of one kind, at least one, under names of the user's choice."""
+    """Kind of an entry: one or more tables of one kind, under names of the user's choice."""
 
     holds = dict
     of: Kind
@@ -283,7 +283,7 @@ class Tables(Kind):
 
 @dataclass(frozen=True)
 class ByPath(Kind):
-    """Values of one kind by the paths of entries, in quotes or as tables in tables."""
+    """Kind of an entry: values of one kind by the paths of entries, quoted or as nested tables."""
 
     holds = dict
     of: Kind

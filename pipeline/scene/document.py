@@ -56,7 +56,7 @@ class Document(NamedTuple):
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def above(self, entries: Mapping[str, Any]) -> Document:
-        """The document with further entries, by path, as its lowest layer."""
+        """The document with further entries, by path, as its lowest layer: its defaults."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
@@ -137,7 +137,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
-    """The document without the entries at the paths that ``without`` of a file has."""
+    """The document without the entries whose paths a file lists under ``without``."""
     wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):

@@ -65,7 +65,7 @@ class Kind(ABC):
 
 
 class Text(Kind):
-    """Text that is not empty."""
+    """Kind of an entry: text that is not empty."""
 
     words = "text in quotes"
 
@@ -79,7 +79,7 @@ class Text(Kind):
 
 
 class Flag(Kind):
-    """True or false."""
+    """Kind of an entry: true or false."""
 
     words = "true or false"
 
@@ -90,7 +90,7 @@ class Flag(Kind):
 
 @dataclass(frozen=True)
 class OneOf(Kind):
-    """One of a few words."""
+    """Kind of an entry: one of a few words."""
 
     options: tuple[str, ...]
 
@@ -107,7 +107,7 @@ class OneOf(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """A number without a unit."""
+    """Kind of an entry: a number without a unit."""
 
     words = "a number without a unit"
     holds = (int, float)
@@ -140,7 +140,7 @@ class Number(Kind):
 
 @dataclass(frozen=True)
 class Share(Number):
-    """A share of a whole, as a number or in percent."""
+    """Kind of an entry: a share of a whole, as a number or in percent."""
 
     words = 'a share such as 0.1 or "10%"'
 
@@ -152,7 +152,7 @@ class Share(Number):
 
 @dataclass(frozen=True)
 class Whole(Number):
-    """A whole number."""
+    """Kind of an entry: a whole number."""
 
     words = "a whole number"
 
@@ -221,7 +221,7 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
 
 @dataclass(frozen=True)
 class UnitText(Kind):
-    """A unit alone, read as its value in SI."""
+    """Kind of an entry: a unit alone, read as its value in SI."""
 
     name: str
     example: str

@@ -59,7 +59,7 @@ def _filled(
 ) -> Any:
     """Add to a table the entries that it lacks, from a material or an oil of the library.
 
-    The table names that one as ``like``; without it, an incomplete table takes the one with its
+    The table names that entry as ``like``; without it, an incomplete table takes the entry of its
     own name.
     """
     known = library()[kind]

@@ -70,7 +70,7 @@ class Names:
     units: Mapping[str, str | None]
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """Rank of a heading as the name of a quantity; 0 if it does not name it."""
+        """How surely a heading names a quantity, as a rank; 0 if it does not name the quantity."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:

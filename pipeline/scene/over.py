@@ -30,7 +30,7 @@ _FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested"
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """Add the first values as lowest layer; return also the function that adds the variants."""
+    """Add each entry's first value as default; return also the function that adds the variants."""
     over = entry_at(document.entries(), "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
     return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
@@ -54,7 +54,7 @@ def _extend(sweep: Sweep) -> Sweep:
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """Variants of one entry, by its values in SI in rising order, or as words."""
+    """Variants of one entry: its values in SI in rising order, or as text in the order given."""
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:

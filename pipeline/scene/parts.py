@@ -151,7 +151,7 @@ def _pair(value: Any) -> tuple[float, float]:
 def corrections_of(
     scene: Any, pin: tribo.Pin, disk: tribo.Material, motion: tribo.Motion | None
 ) -> tribo.Corrections | None:
-    """Physics beside the two half-spaces of a scene without faults; None if there is none."""
+    """The `tribo.Corrections` of a scene without faults; None if it has none."""
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
         f"by_{name}": tuple(

@@ -98,7 +98,7 @@ def find_entry(path: str) -> Entry | None:
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
-    """Kind of the number or quantity that a value is, or that its parts are."""
+    """The kind of number or quantity as which a value, or each part of it, is read; or None."""
     match kind:
         case Quantity() | Number():
             return kind
@@ -121,7 +121,7 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that no earlier list of tables has, and the header of that list."""
+    """Keys of a section that no earlier list of tables has, and the header of one with others."""
     keys = section.keys()
     if "." in section.path or not section.is_list:
         return keys, ""

@@ -133,7 +133,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides by the paths of entries; one of the fidelity may be given by its key alone."""
+    """Overrides by the paths of entries; an entry of the fidelity may be given by its key alone."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

@@ -330,7 +330,7 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """A number as it is, which is in SI; text with a unit of the dimension of `like`, in SI."""
+    """Return a number, which is in SI, unchanged; convert text with a unit that fits `like`."""
     if not isinstance(value, str):
         return float(value)
     try:

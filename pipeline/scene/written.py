@@ -22,7 +22,7 @@ _FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Entries that a kind reads as this value, defaults included; None if there is no value."""
+    """Convert a value back to entries that its kind would read; None if there is no value."""
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Complete entries, each in the words in which it was written, if it was."""
+    """Complete entries; those that the user wrote keep the words in which they were written."""
     match tables, written:
         case dict(), dict():
             full = {key: completed(value, written.get(key)) for key, value in tables.items()}
@@ -83,7 +83,7 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
 
 
 def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
-    """Paths of entries with another meaning in another sweep, and both values in words."""
+    """Paths of entries that differ in meaning between two sweeps, and both values in words."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
     plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts)) for sweep in sweeps]
@@ -127,7 +127,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """The kind, of several, as which a value was read."""
+    """Which of several kinds a value was read as."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):

@@ -38,7 +38,7 @@ _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and lab
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's codec of this name, which unpacks no more than the size of a chunk of its array.
+    """Zarr's Zstd codec, but it unpacks no more than the size of a chunk of its array.
 
     Some kilobytes can unpack to gigabytes, and one flipped bit can state any size.
     """
@@ -57,7 +57,7 @@ class _BoundedZstd(ZstdCodec):
 def array_documents(
     wanted: Mapping[str, Variable], sizes: Mapping[str, int], block: Mapping[str, int]
 ) -> dict[str, Document]:
-    """Metadata of arrays by name, from the sizes along dimensions and the points in a chunk."""
+    """Zarr metadata of arrays by name, from the dimensions' sizes and the points in a chunk."""
     memory: dict[str, Any] = {}
     group = zarr.open_group(MemoryStore(memory), mode="w")
     for name, variable in wanted.items():
@@ -94,7 +94,7 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 
 
 class Encoder:
-    """Encoder of array parts as chunks; a part is a name, an index of whole chunks, values."""
+    """Encodes parts of arrays as chunks; a part is (array name, index of whole chunks, values)."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._memory: dict[str, Any] = {}

@@ -101,7 +101,7 @@ def _write_root(place: StorePlace, root: Root) -> None:
 
 
 def _found(place: StorePlace, key: str) -> Document:
-    """Document of a store; empty if it is missing or damaged."""
+    """Read a JSON document of a store; empty if it is missing or damaged."""
     with suppress(ValueError):
         return dict(json.loads(place.read(key) or b"{}"))
     return {}

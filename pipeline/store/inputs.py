@@ -15,14 +15,14 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable for arrays of these sizes, by its name; its attributes list the arrays."""
+    """The variable that holds a scene's input arrays, by its name; `sizes` are by digest."""
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"
     return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Arrays by their digests, from the values and attributes of the variable."""
+    """Split the values of that variable into input arrays by digest, as its attributes say."""
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
     return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

@@ -55,7 +55,7 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
 def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
     """Axes of a store: those that it had before, and what a sweep adds, ascending.
 
-    `kept` is the sweep of the store with the rows of both, and `wanted` are its variables.
+    `kept` is the sweep of the store after the run (rows of both), and `wanted` are its variables.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
@@ -80,7 +80,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Values along the dimensions of a sweep's rows, ascending, and of columns along these."""
+    """Values of the dimensions of a sweep's rows, ascending, and of columns that follow these."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {
@@ -89,7 +89,7 @@ def row_axes(sweep: Sweep) -> Axes:
 
 
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Values along the dimensions within a point; steps have room for more."""
+    """Values of the dimensions within a point, such as step, x and y; steps may have spare room."""
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
@@ -130,9 +130,9 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Time, load and distance at each step, and ids of scenes; NaN before a point's first step.
+    """Time, load and distance at each step, NaN before a point's first; and the scene ids of rows.
 
-    `ids` are those of the rows of the sweep.
+    `ids` are the scene ids of the sweep's rows, in the order of the rows.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))
@@ -162,12 +162,12 @@ def made_coordinates(
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Numbers and slices of the chunks, of these sizes, that contain a point of `mask`."""
+    """Yield numbers and slices of each chunk, of these sizes, that has a point of `mask`."""
     for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
         if mask[block := slices_of(numbers, sizes)].any():
             yield numbers, block
 
 
 def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
-    """Slices of a chunk of these sizes by its numbers."""
+    """Slices of the chunk with these numbers along the dimensions; chunks have these sizes."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))

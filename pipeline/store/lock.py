@@ -105,6 +105,6 @@ def holder_of(place: StorePlace) -> str | None:
 
 
 def _named(descriptor: int) -> tuple[str, str | None]:
-    """Process that is named in the file of a lock, and its host."""
+    """Process named in a lock file, and the host on which it runs."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

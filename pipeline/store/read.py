@@ -164,12 +164,12 @@ class _Masked(BackendArray):
 
 
 def _spread(values: Any, rows: Indices | None) -> Any:
-    """Values of points in the plane, 0 where there is no point."""
+    """Spread values of points over the plane of loads and velocities; 0 where there is no point."""
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
 def _taken(values: Any, key: tuple[Any, ...]) -> Any:
-    """Values at an orthogonal index."""
+    """Select values by an orthogonal index, which has one independent index for each dimension."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 

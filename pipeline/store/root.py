@@ -59,7 +59,7 @@ _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
 
 @dataclass(frozen=True, kw_only=True)
 class Root:
-    """Facts of a store, from which the metadata of its arrays follow."""
+    """What the root document of a store says; the metadata of all arrays follow from it."""
 
     sweep: Sweep
     axes: Axes
@@ -80,7 +80,7 @@ class Root:
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
-        """Metadata of arrays, by name."""
+        """Zarr metadata of the arrays, by name."""
         sizes = {name: len(values) for name, values in self.axes.items()}
         sizes[DIM] = sum(self._inputs.values())
         return array_documents(self.variables, sizes, self.block)
@@ -108,7 +108,7 @@ class Root:
 
     @property
     def others(self) -> dict[str, Document]:
-        """Metadata that were read, by path: those of the store, and of what users have added."""
+        """Zarr metadata that were read, by path: the store's own, and what users have added."""
         return dict(self.found[_CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
@@ -137,13 +137,13 @@ def _group(attributes: Document) -> Document:
 
 
 def with_others(found: Any, new: Document) -> Document:
-    """The new document, with attributes that others have added to the one that was found."""
+    """The new document, plus the attributes that users have added to the document `found`."""
     others = found.get("attributes") if isinstance(found, dict) else None
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
 def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
-    """Hash of the facts in a root, without texts for people and what users have added."""
+    """Hash of a root's facts, leaving out texts for people and what users have added."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], attributes["sweep"], attributes[SCENE_ID], numbers
@@ -151,9 +151,9 @@ def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read a root; raise a `StoreError` if it is missing, lost, damaged or of another version.
+    """Read a root; raise a `StoreError` if it is missing, damaged or of another version.
 
-    A root is not made again: the message says what to do.
+    A root that was lost is not written anew; the message says what to do.
     """
     if root := find_root(place):
         return root

@@ -177,7 +177,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Part for the encoder: a variable, a chunk, its values with new ones at some points."""
+        """Part for the encoder: a variable's values in a chunk, with new ones at some points."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():

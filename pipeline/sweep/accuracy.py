@@ -45,5 +45,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, or the finest whose promise its fidelity keeps."""
+    """Preset of a sweep, or the finest preset than which its fidelity is nowhere coarser."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

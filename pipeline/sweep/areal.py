@@ -102,7 +102,7 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Heights above the form of the first `count` terms, and the factors of these terms."""
+        """Heights above a form fitted with the first `count` terms, and the fitted factors."""
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

@@ -10,7 +10,7 @@ from pipeline.sweep.shown import Line
 
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
-    """Subjects and words on when wear is severe; entries in `drawn` are "of each sample"."""
+    """Subjects and words on when wear is severe; entries in `drawn` read "of each sample"."""
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
@@ -39,7 +39,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Words on when wear is severe; entries in `drawn` are "of each sample"."""
+    """Words on when wear is severe; entries in `drawn` read "of each sample"."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"

@@ -37,7 +37,7 @@ def contact_sources(
     places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, ContactSource]:
-    """For each variant the first one with its contacts; `places` are own velocities, or None."""
+    """Map each variant to the first with equal contacts; `places` are own velocities, or None."""
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
     sources = {}
     for (name, scene), place in zip(scenes, places, strict=True):
@@ -62,9 +62,9 @@ def contact_sources(
 def contact_sources_of_samples(
     samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
 ) -> Mapping[Variant, ContactSource]:
-    """For each sample the first one with its contact, which `size` samples share.
+    """Map each sample to the first one with the same contact, which `size` samples share.
 
-    `samples` has names, names of the scenes for which they are drawn, and rows. No sample is read.
+    `samples` has (name, name of its scene in `scenes`, row). The samples' entries are not read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}

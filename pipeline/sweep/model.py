@@ -37,7 +37,7 @@ class Point(NamedTuple):
 
 
 def named(variant: Variant) -> list[str]:
-    """Words for each value of a variant."""
+    """Words for each value in the name of a variant, such as "surface 3"."""
     return [
         f"{'surface' if name == 'realization' else name} "
         + (f"{value:g}" if isinstance(value, float) else f"{value}")

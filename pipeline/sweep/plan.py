@@ -70,7 +70,7 @@ class PointResult:
 
     @property
     def fields(self) -> dict[str, Array]:
-        """Pressure [Pa], rise at friction 1 [K] and wear depth [m] at the end, shape (nx, ny).
+        """Pressure [Pa], rise per unit friction [K] and wear depth [m] at the end, shape (nx, ny).
 
         With unequal bulk temperatures the response to their difference, too; means over elements.
         """
@@ -142,7 +142,7 @@ def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
 
 
 class Task(NamedTuple):
-    """Points that share a contact, and the ramp that it branches off."""
+    """Points that share a contact, and the loading ramp that this contact branches off."""
 
     points: tuple[Point, ...]
     ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
@@ -234,7 +234,7 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """A contact with its temperature in a scene, at a velocity [m/s] with its wear number."""
+    """State of a contact at a velocity [m/s] of the same wear number, with its temperature."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)
@@ -242,7 +242,7 @@ def _heated(scene: Scene, velocity: float, contact: State) -> State:
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values of a state at an increment of a ramp, on its coarse grid."""
+    """Values to record of a contact at an increment of a ramp, on the ramp's coarse grid."""
     try:
         return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it

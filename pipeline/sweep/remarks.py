@@ -10,7 +10,7 @@ _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
-    """Words beside a result, on the entry at `place`, which is empty for no single entry."""
+    """A remark beside a result, about the entry at path `place`; empty if about no single entry."""
 
     place: str
     grade: Grade
@@ -26,7 +26,7 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Lines of remarks on no single entry, one for each of the words that are not empty."""
+    """Lines of remarks that are about no single entry, one for each text that is not empty."""
     return (str(Remark("", grade, one)) for one in words if one)
 
 

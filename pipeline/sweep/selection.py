@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _acting(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields by their effect: 0 hold increments are those of the ramp, imprint 0 cuts no step."""
+    """Fields by effect: 0 hold increments count as the ramp's number, imprint 0 as no parts."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,

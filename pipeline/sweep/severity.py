@@ -43,13 +43,13 @@ MOLTEN = (
 
 
 def rise_limit(conditions: Conditions) -> float:
-    """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
+    """Decisive rise per unit friction above which wear is severe [K]; infinite without friction."""
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Equally likely limits of the rise [K], from the error of the critical temperature (n,).
+    """Equally likely limits of the rise [K], shape (n,), by errors of the critical temperature.
 
     Where the critical temperature is below the bulk, its limit is negative.
     """
@@ -69,14 +69,14 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
 
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
-    """Rise that decides at one moment of a simulation [K]."""
+    """Temperature rise that decides on severe wear, at one moment of a simulation [K]."""
     moment = moment_of(scene, state, conditions.corrections)
     rises = rises_above_colder(moment, replace(conditions, corrections=None))
     return float(conditions.decisive.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
-    """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
+    """Temperature rise that decides on severe wear at points, at their worst moments [K], or NaN.
 
     `columns` are those of `rises_above_colder`, ``normal_load`` (..., n_step) [N], and
     ``quantile`` unless the quantiles are `tribo.QUANTILES`; loads are (..., 1) [N].

@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations of the sweep's store if it has one, else those of its scene."""
+    """Stations (moments of the loading) to store: as in the sweep's store, else by its scene."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
@@ -18,7 +18,7 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """Default of `steps`: "course" if the scene wears on a ramp, and shares no contacts."""
+    """Default of `steps`: all ("course") if the scene wears on a ramp, and shares no contacts."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)

@@ -16,7 +16,7 @@ Steps = Literal["course", "end"]
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Choice of the stations that are stored of each point of a sweep."""
+    """Choice of the stations (moments of the loading) that are stored of each point."""
 
     steps: Steps
     # True if a hold is judged at each step: bodies warm while wear widens the contact.
@@ -57,6 +57,6 @@ class Stations:
 
 
 def ramp_of(scene: Scene) -> Hashable:
-    """Key that is the same for scenes with the same steps."""
+    """Key that is the same for scenes whose loadings have the same steps."""
     memory = scene.remembers_steps, scene.remembers_heat
     return scene.loading, scene.fidelity.increments, scene.fidelity.hold_increments, *memory

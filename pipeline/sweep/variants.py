@@ -32,7 +32,7 @@ SEED = "disk.roughness.seed"
 class Row(NamedTuple):
     """Labels of a row by column [SI], and the entries of the scene that it replaces by path.
 
-    If a column is called by a path that is not among these entries, its label is the entry.
+    If a column is called by a path that is not among these entries, its label is the entry's value.
     """
 
     labels: Mapping[str, Label]
@@ -57,7 +57,7 @@ class Column:
 
 
 class Sampling(NamedTuple):
-    """Properties of the rule by which rows were drawn, as the extra that draws them reports."""
+    """Properties of the rule by which rows were drawn, as the add-on that draws them reports."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
     movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
@@ -68,9 +68,9 @@ class Sampling(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """A table of the variants of a scene: a product of the labels of dimensions.
+    """A table of the variants of a scene: every combination of the labels of its dimensions.
 
-    Rows with a velocity or a load are simulated there alone; others share the plane.
+    Rows with a velocity or a load are simulated there alone, others at every load and velocity.
     """
 
     columns: tuple[Column, ...] = ()
@@ -121,12 +121,12 @@ class Variants:
 
     @property
     def chosen(self) -> tuple[Column, ...]:
-        """Dimensions that are not drawn."""
+        """Dimensions whose values are no random draws."""
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
     def given(self) -> tuple[Variant, ...]:
-        """Combinations of the labels that are not drawn."""
+        """Every combination of labels along the dimensions that are no random draws."""
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
     def base(self, name: Variant) -> Variant:
@@ -144,7 +144,7 @@ class Variants:
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
-        """Entries that a row replaces or, for labels that are not drawn, rows drawn for them."""
+        """Entries that a row replaces; for a name without its draws, those that are not drawn."""
         if name in self.by_name:
             labels, values = self.by_name[name]
             paths = [one for one in self.columns if "." in one.key and one.key not in values]
@@ -159,18 +159,18 @@ class Variants:
 
     @property
     def _drawn(self) -> tuple[Column, ...]:
-        """Columns that are drawn, or follow from one."""
+        """Columns whose values are random draws, or follow from a column of draws."""
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
     def written(self, name: Variant) -> dict[str, Any]:
-        """Values of a row along its dimensions, as the scene writes them."""
+        """Values of a row along its dimensions, in the words of a scene file."""
         values = self.values(name) if name else {}
         keys = {one.name: one.key for one in self.columns}
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def below(self, name: Variant) -> Variants:
-        """Rows that are drawn for a combination of other labels; a single row if none are drawn."""
+        """Rows drawn for one combination of the other labels; a single row if none are drawn."""
         columns = self._drawn
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)

@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """Logarithm of the ratio of curvatures at this ln(b/a), less that of the ratio given."""
+        """Logarithm of the ratio of curvatures at this ln(b/a), less that of the radii given."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)
@@ -179,7 +179,7 @@ def hertz_contact(
     length: float | None = None,
     crown_radius: float | None = None,
 ) -> HertzContact:
-    """Hertzian contact of a ball; given `length`, of a cylinder, given `crown_radius`, of a crown.
+    """Hertzian contact of a ball, of a cylinder with `length`, or of a pin with `crown_radius`.
 
     Examples
     --------

@@ -19,7 +19,7 @@ _RAYS = 200  # rays in the integral over an ellipse, and nodes on each ray
 
 
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:
-    """Surface rise under a constant flux on the whole surface since time 0 [K].
+    """Rise of the surface temperature under a constant flux on the whole surface since time 0 [K].
 
     θ = 2q√t/(√π e), e = √(Kρc) (Carslaw & Jaeger, §2.9). The sum of all entries of a
     thermal influence kernel, times q, is the same, whatever the velocity.
@@ -34,7 +34,7 @@ def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) 
 
 
 def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: float) -> float:
-    """Surface rise at the end of a flux that grows from 0 in proportion to time [K].
+    """Rise of the surface temperature at the end of a flux that grows in proportion to time [K].
 
     θ = 4q√t/(3√π e), two thirds of the rise if the final flux q acted from the start
     (Carslaw & Jaeger, §2.9).
@@ -48,7 +48,7 @@ def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: fl
 
 
 def square_source_rise(heat_flux: float, half_side: float, thermal_conductivity: float) -> float:
-    """Steady rise at the centre of a square source at rest [K].
+    """Steady temperature rise at the centre of a square heat source at rest [K].
 
     θ = 4qa ln(1 + √2)/(πK) with half a side a [m] (Carslaw & Jaeger, §10.5).
 
@@ -69,7 +69,7 @@ def moving_band_rise(
     thermal_conductivity: float,
     thermal_diffusivity: float,
 ) -> Array:
-    """Steady surface rise under a band source on a moving half-space [K], shape of `position`.
+    """Steady temperature rise by a band source on a moving half-space [K], shape of `position`.
 
     ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at
     V > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). In closed form,
@@ -116,7 +116,7 @@ def rolling_sliding_rise(
     thermal_effusivity: float,
     pressure: Literal["uniform", "hertz"] = "hertz",
 ) -> float:
-    """Highest rise of a line contact of two identical bodies that roll and slide [K].
+    """Highest temperature rise of a line contact of two identical bodies that roll and slide [K].
 
     ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width
     2b [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
@@ -142,7 +142,7 @@ def rolling_sliding_rise(
 def resting_ellipse_rise(
     peak_flux: float, half_x: float, half_y: float, thermal_conductivity: float
 ) -> float:
-    """Highest steady rise under a flux q₀√(1 − x²/a² − y²/b²) on a body at rest [K].
+    """Highest steady temperature rise under a flux q₀√(1 − x²/a² − y²/b²) on a body at rest [K].
 
     θ = q₀ b K(e)/(2K) with the shorter semi-axis b [m] and e² = 1 − b²/a²: the heat flows as the
     elastic displacement spreads (Johnson, Eq. 3.69).
@@ -195,7 +195,7 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def cooler(x: float) -> float:
-        """Negative rise as −2πKθ/q₀ [m] at a distance x behind the centre [m]."""
+        """Temperature rise θ at a distance x behind the centre [m], scaled to −2πKθ/q₀ [m]."""
         # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square

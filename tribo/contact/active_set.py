@@ -27,7 +27,7 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """Limits of the next active-set step, narrowed by the steps so far."""
+    """State of the active-set steps: limit of the next step, and free nodes of the last one."""
 
     iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
     nodes: Nodes | None = None  # free nodes of the last step
@@ -79,7 +79,7 @@ def _conjugate_gradients(
     goals: tuple[float, float],
     most: int,
 ) -> tuple[Array, int]:
-    """Pressure that makes the gap equal on all free nodes, without bounds, and the iterations.
+    """Pressure [Pa] that makes the gap equal on all free nodes, ignoring bounds; and iterations.
 
     `goals` are the factor by which to reduce the residual, and the gap that is small enough [m].
     """

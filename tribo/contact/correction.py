@@ -18,7 +18,7 @@ _LOCAL_STEPS = 2
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
     """Move a guess into the bounds, and correct its elements of largest error [Pa].
 
-    The guess carries the load, but may exceed the bounds. `displacement` is that under it [m].
+    The guess carries the load, but may exceed the bounds. It causes the `displacement` [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

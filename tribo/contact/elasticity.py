@@ -113,7 +113,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
 
 
 def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
-    """Nodes s of the trapezoidal rule for Eq. (1) and their weights, which include its √π/2."""
+    """Nodes s of the trapezoidal rule for Eq. (1), and weights with the factor √π/2 of Eq. (1)."""
     shortest = min(grid.spacing) / (2 * _REACH)
     endless = any(grid.periodic) and kernel == "periodic"
     longest = max(grid.size) * (_REACH / math.pi if endless else _FAR)
@@ -128,7 +128,7 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Transform of E along one axis with its images, shape (widths, modes)."""
+    """Transform of the factor E of Eq. (1) along one axis, with images, shape (widths, modes)."""
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
         return _even_transform(_values(length // 2 + 1, step, s), length)
@@ -139,14 +139,14 @@ def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
 
 
 def _values(n: int, step: float, s: Array) -> Array:
-    """E at distances of 0, 1, … n − 1 elements, shape (widths, n)."""
+    """Factor E of Eq. (1) at distances of 0, 1, … n − 1 elements, shape (widths, n)."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
 
 
 def _all_images(n: int, s: Array) -> Array:
-    """Eq. (2) for widths in units of an element, shape (widths, n // 2 + 1)."""
+    """Transform of E with images, Eq. (2), for widths s in elements, shape (widths, n // 2 + 1)."""
     # Below the shortest node s, E is 2 on the element and 0 off it.
     s = np.maximum(s, 1 / (2 * _REACH))
     narrow, wide = s[s < _WIDE], s[s >= _WIDE, None, None]

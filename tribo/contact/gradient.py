@@ -15,14 +15,14 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State of the gradient steps."""
+    """State of the gradient steps: length of the next one, and steps in a row without success."""
 
     length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first step [Pa/m], exact for an element on its own; 1 where rows are soft."""
+    """First step length: 1 over an element's self influence [Pa/m]; 1 if there are `SoftRows`."""
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 

@@ -25,7 +25,7 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess from the contact of means over 2 × 2 elements [Pa], and its cost in convolutions.
+    """Guess of the pressure [Pa] from the contact of 2 × 2 blocks, and its cost in convolutions.
 
     That contact begins on a still coarser grid. A block's elements get its pressure: more elements
     than will touch in the end, which the iteration sheds in fewer steps than it would take to find
@@ -47,7 +47,7 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Guess solved on the part of the free axes that it loads [Pa], and its convolutions.
+    """Improve a guess [Pa] by solving the part of the free axes that it loads; also convolutions.
 
     Other elements get 0. A convolution on the part counts by its share of the elements. If the part
     is not much smaller than the grid, the guess is returned as it is.

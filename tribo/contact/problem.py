@@ -27,7 +27,7 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Rough surface, solid and load, and what is derived from the solid's map."""
+    """A contact problem: rough surface, solid and load, and quantities derived from the solid."""
 
     solid: ElasticHalfSpace  # the map D
     heights: Array  # separation of the undeformed surfaces, z [m]
@@ -52,7 +52,7 @@ class Problem:
         return self.soft.numbers(nodes, self.heights.shape)
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:
-        """The metric of the rows on some nodes; None where rows are not soft."""
+        """Metric for soft rows (`RowMetric`) on some nodes; None if the solid has no soft rows."""
         if not self.soft.is_needed:
             return None
         return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
@@ -72,13 +72,13 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Find the rows of a solid that yield most as a whole."""
+    """Choose the rows of a solid, along x or y, that yield most to their mean pressure."""
     return _prepare_solid(solid)[0]
 
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Soft rows, stencils and fast map of a solid, the same for all pressures."""
+    """Soft rows, stencils, and the map in a faster precision: what depends on the solid alone."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
@@ -97,7 +97,7 @@ class Iterate(NamedTuple):
     shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
-        """The iterate with another pressure, whose displacement is computed.
+        """The next iterate, with this pressure and its newly computed displacement.
 
         `spent` are the convolutions that it took to find that pressure.
         """

@@ -31,7 +31,7 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """The rows of a solid that yield most as a whole."""
+    """The rows of elements, along x or y, that yield most to their mean pressure (soft rows)."""
 
     axis: int  # along which the rows lie
     coupling: float  # c/n of Eq. (1): displacement that nodes of a row add to each other [m/Pa]
@@ -39,7 +39,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Find the rows of a solid that yield most."""
+        """Choose the rows of a solid, along x or y, that yield most to their mean pressure."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n

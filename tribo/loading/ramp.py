@@ -74,7 +74,7 @@ class Ramp:
     rate : float
         Growth of the load on the whole pin [N/s].
     reference_load : float
-        Load that the trunk reaches in the scene's number of increments [N].
+        Load that the shared ramp (trunk) reaches in the scene's number of increments [N].
     hold : float, optional
         Duration for which each point holds its load once it is reached [s].
     stops : tuple of float, optional
@@ -105,9 +105,9 @@ class Ramp:
             raise InputError(f"stops is {self.stops!r}; each must be finite and at least 0")
 
     def increment(self, normal_load: float, increments: int) -> float:
-        """Load increment of each step on the trunk that leads to `normal_load` [N].
+        """Load increment of each step on the shared ramp (trunk) that leads to `normal_load` [N].
 
-        Loads with the same increment share one trunk.
+        Loads with the same increment share one such ramp.
 
         Examples
         --------
@@ -122,7 +122,7 @@ class Ramp:
         return math.ldexp(self.reference_load / increments, -halvings)
 
     def lowest(self, normal_load: float) -> float:
-        """About the lowest load that shares its trunk with `normal_load` [N].
+        """About the lowest load that shares its ramp (trunk) with `normal_load` [N].
 
         Examples
         --------
@@ -135,10 +135,10 @@ class Ramp:
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
     ) -> Iterator[Station]:
-        """Stations up to `normal_load` [N], then those of its hold.
+        """Stations (moments of the loading) up to `normal_load` [N], then the stations of its hold.
 
-        `increments` is the number of steps of the trunk up to the reference load. The steps of the
-        hold are chosen as if it were `hold_increments`, unless this is 0.
+        `increments` is the number of steps of the ramp up to the reference load. The steps of the
+        hold are chosen as if this number were `hold_increments`, unless that is 0.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
@@ -171,7 +171,7 @@ class Ramp:
             begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations of the trunk, and the one at `normal_load`."""
+        """Stations of the shared ramp (trunk), and the last station, at `normal_load`."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):

@@ -113,7 +113,7 @@ class MeasuredLoad:
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
     ) -> Iterator[Station]:
-        """Every station of a point; times count from the record's first row.
+        """Every station (moment) of a point; times count from the record's first row.
 
         A record has no hold, so that `hold_increments` is not used.
         """

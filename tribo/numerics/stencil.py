@@ -165,7 +165,7 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets of a block's elements along x and y, and 1 for the middle one."""
+    """Offsets of a block's elements along x and y, and values of 1 at the middle, else 0."""
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
 
@@ -184,7 +184,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Weights that sum modes to values at offsets 0 to 2: even and odd along x, even along y."""
+    """Weights from Fourier modes to values at offsets 0 to 2: even and odd in x, even in y."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

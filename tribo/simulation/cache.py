@@ -68,7 +68,7 @@ class Cache(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """The bodies' map and shape, which no step of a loading changes."""
+    """Elastic map and undeformed separation of both bodies, the same at all steps of a loading."""
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]

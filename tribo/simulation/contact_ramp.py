@@ -191,7 +191,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station from which a ramp to higher loads goes on, on its coarse grid."""
+    """State at a station (moment of the loading) that higher loads pass too, on the coarse grid."""
     return _last_part(levels, velocity, before, station)[1]
 
 
@@ -246,7 +246,7 @@ def _unworn(
 
 
 def _later(contact: State, station: Station, velocity: float) -> State:
-    """The state of a contact without wear at a later station of the same load."""
+    """The state of a contact without wear at a later moment of the loading, at the same load."""
     return replace(
         contact,
         time=station.time,

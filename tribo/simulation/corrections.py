@@ -105,7 +105,7 @@ class Track:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Corrections:
-    """Physics beside the two half-spaces, each left out where it is not given.
+    """Physical effects that two half-spaces lack; an effect that is not given is left out.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Corrections:
             )
 
     def under(self, loading: Ramp | MeasuredLoad) -> Self:
-        """The corrections with the course or the rate of a loading."""
+        """Return these corrections with the load course or the load rate of `loading` filled in."""
         if isinstance(loading, MeasuredLoad):
             return replace(self, course=loading.course, rate=None)
         return replace(self, course=(), rate=loading.rate)
@@ -209,9 +209,9 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Rise of the contact at friction 1 that the circuit adds [K].
+        """Rise per unit friction that stem, film, tracks and bulk warming add to the contact [K].
 
-        `columns` has those of `NEEDED`, with the steps on the last axis in order of time. NaN where
+        `columns` has all of `NEEDED`, with the steps on the last axis in order of time. NaN where
         the temperature was not computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
@@ -261,9 +261,9 @@ class Corrections:
         ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Columns with corrected rises at friction 1, at all bulk ratios [K].
+        """Columns with corrected rises per unit friction [K], also at unequal bulk temperatures.
 
-        `columns` has those of `NEEDED`, and each column of rises that is to be corrected.
+        `columns` has all of `NEEDED`, and each column of rises that is to be corrected.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -286,7 +286,7 @@ _RISES: dict[str, Any] = {
 
 
 def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
-    """Rises of a state by name, with corrections if they are given [K].
+    """Temperature rises of a state by column [K], corrected if corrections are given.
 
     The state must have a temperature. Its earlier loads are those of the scene's loading.
     """
@@ -342,7 +342,7 @@ def _describe_curve(curve: Curve) -> str:
 
 
 def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
-    """Resistance of the stem at each moment, by its heat flow until then [K/W]."""
+    """Thermal resistance of the stem at each moment, by its heat flow until then [K/W]."""
     if stem is None:
         return 0.0
     return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])
@@ -351,7 +351,7 @@ def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | f
 def _turn_resistance(
     track: Track | None, moments: Sequence[_Moment], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns over the heat of the contact, at each moment [K/W]."""
+    """Warming of a track by earlier turns, divided by the contact's heat, at each moment [K/W]."""
     if track is None:
         return 0.0
     return np.array(
@@ -363,7 +363,7 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
-    """Warming of a track by earlier turns at friction 1, if its body takes all heat [K]."""
+    """Warming of a track by earlier turns per unit friction, if its body takes all heat [K]."""
     width = track.width or track.aspect * moment.contact_width
     return track_warming(
         moment.times[-1],

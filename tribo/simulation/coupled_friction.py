@@ -47,7 +47,7 @@ _KEPT = 4  # rounds that Anderson mixing combines
 
 
 class CoupledRise(NamedTuple):
-    """Rise by friction that depends on temperature, and how it was found.
+    """Temperature rise where friction depends on temperature, and how it was found.
 
     Rises are divided by the coefficient of friction [K]. They are NaN where they are not solved,
     infinite where the contact ignites.
@@ -63,7 +63,7 @@ UNSOLVED = CoupledRise(math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoupledHeat:
-    """Rise of a contact whose elements have the friction of their own temperatures.
+    """Temperature rise of a contact in which each element's friction follows its temperature.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ def coupled_heat(
     bulk : float
         Temperature of both bodies far from the contact [K].
     added : float, optional
-        Rise at friction 1 that is added evenly, r of Eq. (1) [K].
+        Rise per unit friction that is added evenly, r of Eq. (1) [K].
 
     Returns
     -------
@@ -192,7 +192,7 @@ class _Frictions:
 def _solve_rise(
     heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
 ) -> tuple[Array, Outcome, int]:
-    """Rise of each element [K], outcome and rounds, from the heat of elements at friction 1."""
+    """Rise of each element [K], outcome and rounds, from the elements' heat per unit friction."""
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)
     may_ignite, cold = frictions.may_ignite(rise), float(rise.mean())

@@ -154,7 +154,7 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean length of the runs of the highest pixels along an axis."""
+    """Mean length, in pixels, of runs of neighbouring highest pixels along an axis."""
     high = heights >= np.quantile(heights, _HIGHEST)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

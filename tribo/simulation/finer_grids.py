@@ -19,7 +19,7 @@ from tribo.wear import Stage
 def refine_step(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last one.
+    """Repeat the step from `before` to `after` on ever finer grids, starting each from the last.
 
     One contact on each grid is enough; see `_rewind`.
     """
@@ -42,7 +42,7 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth from which one implicit step ends with the wear of the scheme's stages [m]."""
+    """Wear depth [m] to start one implicit step from, so that it ends with the wear of `after`."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage

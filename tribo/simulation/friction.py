@@ -119,7 +119,7 @@ class Friction:
         return factor
 
     def temperature(self, rise: Any, bulk: float) -> Any:
-        """Temperature of the contact at given rises at friction 1, by Eq. (1) [K].
+        """Temperature of the contact, from its rises per unit friction coefficient, by Eq. (1) [K].
 
         The rises include the factor of velocity.
 
@@ -147,7 +147,7 @@ class Friction:
         return bulk + np.where(is_steep, steep, own)
 
     def limit(self, temperature: Any, bulk: float) -> Any:
-        """Rise at friction 1 above which the contact is hotter than a temperature [K]."""
+        """Rise per unit friction coefficient above which the contact exceeds a temperature [K]."""
         if self.coefficient == 0:
             return np.full(np.shape(temperature), np.inf)[()]
         if not self.by_temperature:
@@ -159,7 +159,7 @@ class Friction:
         return np.maximum(above / self.at(temperature=temperature), steep)[()]
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
-        """Derivative of a temperature by the logarithm of its rise at friction 1 [K]."""
+        """Derivative of a contact temperature by ln(r), r its rise per unit friction [K]."""
         if not self.by_temperature or self.coefficient == 0:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))
@@ -167,7 +167,7 @@ class Friction:
         return float(high - low) / 1e-6
 
     def highest(self, bulk: float) -> float:
-        """Highest friction at temperatures from a bulk [K] up, without the factor of velocity."""
+        """Highest friction at temperatures from `bulk` [K] up, without the factor of velocity."""
         nodes = [bulk, *(node for node, _ in self.by_temperature if node > bulk)]
         return float(np.max(self.at(temperature=np.array(nodes))))
 
@@ -188,17 +188,17 @@ class Friction:
         return float(np.max(parts, initial=0.0))
 
     def spread(self, bulk: float, hottest: float) -> float:
-        """Largest difference of ln µ from a bulk to the hottest temperature [K]."""
+        """Largest difference of ln µ between temperatures from the bulk to the hottest one [K]."""
         inside = [node for node, _ in self.by_temperature if bulk < node < hottest]
         logs = np.log(self.at(temperature=np.array([bulk, *inside, hottest])) * 1.0)
         return float(np.ptp(logs))
 
     def hottest(self, rise: Any, bulk: float) -> Any:
-        """Upper bound of the temperature for a rise: that at the highest friction of any [K]."""
+        """Upper bound of the contact temperature for a rise, by the highest friction [K]."""
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:
-        """Temperatures from a bulk upwards, and the rises at friction 1 that reach them [K]."""
+        """Temperatures from a bulk upwards, and the rises per unit friction that reach them [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])

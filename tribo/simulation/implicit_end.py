@@ -28,7 +28,7 @@ _NEW, _RIM = 0.01, 0.75
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """The state after a step, or after it with a short end where much has come into contact.
+    """State after a step; its end is redone implicitly if much new area has come into contact.
 
     `before` and `after` are on the same grid.
     """

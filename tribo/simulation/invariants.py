@@ -76,7 +76,7 @@ def check_contact(
 
 @_QUIET
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
-    """Check the wear balance of a step and of all so far; `volume` is k·∫F dS of the whole pin.
+    """Check wear depths [m] after a step against the worn `volume` [m³], k·∫F dS of the whole pin.
 
     Examples
     --------

@@ -39,8 +39,8 @@ def solve_friction(
 ) -> CoupledRise:
     """Solve friction by temperature at the worst moment of a point, if its verdict depends on it.
 
-    It does where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit is
-    not known, and where friction may make a contact ignite that would be mild. Else `UNSOLVED` is
+    It depends where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit
+    is not known, and where friction may ignite a contact that would be mild. Else `UNSOLVED` is
     returned.
 
     Parameters
@@ -75,7 +75,7 @@ def solve_friction(
 
 
 def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
-    """True if the verdict on a rise at friction 1 may change once its friction is solved."""
+    """True if the verdict on a rise per unit friction may change once its friction is solved."""
     if conditions.critical_temperature is None:
         return True
     return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)

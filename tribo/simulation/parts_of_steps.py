@@ -22,7 +22,7 @@ ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
-    """Stations at the ends of the parts of a step; the last one is `station`."""
+    """Stations (moments) at the ends of the parts of a step; the last one is `station`."""
     count = _count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
         yield between(before, station, part / count)

@@ -302,7 +302,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load step of the ramp to a load [N]; ramps of equal steps share their states."""
+        """Load step of the ramp (trunk) to a load [N]; loads with equal steps share its states."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

@@ -31,7 +31,7 @@ class Note(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Trunk:
-    """A ramp up to its last increment so far; a large ramp keeps the last state alone."""
+    """A shared ramp (trunk) up to its last increment so far; a large one keeps one state alone."""
 
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far

@@ -59,7 +59,7 @@ class Judging(ABC):
 
     @property
     def rise_factor(self) -> float:
-        """Factor on the rise at friction 1: the coefficient of friction.
+        """Factor on the rise per unit friction coefficient: the coefficient of friction.
 
         Without friction, unequal bulk temperatures still warm one of the bodies. Then the factor is
         so small that `bulk_ratio` is the largest one that is stored.
@@ -68,7 +68,7 @@ class Judging(ABC):
 
     @property
     def bulk_ratio(self) -> float:
-        """Difference of the bulk temperatures over the factor of the rise at friction 1 [K]."""
+        """Bulk temperature of the disk less that of the pin, divided by `rise_factor` [K]."""
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
@@ -93,7 +93,7 @@ class Judging(ABC):
         return SolvedFriction(law, self.bulk_temperature, decisive.name, decisive.share)
 
     def may_ignite(self, rise: float) -> bool:
-        """True if a rise at friction 1 [K] is mild, and severe at the highest friction.
+        """True if a rise per unit friction [K] is mild, but severe at the highest friction.
 
         This needs friction that rises so steeply with temperature that a contact may ignite.
         """
@@ -105,15 +105,15 @@ class Judging(ABC):
         return is_mild and law.steepness(bulk, hottest) >= STEEP
 
     def contact_temperature(self, rise: Any) -> Any:
-        """Temperature of the contact [K], from one or more rises at friction 1 [K]."""
+        """Temperature of the contact [K], from one or more rises per unit friction [K]."""
         return self.friction_law.temperature(rise, self.coldest_bulk_temperature)
 
     def limit(self, temperature: float) -> float:
-        """Rise at friction 1 above which the contact is hotter than a temperature [K]."""
+        """Rise per unit friction coefficient above which the contact exceeds a temperature [K]."""
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Change of a temperature per relative change of its rise at friction 1 [K]."""
+        """Change of a contact temperature per relative change of its rise per unit friction [K]."""
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
@@ -130,7 +130,7 @@ class Judging(ABC):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conditions(Judging):
-    """Conditions that turn a rise at friction 1 into mild or severe wear.
+    """Conditions that turn a rise per unit friction coefficient into mild or severe wear.
 
     Attributes
     ----------
@@ -219,7 +219,7 @@ class Verdict:
 
 
 def rise_limit(conditions: Judging) -> float:
-    """Decisive rise at friction 1 above which wear is severe [K]; infinite without friction."""
+    """Decisive rise per unit friction above which wear is severe [K]; infinite without friction."""
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
     return conditions.limit(conditions.critical_temperature)
@@ -236,7 +236,7 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 
 
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
+    """Columns of rises per unit friction, converted to rises above the colder body's bulk [K]."""
     if bulk_ratio == 0:
         return columns
     above_pin = add_bulk_ratio(columns, bulk_ratio)
@@ -245,7 +245,7 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Deciding rises at friction 1 that give the solved temperatures by Eq. (1) of `friction`.
+    """Rises per unit friction for which Eq. (1) of `friction` gives the solved temperatures [K].
 
     `coupled` is `CoupledRise.rise`: where it is NaN the rise stays, where it is infinite the
     temperature is that at the highest friction of the law [K].

@@ -178,7 +178,7 @@ def flux_history_spectrum(
 
 
 class _Stretch(NamedTuple):
-    """Diffusion lengths along which the strength of a flux is linear in its age."""
+    """A range of diffusion lengths over which the strength of a flux is linear in its age."""
 
     begin: float  # [m]
     end: float  # [m]
@@ -247,7 +247,7 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add the outer products of g and f, summed over the nodes, to the first modes."""
+    """Add the outer products of g and f, summed over the nodes, to the first modes of `half`."""
     block = half[: g.shape[1], : f.shape[1]].view(float)
     block += g.T @ f.view(float)
 

@@ -182,7 +182,7 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
 
 
 def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
-    """Convert rises at friction 1, above the pin's bulk, from equal bulks to a bulk ratio [K].
+    """Convert rises above the pin's bulk, per unit friction, from equal to unequal bulks [K].
 
     The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean
     rise needs the column ``mean_bulk_response``, quantiles need ``bulk_rise_quantile``.

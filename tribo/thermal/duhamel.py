@@ -75,7 +75,7 @@ def conducted_spectrum(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeatHistory:
-    """Heat that has flowed into both bodies, linear in time between stations.
+    """Heat that has flowed into both bodies, linear in time between stations (moments).
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ from tribo.types import Array, Spectrum
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """One axis of the kernel: n elements of side `step`, transformed over `length` points.
+    """One axis of the heat kernel: n elements of side `step` [m], transformed over `length` points.
 
     With `nearest_image` the elements of other periods act up to the distance of one period.
     """
@@ -45,7 +45,7 @@ class Axis:
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Transform of E over `axis` at the nodes s of a panel, shape (nodes, modes); real at rest."""
+    """Transform of the kernel's factor E at a panel's nodes s, (nodes, modes); real at rest."""
     factor: Spectrum
     if low >= axis.series_start(drift):
         factor = series_terms(axis, s, wavenumbers(axis, low)).sum(axis=1)
@@ -55,7 +55,7 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
 
 
 def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
-    """Values of E at the element centres in wrapped order, shape (nodes, length).
+    """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
 
     Only the elements within reach of the source are evaluated. Elements of all periods fall on
     the same `length` places and add up.
@@ -94,6 +94,6 @@ def wavenumbers(axis: Axis, s: float) -> Array:
 
 
 def series_terms(axis: Axis, s: Array, k: Array) -> Array:
-    """Transform of E at rest, 2 sinc(ka) exp(−k²s²/4), for each node, alias and mode."""
+    """Transform of the kernel's factor E at rest, 2 sinc(ka) exp(−k²s²/4), by node, alias, mode."""
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)

@@ -173,7 +173,7 @@ def partition_heat(
 
 @functools.lru_cache(maxsize=2)  # many contacts use the same maps
 def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
-    """The map of both bodies, and its stencils."""
+    """The sum of both bodies' thermal maps, and its stencils."""
     both = pin + disk
     return both, Neighbourhood(both)
 

@@ -60,12 +60,12 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 
 
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
-    """Quantiles of rise + ρ·response over the contact [K], a row for each ρ of `BULK_RATIOS`."""
+    """Quantiles of rise + ρ·response over the contact [K], one row for each ρ in `BULK_RATIOS`."""
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 
 def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
-    """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between stored ratios.
+    """Quantiles of the rise per unit friction at a bulk ratio [K], linear between stored ratios.
 
     `rise_quantiles`, at the ratio 0, has the shape (..., n_quantile), and `bulk_rise_quantiles`
     has (..., n_ratio, n_quantile).

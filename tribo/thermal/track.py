@@ -24,7 +24,7 @@ def track_warming(
     heat_capacity: float,
     disc: Disc | None = None,
 ) -> float:
-    """Warming of the track by earlier passes at friction 1, if the disk takes all heat [K].
+    """Warming of the track by earlier passes per unit friction, if the disk takes all heat [K].
 
     A pass under a pin of width B lays the heat F dx per element of track, at friction 1 and if all
     of it flows into the disk. It is an instantaneous strip on a half-space, whose middle is, a time
@@ -62,7 +62,7 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Warming that a pass so many rounds ago has left [K]."""
+        """Warming of the track that remains from a pass `rounds` rounds ago [K]."""
         age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
