@@ -160,7 +160,7 @@ def at(
 def _weighed(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """The dataset with its samples weighed by the tests of their scene."""
+    """Mark the dataset, so that the scene's laboratory tests weigh its samples."""
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
             "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "
@@ -175,7 +175,7 @@ def _weighed(
 
 
 def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
-    """The dataset with only the tests of one oil."""
+    """Mark the dataset, so that only laboratory tests with this oil count."""
     names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
@@ -223,7 +223,7 @@ def oil_temperature(name: str, value: float | str) -> float:
 
 
 def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """The dataset with `values` recorded in its attributes; labels they replace are dropped."""
+    """Record `values` in the dataset's attributes; drop coordinates that they replace."""
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
@@ -242,7 +242,7 @@ def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
 
 
 def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
-    """Paths of unknown inputs of samples that can be fixed at a value."""
+    """Paths of the samples' unknown inputs that `at` can fix at a value."""
     return whole_sweep(ds).variants.rule.movable
 
 
@@ -253,7 +253,7 @@ def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
 
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """The sweep restricted to `values` of its varied entries, and the values of other entries."""
+    """Select `values` of the sweep's varied entries; also return the values of other entries."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:
@@ -268,7 +268,7 @@ def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[
 
 
 def _place(axis: xr.DataArray, value: float | str) -> int:
-    """Index of a value along the dimension of an entry; raises if it is not there."""
+    """Index of a value along an entry's dimension; raises an `InputError` if it is missing."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
         matches = [number for number, one in enumerate(values) if one == value]
@@ -282,7 +282,7 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
 
 
 def _number(value: float | str) -> float:
-    """A number, or a quantity in SI; NaN if the text is neither."""
+    """Convert a number, or a text with a unit, to an SI number; NaN if the text is neither."""
     for read in (float, lambda text: to_si(text, like=text)):
         with suppress(ValueError):
             return read(value)

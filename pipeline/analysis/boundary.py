@@ -110,7 +110,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """The boundary of one scene with a plane of points."""
+    """The boundary of one scene with points at all pairs of its loads and velocities."""
     data.require_lists(*PLANE)
     found = point_field(data)
     data = found.source
@@ -143,7 +143,7 @@ def axis_of(name: str, values: Array) -> xr.Variable:
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as attributes with their units, without those that samples vary."""
+    """Conditions as dataset attributes with units, without conditions that samples vary."""
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
@@ -157,7 +157,7 @@ _TURNS = 64  # most turns of a line that are stored; more are interpolation arte
 
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
-    """Variables of the transitions along `axis`, for each value of `line`, the other axis."""
+    """Dataset variables of the transitions along `axis`, at each value of the axis `line`."""
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
         places, others = (field.loads[-1:], field.velocities), field.velocities
@@ -220,7 +220,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
 
 
 def _band_alone(scene: Results) -> xr.Dataset:
-    """The boundary of samples: velocities of 5, 50 and 95 % probability, and the error band."""
+    """Boundary of samples: velocities at which severe wear is 5, 50 and 95 % likely; error band."""
     (field,) = fields(scene)
     loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])
@@ -245,9 +245,9 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _band(line: Line) -> Array:
-    """Quantiles (3, k) of the transitions of several surfaces at each place, linear between ranks.
+    """Quantiles (3, k) of the transition over several surfaces, by place; linear between ranks.
 
-    A quantile is NaN if it is among transitions that are not known exactly.
+    A quantile is NaN if it lies next to a transition of which only bounds are known.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

@@ -41,7 +41,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Where wear is severe if `cold_tracks` are warm, in words; empty if not computed.
+    """Describe where wear is severe if tracks assumed cold are warm; empty if not computed.
 
     It is computed only for a plane of one scene, under the scene's own conditions.
     """

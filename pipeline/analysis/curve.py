@@ -27,7 +27,7 @@ LEAST_SLOPE = 0.05
 
 
 class Curve:
-    """Monotone cubics through the known points of rows, in logarithms if all are positive.
+    """Monotone cubic curve through each row of points, in logarithms if they are all positive.
 
     Abscissae ascend; ordinates that are not finite are unknown. Both have shape (..., n), with a
     curve for each row, or (n,) for a single curve. Rows may share abscissae.
@@ -70,7 +70,7 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Scaled abscissae and ordinates of the points, and three coefficients of each cubic."""
+        """Abscissae, ordinates (both logarithms if `is_log`) and coefficients of each cubic."""
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
         m = np.diff(v) / h
@@ -88,15 +88,15 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Scaled ordinates at the distance `way` from the beginning of pieces (..., p)."""
+        """Ordinates, or their logarithms, at distances `way` into intervals `pieces` (..., p)."""
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
     def __call__(self, places: Array, continued: bool = False, is_line: bool = False) -> Array:
-        """Ordinates at places (p,), or (..., p) by row; NaN beyond the outermost points.
+        """Ordinates at abscissae `places`, (p,) or (..., p) by row; NaN beyond the end points.
 
-        If `continued`, the power law through the last two points extends beyond them, if all are
-        positive. With `is_line` it has the exponents of `line_exponent`.
+        If `continued`, a power law through the two outermost points extends the curve, if all its
+        points are positive. With `is_line` its exponent is that of `line_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
@@ -140,11 +140,11 @@ class Curve:
 
     @property
     def _numbers(self) -> Indices:
-        """Numbers of the rows, in their shape."""
+        """Number of each row, from 0, in the shape of the rows."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
-        """Places (..., n) at which y passes limits, ascending, then NaN.
+        """Abscissae (..., n) at which the ordinates pass limits, ascending, padded with NaN.
 
         `limit` has a value for each row, or for each of the row numbers `rows`.
         """
@@ -173,7 +173,7 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Places at which y passes limits, one in each of some pieces of rows."""
+        """Abscissae (n,) at which ordinates pass limits, one for each given row and interval."""
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
         )

@@ -39,7 +39,7 @@ OIL = "oil"
 
 @dataclass(frozen=True)
 class Origin:
-    """Scene of a dataset: its text, with its arrays identified by digests. It is hashable."""
+    """Scene that a dataset was computed from, as hashable text; digests identify its arrays."""
 
     text: str
     digests: str
@@ -48,7 +48,7 @@ class Origin:
 
     @classmethod
     def of(cls, ds: xr.Dataset) -> Origin:
-        """Read it from the attributes of a dataset; raises an `InputError` if they are lost."""
+        """Read the scene from a dataset's attributes; raises an `InputError` if they are lost."""
         if "sweep" not in ds.attrs:
             raise InputError(
                 "the dataset has no attribute sweep, which describes its scene; give one of "
@@ -69,7 +69,7 @@ def stored_sweep(origin: Origin) -> Sweep:
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """The sweep, or one of its scenes, under the values `at`: JSON of SI values by path."""
+    """The sweep, or its scene `name`, under the conditions `at`: JSON of SI values by path."""
     if name:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
@@ -116,7 +116,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:
-    """The label of a table nearest to a coordinate, which may have lost its last digits."""
+    """The stored label nearest to a coordinate, which may have lost its last digits."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))
@@ -169,7 +169,7 @@ def identified(ds: xr.Dataset) -> xr.Dataset:
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """The dataset of a sweep, opened if given as a path; lazy data except fields are read.
+    """Open or check the dataset of a sweep; load its lazy data, except fields of the contact.
 
     Time, load and distance of each step become variables of each point.
     """
@@ -230,7 +230,7 @@ def _is_same_unit(given: str, unit: str) -> bool:
 
 
 def _per_point(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset with time, load and distance of each step expanded to each point."""
+    """Repeat time, load and distance of each step along the dimensions of the points."""
     names = [name for name in (*MADE, "own_grid") if name in ds.coords]
     if not names:  # expanded before
         return ds
@@ -269,7 +269,7 @@ def sweep_kind(ds: xr.Dataset) -> Kind:
 
 
 def require_kind(kind: Kind, *kinds: Kind) -> None:
-    """Raise an `InputError` for a sweep of a kind that a question does not allow."""
+    """Raise an `InputError` unless `kind` is one of the allowed `kinds`."""
     if kind not in kinds:
         raise InputError(_NO_PLANE[kind])
 
@@ -302,7 +302,7 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
 
 
 def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Dimensions of random rows: surfaces, and rows if they are samples."""
+    """Names of dimensions along which rows are random: surfaces, and samples if any."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 

@@ -40,10 +40,10 @@ Places = Array | float
 
 
 class Field(Protocol):
-    """Interface of the fields: everything that answers need to know about a scene.
+    """Interface of fields: the deciding rise over load and velocity, from which answers follow.
 
     Places are loads [N] and velocities [m/s] of shape (k,), or a single one for all places. Arrays
-    have a value for each member (m,), or for each member and place (m, k).
+    have a value by member, a surface or a draw of inputs, (m,), or by member and place (m, k).
     """
 
     @property
@@ -76,7 +76,7 @@ class Field(Protocol):
 
     @property
     def basis(self) -> Sequence[str]:
-        """Lines on what answers are based on, besides computed points."""
+        """Lines of text on what answers rest on, in addition to computed points."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field under the conditions of a table's row; see `Conditions.row_conditions`."""
@@ -91,7 +91,7 @@ class Field(Protocol):
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcomes and first turns to severe wear along an axis through places."""
+        """Outcome along an axis through each place, and where wear first turns severe."""
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
@@ -103,7 +103,7 @@ class Field(Protocol):
 
 
 class Here(NamedTuple):
-    """Deciding temperatures of the members of a field at places."""
+    """Deciding temperatures of each member of a field at places, or why they are unknown."""
 
     values: Array  # deciding temperatures [K] (m, k); NaN if unknown
     is_severe: Mask  # (m, k)
@@ -134,7 +134,7 @@ class PointField:
 
     @property
     def at_once(self) -> int:
-        """Number of places whose lines take some 200 MB."""
+        """Number of places whose lines together take some 200 MB of memory."""
         width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
         return 1 + _POINTS // (width * len(self.planes))
 
@@ -145,7 +145,7 @@ class PointField:
 
     @property
     def limit(self) -> float:
-        """Rise above which wear is severe [K]."""
+        """Rise [K], for friction coefficient 1, above which wear is severe."""
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
@@ -199,7 +199,7 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises at places (m, k) [K], and whether they are between computed points."""
+        """Rises [K] by member and place (m, k), and a mask: True between computed points."""
         within, continued = (
             Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
             for beyond in (False, True)
@@ -208,7 +208,7 @@ class PointField:
         return np.where(is_within, within, continued), is_within
 
     def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
-        """Rises (m, k, n_load) [K] at the velocities of places, with the friction there."""
+        """Rises [K] at each place's velocity and all loads (m, k, n_load), times friction there."""
         rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
@@ -229,12 +229,12 @@ class PointField:
 
     @functools.cached_property
     def _curves(self) -> Curve:
-        """Curves over velocity, by member and load."""
+        """Rise over velocity as curves, by member and load."""
         return Curve(self.velocities, self._rises)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves over load, by member and velocity: computed, certain, extrapolated."""
+        """Rise over load as curves, by member and velocity: computed, `_certain`, extrapolated."""
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
@@ -242,7 +242,7 @@ class PointField:
     def _certain(self, velocities: Array) -> Array:
         """Rises by member, load and velocity [K], beyond the points only where wear cannot turn.
 
-        A row goes on below its lowest point if that is mild, above its highest if that is severe.
+        A row is extrapolated below its lowest point if that is mild, above its highest if severe.
         """
         factor = self.conditions.friction_factor(velocities)
         ends = (self._curves.end(end) for end in (0, -1))
@@ -270,7 +270,7 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcomes and first turns along an axis through places; see `Transitions`."""
+        """Outcome along an axis through each place, and where wear first turns severe."""
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
@@ -297,7 +297,7 @@ class PointField:
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
     ) -> Line:
-        """Lines along an axis through places, by member and place.
+        """Rise along an axis through each place, as lines by member and place.
 
         Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
         severe. At a load or velocity of the sweep only its own points are used, unless `is_filled`
@@ -341,7 +341,7 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Insert a point into each row: abscissae (..., n + 1), ascending, and ordinates.
+    """Insert a point into each row; return ascending abscissae and ordinates, (..., n + 1).
 
     A value that is NaN is not inserted: its abscissa is NaN, too, and comes last.
     """
@@ -369,7 +369,7 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
-    """Rises [K] far beyond the known velocities [m/s]: heat by a power law, friction as stated.
+    """Curve of rises [K] far beyond known velocities [m/s]: power law for heat, known friction.
 
     Rows without a power law are unknown (NaN).
     """

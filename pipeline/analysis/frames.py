@@ -31,7 +31,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
-    """Frame with a row for each value of `axis`."""
+    """Frame of a boundary, with a row for each scene and each value of `axis`."""
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
@@ -58,13 +58,13 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
 
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Columns of a single surface, by heading: critical value and outcome."""
+    """Yield headings and columns for a single surface: critical value and outcome."""
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Columns of several surfaces, by heading: median, ends of the band, number of each outcome.
+    """Yield headings and columns for several surfaces: median, band, counts of outcomes.
 
     For samples, only the velocities of some probabilities.
     """

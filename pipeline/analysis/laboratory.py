@@ -41,22 +41,22 @@ _HEADS = (
 
 
 def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
-    """Measured transitions, then tests, of the oil that the sweep is judged for.
+    """Measured transitions, then tests, with the oil that the sweep is judged for.
 
-    If that oil is not known, tests of all oils.
+    If that oil is not known, those with any oil are returned.
     """
     tests = data.sweep.tests
     return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
 
 
 def ambiguous_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests name if nothing says which of them counts; else empty."""
+    """Oils that the tests name; empty if the user chose one, or a test names none."""
     names = oils_of(test.oil for test in sweep.tests)
     return [] if "" in names or sweep.oil else names
 
 
 def require_one_oil(sweep: Sweep) -> None:
-    """Raise an `InputError` if tests are of several oils, and nothing says which one counts."""
+    """Raise an `InputError` if the tests have several oils, and the user chose none of them."""
     names = ambiguous_oils(sweep)
     if len(names) > 1:
         raise InputError(
@@ -98,8 +98,8 @@ def untested_error(sweep: Sweep) -> ModelError:
 def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
     """Comparison of a test with the model at its own conditions, or None.
 
-    It is None outside the loads of the sweep, or if velocities not computed may agree with the
-    test.
+    It is None if the load is outside the sweep, or if further velocities might change whether test
+    and model agree.
     """
     try:
         found = comparison(field.under(own_conditions(data, test)), test)
@@ -109,10 +109,10 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
 
 
 def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
-    """The model's error given compared tests.
+    """The model's own error `plain`, updated by compared tests.
 
     Of each run the farthest transition counts, and the farthest wrong outcome on each side. A
-    transition where no turn is computed contradicts the model like a wrong outcome.
+    measured transition where none is computed contradicts the model like a wrong outcome.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()
     for number, (test, one) in enumerate(found):
@@ -164,10 +164,10 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
 
 
 def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:
-    """Velocity nearest to a test at which wear turns [m/s]: the median over the surfaces.
+    """Computed velocity [m/s] nearest to a test at which wear turns: median over surfaces.
 
-    For a transition only turns to severe wear count. If there is none, the velocity is infinite
-    (mild at all computed points) or -infinite (severe), or extrapolated if `continued`.
+    For a measured transition only turns to severe wear count. Without a turn the velocity is
+    infinite (mild at all computed points) or -infinite (severe), or extrapolated if `continued`.
     """
     line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
     nearest = line.nearest(test.velocity, test.outcome is None, continued)

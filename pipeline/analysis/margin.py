@@ -93,12 +93,12 @@ class Margin:
 
     @property
     def velocity_factor(self) -> float:
-        """Critical velocity at this load over the velocity; NaN if unknown."""
+        """Critical velocity at this load, divided by the point's velocity; NaN if unknown."""
         return self.critical_velocity / self.velocity
 
     @property
     def load_factor(self) -> float:
-        """Critical load at this velocity over the load; NaN if unknown."""
+        """Critical load at this velocity, divided by the point's load; NaN if unknown."""
         return self.critical_load / self.load
 
     @property
@@ -132,14 +132,14 @@ class Margin:
 
 
 def verdict_between(lowest: float, highest: float) -> str:
-    """Verdict from the probabilities of severe wear at the worst numerical errors."""
+    """Verdict from the lowest and highest probability of severe wear within numerical error."""
     if highest <= DECIDED[0]:
         return "mild"
     return "severe" if lowest >= DECIDED[-1] else NOT_DECIDED
 
 
 def clipped(probability: float) -> float:
-    """A probability clipped to the range in which tails are known."""
+    """Clip a probability to the range in which tails of distributions are known."""
     return min(max(probability, _LEAST), 1 - _LEAST)
 
 
@@ -184,7 +184,7 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Values of the margins at known places, by the name of the field of `Margin`."""
+    """Values at known places for each field of `Margin`, by the field's name."""
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
     chances = probabilities(field, loads, velocities, scatter, totals(errors))
@@ -221,7 +221,7 @@ def _columns(
 def probabilities(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
 ) -> tuple[Array, Array, Array]:
-    """Probability (k,) that the next run is severe, with colder, the same and hotter rises.
+    """Probabilities (k,) of severe wear: with rises lower by the error, as computed, higher.
 
     `errors` are relative numerical errors, one for each place (k,) or one for all; NaN if unknown.
     """
@@ -237,8 +237,8 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Lowest and highest probability of a severe next run, each (load, velocity).
 
-    They are those at the worst numerical errors, as in a margin, and also extend beyond the loads
-    and velocities of the sweep.
+    Numerical errors are at their worst, as in a margin. Places may be beyond the loads and
+    velocities of the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -267,7 +267,7 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
 
 def _passed(chances: Array, velocities: Array, never: float) -> float:
-    """Velocity at which chances first exceed 5 %; `never` if nowhere, NaN if at the first one."""
+    """Velocity at which `chances` first exceed 5 %; `never` if nowhere, NaN if from the first."""
     (above,) = np.nonzero(chances > DECIDED[0])
     if not above.size:
         return never

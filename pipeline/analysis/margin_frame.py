@@ -120,7 +120,7 @@ class Judged(NamedTuple):
 
 
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Judge the points in each scene of a sweep; without points, the rows' own places."""
+    """Judge `points` in each scene of a sweep; if None, the places of the sweep's own rows."""
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(data):
@@ -207,7 +207,7 @@ def _value(margin: Margin, name: str) -> Any:
 
 
 def _labels(found: Sequence[Judged]) -> list[str]:
-    """Names of labels of rows with their own places; the row number if there are no others."""
+    """Names of the labels of rows that have their own places; the row number if no others."""
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 

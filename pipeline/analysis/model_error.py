@@ -31,7 +31,7 @@ WORTH = 4  # number of tests that the prior counts like
 
 
 class Scatter(Protocol):
-    """Distribution of ln(velocity) of the next run minus that of the model."""
+    """Distribution of the next run's deviation from the model, in ln(velocity)."""
 
     @property
     def text(self) -> str:
@@ -43,7 +43,7 @@ class Scatter(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ModelError:
-    """Student's t distribution about the model, with a scale for each half."""
+    """The model's own error: Student's t in ln(velocity), with a scale for each half."""
 
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
     wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.
@@ -66,7 +66,7 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest scale, from the sum `known` and any number of the largest further squares."""
+        """Largest scale over all n, from the sum `known` plus the first n of `squares`."""
         sums = enumerate(itertools.accumulate(squares, initial=known), self.degrees)
         return math.sqrt(max(total / count for count, total in sums))
 

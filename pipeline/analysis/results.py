@@ -98,19 +98,19 @@ class Results:
 
     @property
     def judged_dims(self) -> list[str]:
-        """Dimensions of conditions that `pipeline.at` was given several values of."""
+        """Dimensions of conditions for which `pipeline.at` was given several values."""
         columns = {column.name for column in self.stored.variants.columns}
         return [one for one in self.entry_dims if one in PATHS.values() and one not in columns]
 
     @property
     def labels(self) -> dict[str, Label]:
-        """Labels that all rows share, by name: of entries, of a surface, of a table's row."""
+        """Labels with one value for all rows, by name: entries, surface, row of a table."""
         found = {str(name): one for name, one in self.rows.coords.items() if not one.ndim}
         return {name: one.item() for name, one in found.items() if name not in _UNNAMED}
 
     @property
     def surface(self) -> Variant:
-        """Seed of the selected surface; empty for several surfaces, or the scene's own."""
+        """Name and seed of the selected surface; empty for several, or the scene's own surface."""
         return tuple((name, seed) for name, seed in self.labels.items() if name == "realization")
 
     @property
@@ -169,13 +169,13 @@ class Results:
 
     @property
     def scenes(self) -> Iterator[Results]:
-        """Results of each scene: one for each combination of values of entries."""
+        """Results of each scene: one for each combination of values of the varied entries."""
         names = self.entry_dims
         for places in np.ndindex(*(self.rows.sizes[name] for name in names)):
             yield self.take(dict(zip(names, places, strict=True)))
 
     def take(self, places: Mapping[str, int]) -> Results:
-        """Results at indices along dimensions of the rows, by name."""
+        """Select rows: `places` has the index to take, by the name of its dimension."""
         if not places:
             return self
         rows = self.rows.isel(places)
@@ -237,7 +237,7 @@ class Results:
 
     @functools.cached_property
     def messages(self) -> Any:
-        """Message of each point, a warning or a failure (rows, ..., load, velocity); or empty."""
+        """Warning or failure message of each point (rows, ..., load, velocity); empty if none."""
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
@@ -264,7 +264,7 @@ class Results:
             raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
 
     def require_lists(self, *names: str) -> None:
-        """Raise an `InputError` if the dataset has a single value of one of these axes."""
+        """Raise an `InputError` if one of these axes is a single value instead of a dimension."""
         for name in names:
             if name in self.cut:
                 value = (self.loads if name == "load" else self.velocities)[0]
@@ -290,7 +290,7 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Decisive rise at friction 1 [K], shape (rows, ..., load, velocity); NaN if not done."""
+        """Decisive rise [K] for friction coefficient 1, (rows, ..., load, velocity), or NaN."""
         if self.place is None:
             self.require_lists(*PLANE)
         column = conditions.decisive.column
@@ -303,7 +303,7 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises solved with friction by temperature, over the coefficient [K]; else NaN."""
+        """Rises [K] over friction coefficient, if a run solved friction by temperature; or NaN."""
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:
             return np.array(np.nan)

@@ -103,7 +103,7 @@ class RiseError:
 
     @property
     def parts(self) -> Array:
-        """The parts (4,); NaN for an unknown part."""
+        """The four parts as an array (4,); NaN for an unknown part."""
         return np.array(astuple(self), float)
 
     @property
@@ -123,20 +123,20 @@ class RiseError:
         return f"± {self.total:.2g} K" + (f": {known}" if known else "")
 
     def times(self, factor: float) -> RiseError:
-        """The parts times a factor; all 0 if the factor is 0, also unknown ones."""
+        """Multiply all parts by a factor; a factor of 0 makes unknown parts 0, too."""
         if factor == 0:
             return RiseError(0.0, 0.0, 0.0, 0.0)
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
 def totals(errors: Array) -> Array:
-    """Root of the sum of squares of the parts, the first axis; NaN if a part is unknown."""
+    """Root of the sum of squares over parts (the first axis); NaN if a part is unknown."""
     return np.asarray(np.sqrt(np.square(errors).sum(axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
 class RisePlane:
-    """Decisive rises [K] (load, velocity), NaN if not done; warning flags and durations [s]."""
+    """Points (load, velocity) of one surface: decisive rise [K] or NaN, warning, duration [s]."""
 
     loads: Array
     velocities: Array
@@ -161,9 +161,9 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Rows (k, 2) and columns (k, 2, 2) of the points from which rises at places follow.
+        """Rows (k, 2) and columns (k, 2, 2) of the points from which places are interpolated.
 
-        They are the point itself, or its neighbours; -1 if there is none.
+        A computed point is interpolated from itself, others from neighbours; -1 if there is none.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -171,7 +171,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Rows next to each slot of loads, by the slot of the velocity; see `_slots`."""
+        """Indices of loads beside each slot of load, for each slot of velocity; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -179,7 +179,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Columns next to each slot of velocities, by row; see `_slots`."""
+        """Indices of velocities beside each slot of velocity, for each load; see `_slots`."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -189,7 +189,7 @@ class RisePlane:
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """Plane of each surface of a scene under some conditions, divided by friction by velocity."""
+    """`RisePlane` of each surface under `conditions`, with friction by velocity divided out."""
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
@@ -203,7 +203,7 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of the rise by part and place (4, k), the last part 0."""
+    """Relative errors of the rise by part of `RiseError` and place (4, k); the last part is 0."""
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
@@ -211,22 +211,22 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot of each place along an axis: 2 i + 1 at point i, 2 i before it."""
+    """Slot number of each place on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
 
 def preset_error(velocity_error: float | None) -> float:
-    """Relative error of a rise from that promised for boundary velocities; NaN if unknown."""
+    """Relative error of a rise, from the preset's error in boundary velocity; NaN if unknown."""
     return math.nan if velocity_error is None else SHARE * velocity_error
 
 
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Relative error of what is added after the simulation: a film, friction by temperature.
+    """Relative error of effects added after the simulation: film and friction by temperature.
 
-    If friction may ignite at a rise at friction 1 [K], the error is NaN, unless friction is solved.
+    The error is NaN where friction may run away at `rises` [K] (for friction 1) and is not solved.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -242,7 +242,7 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Columns of the done points next to each slot (r, 2 n + 1, 2), for rows (r, n); see `_slots`.
+    """Indices of two done points for each slot (r, 2 n + 1, 2), from rows (r, n); see `_slots`.
 
     They are the slot's own point twice, the points on both sides, or, beyond the ends, the last
     two. A row with a single point has it twice; an empty row has -1.
@@ -261,7 +261,7 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors (k,) of interpolating, or extrapolating beyond the points; or NaN."""
+    """Relative errors (k,) of interpolating, or of extrapolating beyond points; NaN if unknown."""
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
     gaps = np.log(last / first)
@@ -276,13 +276,13 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Errors of interpolating in gaps of ln along an axis, scaled from points left out."""
+    """Relative errors of interpolating over `gaps` in ln, estimated by leaving points out."""
     return np.where(gaps > 0, BETWEEN * _missed(grid, axis) * gaps, 0.0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _missed(grid: RisePlane, axis: str) -> float:
-    """Root mean square of ln errors at points left out, each over ln of its gap."""
+    """Root mean square error of ln(rise) at points left out in turn, each over its gap in ln."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.
@@ -298,7 +298,7 @@ def _missed(grid: RisePlane, axis: str) -> float:
 
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
-    """Standard deviation of the exponent d ln(rise)/d ln(velocity) between neighbours."""
+    """Standard deviation of the exponent d ln(rise)/d ln(velocity) between neighbouring points."""
     x, y = _powers(grid.velocities, grid.rises)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]
@@ -306,7 +306,7 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae and rises by row, those that are positive first, then NaN."""
+    """Logarithms of abscissae and rises by row: positive ones first, then NaN for all others."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)

@@ -24,7 +24,7 @@ _NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """The dataset with the ids of its rows, as a coordinate and as an attribute."""
+    """Add the scene ids of the rows to the dataset, as a coordinate and as an attribute."""
     about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
     rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
     here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
@@ -58,7 +58,7 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Ids of the rows, with the dimensions of the dataset's labels, and those it has lost."""
+    """Scene ids of the rows, along the dataset's label dimensions and along those it has lost."""
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
     return whole.isel(
@@ -82,7 +82,7 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """Loads of points in words; velocities and rows, too, if not all are concerned."""
+    """Describe wrong points by load, and by velocity and row unless all of these are wrong."""
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values

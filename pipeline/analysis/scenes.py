@@ -58,7 +58,7 @@ def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
 
 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
-    """A label in the unit of its heading."""
+    """Convert a label from SI to the unit shown in its column heading."""
     unit = _usual_unit(axis)
     is_other = unit != axis.attrs.get("units") and not isinstance(value, str)
     return shown_in(value, unit) if is_other else value

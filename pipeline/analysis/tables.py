@@ -153,7 +153,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _parts(head: str) -> tuple[str, str]:
-    """Name and unit of a heading; no unit if it is unknown, as in columns passed on."""
+    """Split a heading into name and unit; an unknown unit stays in the name, the unit is empty."""
     match = _HEAD.fullmatch(head)
     return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")
 

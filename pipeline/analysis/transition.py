@@ -37,10 +37,10 @@ def outcomes(axis: str) -> Mapping[int, str]:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Rises along velocities or loads at fixed load or velocity, and where wear turns.
+    """Rise along velocity at one load, or along load at one velocity, and where wear turns.
 
-    Arrays have axes for members and places of a field before those of the line, or none. A row may
-    have several limits.
+    Arrays may have leading axes for the members and places of a field. One row may be compared with
+    several limits.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the places that are done,
@@ -65,7 +65,7 @@ class Line:
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest place that is done; NaN if there is none."""
+        """Lowest and highest velocity or load that is done; NaN if there is none."""
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property
@@ -111,9 +111,9 @@ class Line:
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """The turn nearest to `here` by ratio, only to severe wear if `to_severe`; else as `first`.
+        """The turn (to severe wear if `to_severe`) nearest to `here` by ratio; `first` if none.
 
-        If `continued`, a line without a turn has those extrapolated beyond its ends.
+        If `continued`, a line without a turn uses turns extrapolated beyond its ends.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)
@@ -130,10 +130,10 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """Turns (..., n) with extrapolated ones, True where to severe wear, and the last wear.
+        """All turns of wear (..., n), also extrapolated ones, their direction, and the last wear.
 
-        The second array is True where wear turns severe, the third if wear is severe at last. If
-        there is no power law at an end, wear stays as it is.
+        The second array is True where wear turns severe, the third if wear is severe beyond the
+        last turn. Without a power law at an end, wear does not turn beyond it.
         """
         if self.curve is not self.continued:
             return replace(self, curve=self.continued)._all_turns
@@ -158,7 +158,7 @@ class Line:
         return Transitions(self.outcome, self.first, ends, alone)
 
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
-        """Probability that a run is severe, by velocity on the line of each limit.
+        """Probability that a run is severe at each of `velocities`, on the line of each limit.
 
         A run at V behaves like the model at V·exp(ε), where ε has the distribution `scatter`.
         """

@@ -87,7 +87,7 @@ def _is_molten(scene: Results) -> Mask:
 
 
 def _marked(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Mask from `mark` for each scene; false everywhere if rows have no plane."""
+    """Join the masks that `mark` returns by scene; all False if the sweep has no plane."""
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
@@ -112,7 +112,7 @@ _APART = 1.1  # least ratio of two velocities that give an exponent
 
 
 def _rises_slowly(scene: Results) -> Mask:
-    """Mask of points at which the friction rise, with equal bulk temperatures, grows slowly."""
+    """Mask of points where the rise grows slowly with velocity, at equal bulk temperatures."""
     stored = scene.sweep.conditions
     kind = stored.criterion if stored.criterion in CRITERIA else "share"
     plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)

@@ -30,7 +30,7 @@ def missing_lines(missing: int) -> list[str]:
 
 
 def boundary_lines(boundaries: xr.Dataset) -> list[str]:
-    """Lines on the basis of a boundary: model error, median, missing points."""
+    """Lines of text below a boundary: model's own error, note on the median, missing points."""
     return [
         model_error_line(attribute_values(boundaries, "model_error")),
         *([ONSET] if "realization" in boundaries.dims else []),

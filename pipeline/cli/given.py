@@ -26,7 +26,7 @@ PLACE = ("load", "velocity", "realization")
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Options by name, of those in `names` that the command has and the user gave."""
+    """Values by name of those options in `names` that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {
         name: value
@@ -63,7 +63,7 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
-    """Operating points of --points, or that of --load and --velocity; None without both."""
+    """Operating points from --points, or from --load and --velocity; None if none is given."""
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:

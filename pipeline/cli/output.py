@@ -132,7 +132,7 @@ _SOON = 2.0  # [s] before a slow command reports that it is working
 def run_line(silent: float = 0.0) -> Iterator[Report]:
     """Yield a function that shows progress: a bar on a terminal, lines elsewhere.
 
-    For the first `silent` seconds it shows none.
+    For the first `silent` seconds the function shows nothing.
     """
     begins = time.monotonic() + silent
     in_place = sys.stderr.isatty() and not QUIET.is_set()

@@ -16,7 +16,7 @@ from pipeline.paths import user_path
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Return a reader of quantities like `like` [SI], above 0 unless signed; K is a difference."""
+    """Return a reader of text such as `like` to SI, above 0 unless signed; K is for differences."""
 
     def read(text: str) -> float:
         from pipeline.scene.units import difference_in_si, to_si
@@ -90,7 +90,7 @@ def setting(text: str) -> tuple[str, Any]:
 
 
 def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
-    """Read ``NAME=TEXT``; `like` is an example for the error."""
+    """Read ``NAME=TEXT``; `like` is the example in the error message."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):
         raise Refused(f'"{text}" has no name and value; give both, like {like}')

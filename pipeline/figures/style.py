@@ -66,8 +66,8 @@ _PLAIN = ContextVar("plain", default=False)
 def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
     """Context in which figures have a width [m] and, if `plain`, no titles and captions.
 
-    Text and marks shrink less than a figure, at most to two thirds, so that it becomes relatively
-    higher.
+    Text and marks shrink less than the figure, at most to two thirds. So a narrow figure is higher
+    in proportion to its width.
     """
     if width is not None and not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
@@ -93,7 +93,7 @@ class Picture(Figure):
         super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
 
     def _repr_png_(self) -> bytes:
-        """PNG for a notebook; only once, as no backend knows of the figure."""
+        """The figure as PNG, with which a notebook shows it; no plotting backend shows it again."""
         written = io.BytesIO()
         self.savefig(written, format="png")
         return written.getvalue()
@@ -157,7 +157,7 @@ def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
 
 @house_style
 def save_figure(figure: Figure, out: Path) -> Path:
-    """Write a figure to a checked path of `writable_path`, and return the path."""
+    """Write a figure to a path that `writable_path` has checked, and return the path."""
     written = io.BytesIO()
     figure.savefig(written, format=out.suffix[1:])
     return write_bytes(written.getvalue(), out)

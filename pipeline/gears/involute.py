@@ -33,7 +33,7 @@ class Path(NamedTuple):
 
 
 def involute(angle: float) -> float:
-    """Involute function, inv α = tan α − α.
+    """Involute function inv α = tan α − α of an angle [rad].
 
     Examples
     --------

@@ -109,7 +109,7 @@ def worst(table: pd.DataFrame) -> pd.Series[Any]:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh at places that may be the worst: A to E with sliding, and hottest places.
+    """The mesh at places that may be the worst: A to E if they slide, and local maxima of heat.
 
     Rough flanks are hotter than smooth ones by a factor that changes slowly along the path.
     """

@@ -224,7 +224,7 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε: mean flash over flash at the tip, Eqs. (39) to (44)."""
+    """Contact ratio factor Xε: mean flash temperature over that at the tip, Eqs. (39) to (44)."""
     total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)
     if total < 2 and long < 1:
         value = 0.70 * (eps1**2 + eps2**2) - 0.22 * total + 0.52 - 0.60 * eps1 * eps2

@@ -189,7 +189,7 @@ def _leave_out_repeats(sheet: Sheet) -> None:
 
 
 def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
-    """Number the runs: one begins if the load does not rise, after severe wear, or by oil."""
+    """Number the runs; a run ends if load does not rise, wear was severe or the oil changes."""
     loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
     labels, run, last, before = list[str](), 0, 0.0, ""
     for (_, cells), load in zip(sheet.rows, loads, strict=True):

@@ -81,7 +81,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
 
 
 def _join_units(sheet: Sheet) -> None:
-    """Append a unit from a column of its own to the numbers in the column before."""
+    """If a column holds units, append each unit to the number in the column before."""
     for k, heading in enumerate(sheet.headings[1:], 1):
         if heading.title.lower() in ("unit", "units", "einheit"):
             sheet.sources.add(k)
@@ -99,7 +99,7 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 
 
 def _count_time(sheet: Sheet, first: str) -> None:
-    """Compute the time of rows without one, from the time step in the cell after `first`."""
+    """Fill in the time column if empty, with the time step in the cell after the cell `first`."""
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
         step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
@@ -108,7 +108,7 @@ def _count_time(sheet: Sheet, first: str) -> None:
 
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
-    """Give a column without a unit the unit `unit`."""
+    """Set the unit of the column of quantity `name` if its heading states none."""
     if name in sheet.places and unit and not (heading := sheet.heading(name)).unit:
         text = f"{heading.text} [{unit}]"
         sheet.headings[sheet.places[name]] = Heading(text, heading.title, unit)
@@ -137,7 +137,7 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep, or leave out, rows with a value in a column; the column by heading or quantity."""
+    """Keep (`is_kept`) or leave out rows with `values`, by heading or quantity of columns."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:
@@ -171,7 +171,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 
 
 def _mend_ends(sheet: Sheet, step: str) -> None:
-    """Read ends of stepwise tests such as "> 12"; an end without a column is one step away."""
+    """Read the last mild and first severe level, such as "> 12"; a missing one is a step away."""
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
     for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
@@ -205,7 +205,7 @@ def _mend_ends(sheet: Sheet, step: str) -> None:
 
 
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
-    """Rows whose cell says "more than"; the cell becomes the number, or empty without one."""
+    """Row numbers whose cell says "more than"; the cell becomes its number, else empty."""
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():
         if match := _BEYOND.fullmatch(cells[place]):

@@ -133,7 +133,7 @@ class _Periodogram:
         return shown
 
     def misfit(self, parameters: Array) -> float:
-        """Whittle's sum of ln S + P/S over modes, with the best factor on S, up to a constant."""
+        """Whittle's misfit of spectrum S to power P: Σ(ln S + P/S), best factor, plus constant."""
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)
         return float(spectrum.size * (np.log(factor) + np.mean(np.log(spectrum))))

@@ -231,7 +231,7 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """The part of the surface for the window; smaller if it is to be repeated; None on a fault."""
+    """Part of the heights that the window needs, or can repeat; None if a fault was reported."""
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
         left = np.subtract(heights.shape, table["crop"])

@@ -138,7 +138,7 @@ class WordNames(Names):
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
-    """Add columns of quantities computed from others; return what is missing for others, by name.
+    """Add columns computed from others; return, by quantity, what is missing to compute it.
 
     For quantities in `needed` the missing input is also a fault.
     """

@@ -84,7 +84,7 @@ def read_text(path: Path) -> Raw:
 
 
 def _step(line: Array) -> float:
-    """Step of evenly spaced places; NaN if they are not even."""
+    """Step between evenly spaced places; NaN if their spacing is uneven."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -92,7 +92,7 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a first column, and first row, of even places; steps along x and y."""
+    """Heights without a leading column, or column and row, of places; steps along x and y."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):

@@ -137,9 +137,9 @@ class Trace:
             yield "confirm it in the trace (-o trace.png) and on the surface"
 
     def tests(self) -> list[dict[str, str | float]]:
-        """The trace as tables of a scene.
+        """Tests found in the trace, as tables of a scene file.
 
-        It is one table with the ends of a stepwise run, one for each stage, a single test, or a
+        This is one table with the ends of a stepwise run, one for each stage, a single test, or a
         transition on a ramp.
         """
         severe = self.scuff
@@ -253,7 +253,7 @@ def _setpoint(column: Array) -> Array:
 
 
 def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
-    """Rows of each stage and if it is a ramp, by commands (n, n_command) over their maxima."""
+    """Cut a trace into stages: rows, and if a ramp, by commands (n, n_command) over maxima."""
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):
         if np.abs(now - level).max() > _APART:

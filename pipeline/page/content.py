@@ -101,7 +101,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
 
 
 def _page_facts(data: Results) -> dict[str, Any]:
-    """Facts on the scene and its axes."""
+    """Facts for the page: name of the scene, range and values of its axes, surfaces."""
     sweep = data.sweep
     return {
         "name": sweep.name,
@@ -148,7 +148,7 @@ def _nearest_of(places: Array, place: float) -> int:
 
 
 def _outside(loads: Array, velocities: Array) -> str:
-    """Hint on the operating points that may be typed."""
+    """Hint for the reader: the range of loads and velocities that may be typed."""
     ends = [f"{x[0]:.4g} to {x[-1]:.4g}" for x in (loads, velocities)]
     return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
 
@@ -201,7 +201,7 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares between which the deciding rise is linear; one if no share decides."""
+    """Failing shares to tabulate, as the rise is linear between them; one if none decides."""
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
@@ -302,7 +302,7 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 def _model_facts(data: Results) -> dict[str, Any]:
     """Distribution of the model's own error, and the limits of a decided verdict.
 
-    Cumulative probabilities are by the number of transitions, at distances in units of the scale.
+    Cumulative probabilities are given for each number of transitions, at distances over scale.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
@@ -366,7 +366,7 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated"
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Parts into which the grid divides intervals between velocities, and between loads."""
+    """Number of parts into which the grid divides each interval of velocity, and of load."""
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
     while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:
@@ -384,7 +384,7 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     """Interpolate values along an axis from places `x` to `places`; see `Curve`.
 
     Values that are not finite are left out. If `continued`, values beyond the known ones are
-    extrapolated by the power laws of `Field`.
+    extrapolated by the power laws of `Curve`.
     """
     fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, is_line=True)
     return np.moveaxis(fine, -1, axis)

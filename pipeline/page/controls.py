@@ -89,7 +89,7 @@ def scene_choice(names: Sequence[str]) -> str:
 
 
 def _select(name: str, options: Mapping[str, str]) -> str:
-    """HTML element to select a text, from texts by value."""
+    """HTML element that selects one of `options`, the shown texts by value."""
     listed = "".join(
         f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
     )

@@ -116,7 +116,7 @@ def _summed(field: Array, block: tuple[int, int]) -> Array:
 
 
 def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uint8]:
-    """Levels of a field, from `least` at `low` to 255 at `high`."""
+    """Colour levels of a field, from `least` at `low` to 255 at `high`."""
     scale = (_LEVELS - least) / (high - low) if high > low else 0.0
     levels: Array = np.clip(least + np.rint((field - low) * scale), least, _LEVELS)
     return levels.astype(np.uint8)

@@ -22,7 +22,7 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """The sweep with the cheapest fidelity within `accuracy`, or with that of its store."""
+    """The sweep with the cheapest fidelity within error `accuracy`, or its store's fidelity."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)
     selection = stored and stored.selection

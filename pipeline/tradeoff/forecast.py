@@ -148,7 +148,7 @@ def worker_bytes(sweep: Sweep) -> float:
 
 
 def as_computed(sweep: Sweep) -> Scene:
-    """The scene with the elements chosen for its lowest load; with all pixels if there are many."""
+    """The scene with elements chosen for its lowest load; one a pixel if pixels are very many."""
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
         return fit_elements(scene, min(sweep.plane.loads))
@@ -178,7 +178,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of steps to a load: shared by the ramp, not shared, and with a temperature."""
+    """Numbers of steps to a load: shared with other loads, not shared, and with temperatures."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

@@ -42,7 +42,7 @@ class Probe(NamedTuple):
 
 
 def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
-    """Simulate points with another fidelity, timed; points at one velocity share their ramp."""
+    """Time the simulation of points with another fidelity; points at one velocity share a ramp."""
     scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
     # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
@@ -62,7 +62,7 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 def _run(
     sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
-    """Simulate a point: decisive rise at friction 1 [K], and the state under full load with it."""
+    """Simulate a point; return its highest rise [K] at full load for friction 1, and the state."""
     under_load = (
         (momentary_rise(sweep.scene, state, sweep.conditions), state)
         for state in simulate(sweep.scene, load, velocity, trunks)

@@ -177,7 +177,7 @@ def trade(
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Approximate work of simulating some places: steps × elements for each pixel."""
+    """Approximate work of simulating some places: number of steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)

@@ -24,7 +24,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
-    """First place along an axis where an excess (..., m) rises through 0.
+    """First place along an axis where the excess ln(rise/limit) (..., m) rises through 0.
 
     The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
     a power law. Returns the logarithm of the place, the slope of the excess over the logarithm of
@@ -41,7 +41,7 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 
 
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Turns between neighbours of `x`: sign (+1 to severe, 0 none) and place, each (n, m - 1)."""
+    """Turns of wear between nodes `x` (1 to severe, −1 to mild, 0 none), places; (n, m - 1)."""
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
     rises = lines[:, 1:] - lines[:, :-1]

@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Description of the samples that compares equal if only correlations or units differ."""
+    """Rule of the samples, which compares equal if only correlations or shown units differ."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]

@@ -57,7 +57,7 @@ _LEAST_SCORE = 1e-3  # if outputs are predicted exactly, or no row is left
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """A Gaussian process fitted to rows of outputs."""
+    """Gaussian process that predicts outputs from features, fitted to rows of both."""
 
     features: Array  # (n, n_feature), with a spread of about 1
     dimensions: Groups  # number of the input that each feature belongs to; an input has one length
@@ -106,7 +106,7 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if `held` is known and, as printed, 85 to 95 %."""
+        """True if `held` is known, and from 85 to 95 % when rounded as in print."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
@@ -245,7 +245,7 @@ def outer(along: Array) -> Array:
 
 
 def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Group of each row, and masks of rows to leave out: folds of groups, then both ends."""
+    """Group of each row; masks of rows to leave out: folds of groups, then ends of velocities."""
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
     folds = groups % _FOLDS

@@ -70,7 +70,7 @@ class Excess(NamedTuple):
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_chance(self, seed: int) -> Array:
-        """`values` plus a random emulator error, which is one standard score for each draw."""
+        """`values` plus a random emulator error: one normal number a draw, times `error`."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 
@@ -183,8 +183,8 @@ class Ensemble:
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
         """The ensemble under the conditions of a table's row; see `Conditions.row_conditions`.
 
-        They replace the scene's conditions and the drawn ones. Raises an `InputError` if the rises
-        at friction 1 depend on them.
+        They replace the scene's conditions and the drawn ones. Raises an `InputError` if the
+        emulated rises themselves depend on them.
         """
         if not own:
             return self
@@ -255,7 +255,7 @@ class Ensemble:
         critical: float | Array | None = None,
         was_measured: bool = False,
     ) -> Array:
-        """Logarithm of the rise at friction 1 [K] above which wear is severe, shape (n,).
+        """Logarithm of the limit of the rise [K], for a friction coefficient of 1, shape (n,).
 
         `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A measured
         friction already includes the effect of temperature.
@@ -291,7 +291,7 @@ class Ensemble:
     def _emulate(
         self, draws: Array, load: Axis | float, velocity: Axis | float
     ) -> tuple[Array, Array]:
-        """Logarithm of the rise at friction 1 [K] and its error, each (n, n_load, n_velocity)."""
+        """ln(rise [K]) for friction coefficient 1, and its error, (n, n_load, n_velocity)."""
         emulator = self._rise
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
         self.require_within(loads, velocities)

@@ -55,7 +55,7 @@ _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
-    """Paths of unknown inputs that a layer above their distribution, as ``--set``, fixes."""
+    """Paths of unknown inputs that a later value, such as one by ``--set``, fixes."""
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
         table = layer.entries.get("unknown")
@@ -72,7 +72,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 
 def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
-    """The sweep with samples for each variant; unchanged if the scene has none, or faulty ones."""
+    """The sweep with samples for each variant; unchanged if the scene has none, or faults."""
     scene = sweep.declared
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
@@ -259,7 +259,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
 
 
 def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
-    """The sweep with another value at `path` and the same friction curves; raises if unfit."""
+    """The sweep with another value at `path` and the same friction curves; raises if invalid."""
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
     other = replace(sweep, written=written, variants=Variants())

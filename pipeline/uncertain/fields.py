@@ -122,7 +122,7 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """The field under other conditions; raises an `InputError` if tests weighed them."""
+        """The field under other conditions; raises an `InputError` if tests weighed the samples."""
         if not own:
             return self
         if self.posterior:
@@ -231,10 +231,10 @@ class SampleField:
             yield functools.partial(_normal_below, sd), self.weights * odds
 
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
-        """Logarithms of velocities (m,), and the excess of the next run by draw (n, m).
+        """Logarithms of velocities (m,), and ln(rise/limit) of the next run by draw (n, m).
 
-        With `beyond` they reach this far beyond the samples' ln(velocity); the excess at friction 1
-        is extrapolated as a power law.
+        With `beyond` they reach this far beyond the samples' ln(velocity). The rise without
+        friction by velocity is then extrapolated as a power law.
         """
         if load not in self._kept:
             self._keep([load])
@@ -254,7 +254,7 @@ class SampleField:
         return nodes, heat + self._log_factor(nodes)
 
     def _log_factor(self, x: Array) -> Array:
-        """Logarithm of the factor of friction at logarithms of velocities."""
+        """Logarithm of the factor of friction by velocity, at logarithms `x` of velocities."""
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
@@ -275,7 +275,7 @@ class SampleField:
             self._kept[load] = np.log(velocities), lines[:, number]
 
     def _chance_excess(self, loads: Axis, velocities: Axis | float) -> Array:
-        """Excess by draw, with a random emulator error and a random friction of the next run."""
+        """ln(rise/limit) by draw, with a random emulator error and a random friction of the run."""
         seed = self.ensemble.design.seed
         lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_chance(seed)
         chance = np.random.default_rng(seed + 1).standard_normal(len(lines))

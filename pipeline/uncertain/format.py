@@ -26,7 +26,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """Kind of entry: a table in one of several forms, which share their last keys; or a list."""
+    """Type of entry for a distribution: a table in one of several forms, or a list of values."""
 
     forms: tuple[Table, ...]
     listed: Kind

@@ -173,7 +173,7 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
 
 
 def first_unfit(correlations: Array) -> int | None:
-    """Index of the first input whose correlations with earlier ones contradict; or None."""
+    """Index of the first input whose correlations contradict those before it; None if none."""
     for i in range(1, len(correlations)):
         before, last = correlations[:i, :i], correlations[i, :i]
         if 1 - last @ np.linalg.solve(before, last) < _LEAST:

@@ -90,7 +90,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Draws weighed by the tests, resampled if few are near, and the tests judged by them."""
+    """Weigh the draws by the tests, with new draws if few fit; also return the judged tests."""
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
