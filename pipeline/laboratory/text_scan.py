@@ -84,7 +84,7 @@ def read_text(path: Path) -> Raw:
 
 
 def _step(line: Array) -> float:
-    """Step between evenly spaced places; NaN if their spacing is uneven."""
+    """Step between evenly spaced coordinates; NaN if their spacing is uneven."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -92,7 +92,7 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a leading column, or column and row, of places; steps along x and y."""
+    """Heights without a leading column, or column and row, of x and y; their steps, or None."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -106,7 +106,7 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Header lines, the table (NaN in holes), places in the row above it, and number of blocks."""
+    """Header lines, the table (NaN in holes), x in the row above it, and number of blocks."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}

@@ -110,7 +110,7 @@ def _block(elements: int) -> int:
 
 
 def _summed(field: Array, block: tuple[int, int]) -> Array:
-    """Sums of a field over blocks; the last block may be smaller."""
+    """Sums of a field over blocks of elements; the last block along an axis may be smaller."""
     starts = [np.arange(0, n, b) for n, b in zip(field.shape, block, strict=True)]
     return np.add.reduceat(np.add.reduceat(field, starts[0], axis=0), starts[1], axis=1)
 

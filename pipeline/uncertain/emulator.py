@@ -68,7 +68,7 @@ class Emulator:
     check: LeftOut
 
     def __call__(self, features: Array, between: Array) -> tuple[Array, Array]:
-        """Weighted sums of outputs, and their standard error against a simulation, each (n, m).
+        """Predict weighted sums of outputs, and their standard error against a simulation, (n, m).
 
         `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between
         outputs.

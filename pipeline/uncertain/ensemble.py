@@ -269,7 +269,7 @@ class Ensemble:
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     def log_friction_factor(self, temperatures: float | Array) -> Array:
-        """Logarithm of the factor on friction at contact temperatures [K]."""
+        """Logarithm of the factor by which contact temperatures [K] change friction."""
         law = replace(self.conditions.friction_law, coefficient=1.0)
         return np.asarray(np.log(law.at(temperature=temperatures)))
 
