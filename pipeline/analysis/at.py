@@ -253,7 +253,7 @@ def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
 
 
 def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Select `values` of the sweep's varied entries; also return the values of other entries."""
+    """Select the values of entries that the sweep varies; return those of other entries, too."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:

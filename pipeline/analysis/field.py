@@ -153,7 +153,7 @@ class PointField:
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
-        """The field under other conditions."""
+        """The field judged under other conditions, by the same simulated points."""
         names = "bulk_ratio", "solved_friction"
         if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
             return replace(self, conditions=conditions)  # rises at friction 1 do not change

@@ -92,7 +92,7 @@ class Results:
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
-        """Dimensions of entries with several values, or of rows with their own places."""
+        """Names of dimensions beside load, velocity and chance: of entries, or of table rows."""
         drawn = drawn_dims(self.rows)
         return tuple(name for name in self.front if name not in drawn)
 

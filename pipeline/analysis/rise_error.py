@@ -89,7 +89,7 @@ _PARTS = (
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a rise by its parts; None for an unknown part."""
+    """Relative error of a temperature rise, by its causes; None where a cause's is unknown."""
 
     interpolation: float | None
     preset: float | None
@@ -171,7 +171,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Indices of loads beside each slot of load, for each slot of velocity; see `_slots`."""
+        """Indices of the two loads around a load, by slot of velocity and of load; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T

@@ -115,7 +115,7 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw in the house style, except for matplotlib settings that the caller has changed."""
+    """Decorator: draw in the house style, but keep matplotlib settings that the caller changed."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:

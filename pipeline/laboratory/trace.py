@@ -229,7 +229,7 @@ def _level(column: Array | None, rows: slice) -> float | None:
 
 
 def at_rest(column: Array) -> Array:
-    """Rows in which a load or velocity is negligible against its maximum, shape (n,)."""
+    """Mask (n,) of the rows in which `column`, a load or velocity, is negligible."""
     command = _setpoint(column)
     result: Array = command <= _REST * command.max()
     return result

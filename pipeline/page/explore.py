@@ -45,7 +45,7 @@ _OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.
 @shown
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A page that was written."""
+    """Path of the page that `pipeline.explore` has written, and how many points it shows."""
 
     path: Path  #: File of the page.
     points: int  #: Number of points of the sweep that are done.
@@ -175,7 +175,7 @@ def _plane(scene: Results, most_fields: int) -> _Main:
 
 
 def _samples(scene: Results, _: int) -> _Main:
-    """Main part for samples: diagram and table of the probability of severe wear."""
+    """Main part of the page for samples: diagram and table of the probability of severe wear."""
     (table,) = frames_of(boundary(scene))
     values = {
         "operating": _text("operating.html"),

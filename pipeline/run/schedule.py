@@ -103,7 +103,10 @@ class Losses:
         return [(point, self._workers[point]) for point in failed]
 
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Jobs that try suspected points alone, once no other jobs run; least lost first."""
+        """Jobs that each try one suspected point alone; points that lost fewest workers come first.
+
+        There are none while jobs of several points run.
+        """
         if not all(job.is_alone for job in present):
             return
         free = {*workers} - {job.worker for job in present}

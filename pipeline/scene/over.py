@@ -65,7 +65,7 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Entries that a value replaces, and their values: the name of an oil replaces its table."""
+    """Paths and values of entries that one value sets; an oil's name sets all of its table."""
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value

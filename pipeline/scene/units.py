@@ -90,7 +90,7 @@ _TRAPS = [InvalidOperation, DivisionByZero, Overflow]
 
 @contextmanager
 def exact_decimals() -> Iterator[None]:
-    """Compute with decimals of 28 digits, whatever the caller's context is."""
+    """Context manager: compute with decimals of 28 digits, whatever context the caller has."""
     with localcontext(Context(prec=28, rounding=ROUND_HALF_EVEN, traps=_TRAPS)):
         yield
 

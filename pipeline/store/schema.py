@@ -153,7 +153,7 @@ def is_of_points(dim: str) -> bool:
 
 
 def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable for a column of the table of variants, of the type of the label of one row."""
+    """Variable that stores a column of the table of variants; its type is that of a label."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
     return Variable(dims, column.unit, column.meaning, kinds[type(label)])

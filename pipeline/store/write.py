@@ -148,7 +148,7 @@ class Store:
         self.write({}, {self.index(point): PENDING for point in points})
 
     def ask(self, sweep: Sweep) -> None:
-        """Note which points this run asks for."""
+        """Record in the store which points this run asks for."""
         wanted = np.zeros_like(self.asked)
         for point in points_of(sweep):
             wanted[self.index(point)] = 1

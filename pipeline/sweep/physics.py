@@ -24,7 +24,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that earlier turns are left out; `severe` says when wear is severe with them."""
+    """Caveat that heat of earlier turns is left out, None if it is not; `severe`: its effect."""
     if not cold_tracks(sweep):
         return None
     effect = f"is severe {severe}" if severe else "turns severe at lower velocities"

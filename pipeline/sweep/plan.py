@@ -52,7 +52,7 @@ _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 @shown
 @dataclass(frozen=True, slots=True, eq=False)
 class PointResult:
-    """The result of computing one point."""
+    """Temperatures, wear and warnings that were computed at one load and velocity."""
 
     point: Point  #: Load, velocity and variant.
     #: Values at each station, the end last, by variable of the dataset: shape (n_step,), or

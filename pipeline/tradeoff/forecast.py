@@ -157,7 +157,7 @@ def as_computed(sweep: Sweep) -> Scene:
 
 
 def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Time a short run: mean time of a contact and of a heat partition [s], and its last state."""
+    """Run some steps: mean CPU time of a contact and of a heat solution [s], and the last state."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()

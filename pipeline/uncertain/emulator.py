@@ -183,7 +183,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """The kernel (n, n) between rows, with the variances of contacts and rows added."""
+    """Covariance (n, n) of training rows: smooth part, part of a shared contact, and noise."""
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
     kernel[np.diag_indices_from(kernel)] += n

@@ -216,7 +216,7 @@ class Ensemble:
         return self.design.velocities
 
     def excess(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
-        """Logarithm of the rise over the limit above which wear is severe; see `Excess`.
+        """ln(rise/limit), where wear is severe above the limit; see `Excess`.
 
         `draws` (n, n_unknown) are values of the unknown inputs [SI]. Raises an `InputError` at a
         load [N] or velocity [m/s] outside the sweep, or if no critical temperature is known.

@@ -25,7 +25,10 @@ _HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 
 
 def shown_test(tests: Sequence[Test]) -> int:
-    """Index of the test that represents a run: easiest severe test, else hardest mild test."""
+    """Index of the test that represents a run.
+
+    It is the severe test of least load × velocity, or without one the mild test of greatest.
+    """
 
     def severity(number: int) -> tuple[bool, float]:
         is_mild = tests[number].get("outcome") == "mild"
@@ -53,7 +56,7 @@ class Judged(NamedTuple):
 
     @property
     def since(self) -> Test | None:
-        """The hardest mild test of a run that turned severe; None for other runs."""
+        """Mild test of highest load × velocity of a run that turned severe; None for other runs."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 

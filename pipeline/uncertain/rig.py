@@ -51,7 +51,7 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Inputs with the rig's friction and scatter added if tests measured it, and their columns."""
+    """Inputs, plus the rig's friction and scatter if tests measured friction; columns of both."""
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
     if FRICTION not in paths or not measured:

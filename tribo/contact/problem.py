@@ -72,7 +72,7 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Choose the rows of a solid, along x or y, that yield most to their mean pressure."""
+    """Rows of elements along x or y, whichever are more compliant under a mean pressure."""
     return _prepare_solid(solid)[0]
 
 

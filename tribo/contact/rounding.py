@@ -25,7 +25,7 @@ _MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no dig
 
 
 def update_error(updates: int, rounding: float, displacement: float) -> float:
-    """Largest error that updates leave in a displacement [m], given its largest value [m]."""
+    """Bound on the rounding error [m] of a displacement, at most `displacement`, after updates."""
     return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
 
@@ -69,7 +69,7 @@ class LowestResidual(NamedTuple):
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual has stopped falling, mostly because of rounding."""
+        """True if the residual no longer falls, as when only rounding errors are left."""
         waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:
             return False

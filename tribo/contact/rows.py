@@ -129,7 +129,7 @@ class RowMetric:
     def _shifted_at_once(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """As `_shift_and_clip`, by Newton's method without a bracket; None if that fails."""
+        """Shift and clip as `_shift_and_clip`, by Newton's method alone; None if it fails."""
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):

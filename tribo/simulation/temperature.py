@@ -140,7 +140,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """The temperature with its response to a disk that is 1 K warmer than the pin."""
+    """`summary`, plus how temperatures change if the disk is 1 K warmer than the pin."""
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
     return replace(

@@ -226,7 +226,7 @@ def rise_limit(conditions: Judging) -> float:
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Index of the step of highest rise once the load is reached, else of the last step.
+    """Index of the step of highest rise among those at `load` or above; the last if there is none.
 
     Both arrays have the steps on their last axis.
     """

@@ -235,7 +235,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s of a panel, and at each the factor along x times the weight of the node."""
+    """Nodes s on a panel of the time integral; at each, the kernel's x factor times its weight."""
     (low, high), (nodes, weights) = panel, rule
     if not filon:
         s = (high + low) / 2 + (high - low) / 2 * nodes

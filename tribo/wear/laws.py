@@ -29,7 +29,7 @@ class WearLaw(Protocol):
         """Pattern of the wear, ``"local"`` or ``"swept"``; see `tribo.Wear`."""
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear between the sliding distances `begin` and `end` [m], at the mean rate there."""
+        """Wear at the mean rate between the sliding distances `begin` and `end` [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class RunningIn:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear between the sliding distances `begin` and `end` [m], at the mean rate there."""
+        """Wear at the mean rate between the sliding distances `begin` and `end` [m]."""
         way = (end - begin) / self.distance
         faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
