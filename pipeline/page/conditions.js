@@ -38,8 +38,7 @@ function typed(text) {
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
-/** Take the value of a field or slider as a condition, or show its fault. @param {Control} control @param
- * {HTMLInputElement} source */
+/** Take a value that was typed or moved. @param {Control} control @param {HTMLInputElement} source */
 function change(control, source) {
   const value = (typed(source.value) - control.offset) / control.factor;
   const conditions = { ...chosen.conditions, [control.name]: value };

@@ -10,8 +10,7 @@ function ends(values) {
   return { low: low - room, high: high + room };
 }
 
-/** Axes that contain all velocities [m/s], loads [N] and tests. @param {number[]} velocities @param
- * {number[]} loads @param {Place[]} tests */
+/** Axes that contain all. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
@@ -120,8 +119,7 @@ function drawnMarks(frame) {
   });
 }
 
-/** True if a test's own conditions give another transition than the boundary drawn. @param {Measurement}
- * test */
+/** True if a test's own conditions give another transition than that drawn. @param {Measurement} test */
 function hasOwnConditions({ own, node: [, j] }) {
   const there = { ...chosen.conditions, ...own };
   const factor = own.strip_friction ? content.friction_factors[j] : 1;

@@ -10,8 +10,7 @@ function indexOf(surface, k, j) {
   return (surface * content.fine.load.length + k) * content.fine.velocity.length + j;
 }
 
-/** Indices along load and velocity of the node nearest to a place. @param {Place} place @returns
- * {[number, number]} */
+/** Node of load and velocity nearest to a place. @param {Place} place @returns {[number, number]} */
 function nearestNode({ load, velocity }) {
   return [nearest(content.fine.load, load), content.first + nearest(content.inner, velocity)];
 }

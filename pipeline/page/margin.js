@@ -24,9 +24,8 @@ function judgedTests() {
   });
 }
 
-/** A transition without a turn, with turns extrapolated beyond the computed points. @param {Transition} one
- * @param {number} surface @param {number} k of the load @param {Conditions} conditions @returns
- * {Transition} */
+/** A transition without a turn, with turns beyond the points. @param {Transition} one @param {number} surface
+ * @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
 function goneOn(one, surface, k, conditions) {
   const { velocity } = content.fine;
   const severe = rangesAbove(velocity, lineOf(surface, k, conditions), heatOf(conditions).limit);

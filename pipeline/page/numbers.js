@@ -11,8 +11,7 @@ function weights(x, place) {
   return weight === 0 ? [[k - 1, 1]] : [[k - 1, 1 - weight], [k, weight]];
 }
 
-/** Value at a place by linear interpolation. @param {number[]} x ascending @param {ArrayLike<number>} y
- * @param {number} place */
+/** Linear interpolation. @param {number[]} x ascending @param {ArrayLike<number>} y @param {number} place */
 function linear(x, y, place) {
   return sum(weights(x, place).map(([k, weight]) => weight * y[k]));
 }
@@ -34,8 +33,7 @@ function quantileOf(values, share) {
   return linear([...ranked.keys()], ranked, share * (ranked.length - 1));
 }
 
-/** Quantile of values known between two ends; NaN if the ends give different ones. @param {Ends[]} ends
- * @param {number} share */
+/** Quantile of values between two ends; NaN if these differ. @param {Ends[]} ends @param {number} share */
 function quantileOfEnds(ends, share) {
   const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
   return low === high ? low : NaN;

@@ -6,8 +6,7 @@ function isInside({ load, velocity }, { loads, velocities }) {
     velocity >= velocities[0] && velocity <= velocities[velocities.length - 1];
 }
 
-/** Call `take` with the operating point whenever it is typed. @param
- * {(load: number, velocity: number) => void} take */
+/** Take each operating point that is typed. @param {(load: number, velocity: number) => void} take */
 function listenToOperatingPoint(take) {
   const read = (/** @type {string} */ id) => {
     const value = typed(input(id).value);
@@ -17,8 +16,7 @@ function listenToOperatingPoint(take) {
   element("operating").addEventListener("change", () => take(read("at-load"), read("at-velocity")));
 }
 
-/** Show the margin of the operating point, or a hint why there is none. @param {[string, string][] | string}
- * rows */
+/** Show the operating point's margin, or why it has none. @param {[string, string][] | string} rows */
 function showMargin(rows) {
   const isHint = typeof rows === "string";
   element("operating").classList.toggle("is-used", !isHint);

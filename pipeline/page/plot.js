@@ -30,8 +30,7 @@ function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }
 
-/** About `count` round values between two ends. @param {number} low @param {number} high @param {number}
- * count */
+/** About `count` round values between ends. @param {number} low @param {number} high @param {number} count */
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -108,8 +107,7 @@ function readContent() {
   });
 }
 
-/** SVG path through points, with gaps where one is not finite. @param {number[]} x @param {number[]} y in
- * pixels */
+/** SVG path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y [px] */
 function path(x, y) {
   const isThere = x.map((across, k) => Number.isFinite(across) && Number.isFinite(y[k]));
   return x.map((across, k) => isThere[k]

@@ -20,8 +20,7 @@ function onScreen({ i, j }) {
   return [diagram.frame.x(content.velocities[j]), diagram.frame.y(content.loads[i])];
 }
 
-/** Point of the sweep under the pointer; null if there is none, or it was not asked for. @param {MouseEvent}
- * event */
+/** Point under the pointer; null if there is none, or it was not asked for. @param {MouseEvent} event */
 function pointAt(event) {
   const { left, top } = diagram.root.getBoundingClientRect();
   const [across, down] = [event.clientX - left, event.clientY - top];

@@ -5,8 +5,7 @@ const samples = readContent();
 /** The operating point. */
 const operating = { load: NaN, velocity: NaN };
 
-/** Probability of severe wear at a place, interpolated in the table. @param {number} load @param {number}
- * velocity */
+/** Probability of severe wear, by the table. @param {number} load @param {number} velocity */
 function probabilityAt(load, velocity) {
   const { loads, velocities, probability } = samples;
   const n = velocities.length;
@@ -14,8 +13,7 @@ function probabilityAt(load, velocity) {
   return linear(loads, rows, load);
 }
 
-/** Row with the velocities at which a probability is passed at a load. @param {number} share @param {number}
- * load @returns {[string, string]} */
+/** Where a probability is passed. @param {number} share @param {number} load @returns {[string, string]} */
 function turnsRow(share, load) {
   const { velocities } = samples;
   const over = velocities.map((velocity) => probabilityAt(load, velocity) - share);
@@ -56,8 +54,7 @@ function drawSamples() {
   showLegend();
 }
 
-/** Show the probability next to a place. @param {Frame} frame @param {number} load @param {number}
- * velocity */
+/** Show the probability at a place. @param {Frame} frame @param {number} load @param {number} velocity */
 function showTip(frame, load, velocity) {
   tip.hidden = !isInside({ load, velocity }, samples);
   if (tip.hidden) return;

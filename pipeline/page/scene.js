@@ -11,8 +11,7 @@ for (const { rows: [heads, ...rows] } of document.querySelectorAll("table")) {
   }
 }
 
-/** Let readers choose another scene; return the conditions changed on the previous one. @param {() => object}
- * changes */
+/** Let readers choose another scene; return conditions brought along. @param {() => object} changes */
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};

@@ -28,8 +28,7 @@ function kept(key, make) {
   return made;
 }
 
-/** Contact temperature [K] for a rise at friction 1 [K]; the lowest solution with friction by
- * temperature. @param {number} rise */
+/** Contact temperature of a rise at friction 1, the lowest of its friction [K]. @param {number} rise */
 function temperature(rise) {
   const [, factors] = content.friction_by_temperature;
   const { coldest, factor, limitOf } = heatOf(chosen.conditions);

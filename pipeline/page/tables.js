@@ -10,8 +10,7 @@ function boundaries() {
   };
 }
 
-/** Quantiles of the transition over surfaces; for one surface its transition. @param {Transition[]} all
- * @returns {Summary} */
+/** Quantiles over surfaces; of one, its transition. @param {Transition[]} all @returns {Summary} */
 function summaryOf(all) {
   const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
   return { low, middle, high, transitions: all };
@@ -45,8 +44,7 @@ function outcomeWords({ outcome, computed, severe }, along, unit) {
   return content.outcomes[along][outcome] + reach;
 }
 
-/** Outcome in words; for several surfaces the number with each outcome. @param {{transitions: Transition[]}}
- * row @param {string} unit */
+/** Outcomes in words, over all surfaces. @param {{transitions: Transition[]}} row @param {string} unit */
 function outcomeText({ transitions }, unit) {
   const along = unit === "N" ? "load" : "velocity";
   const words = content.outcomes[along];
