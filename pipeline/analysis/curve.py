@@ -50,17 +50,17 @@ class Curve:
         self.is_log = np.logical_not(((self.x <= 0) | (self.y <= 0)).any(axis=-1))
 
     def _at(self, values: Array, number: Any) -> Array:
-        """Value of each row at the index `number`."""
+        """Element of each row of `values` at the row's index `number`."""
         found: Array = np.take_along_axis(values, np.asarray(number)[..., None], -1)[..., 0]
         return found
 
     @property
     def ends(self) -> tuple[Any, Any]:
-        """Index of the first and of the last known point, by row."""
+        """Indices of the first and of the last known point of each curve."""
         return np.zeros_like(self.count), np.maximum(self.count - 1, 0)
 
     def end(self, end: int) -> tuple[Array, Array]:
-        """Abscissa and ordinate, by row, of the first point (0) or the last one (-1)."""
+        """Abscissae and ordinates of the first point (0) or of the last one (-1) of each curve."""
         return self._at(self.x, self.ends[end]), self._at(self.y, self.ends[end])
 
     def _scaled(self, values: Array) -> Array:
@@ -70,7 +70,7 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae, ordinates (both logarithms if `is_log`) and coefficients of each cubic."""
+        """Abscissae and ordinates (logarithms if `is_log`), cubic coefficients by interval."""
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
         m = np.diff(v) / h
@@ -88,7 +88,7 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Ordinates, or their logarithms, at distances `way` into intervals `pieces` (..., p)."""
+        """Ordinates (logarithms if `is_log`) at distances `way` into `pieces` (..., p)."""
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
@@ -140,13 +140,13 @@ class Curve:
 
     @property
     def _numbers(self) -> Indices:
-        """Number of each row, from 0, in the shape of the rows."""
+        """Number of each curve, from 0, in an array of the curves' shape."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
-        """Abscissae (..., n) at which the ordinates pass limits, ascending, padded with NaN.
+        """Abscissae (..., n) at which curves pass `limit`, ascending, padded with NaN.
 
-        `limit` has a value for each row, or for each of the row numbers `rows`.
+        `limit` has a value for each curve, or for each of the curves numbered `rows`.
         """
         limit, rows = np.broadcast_arrays(limit, self._numbers[rows])
         limits, of_limit = limit.ravel(), rows.ravel()
@@ -173,7 +173,7 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Abscissae (n,) at which ordinates pass limits, one for each given row and interval."""
+        """Abscissae (n,) at which curves pass limits, for n given curve numbers and intervals."""
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
         )
@@ -195,7 +195,7 @@ class Curve:
 
 
 def _keys(rows: Indices, values: Array) -> Array:
-    """Complex keys that sort by row, then by value."""
+    """Complex numbers, row + i value, which sort by row, then by value."""
     keys = np.empty(np.broadcast_shapes(rows.shape, values.shape), complex)
     keys.real, keys.imag = rows, values
     return keys
@@ -204,8 +204,8 @@ def _keys(rows: Indices, values: Array) -> Array:
 def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
     """Slope at an end, from the parabola through three points, limited to keep the curve monotone.
 
-    `h` and `m` are interval and slope of the outermost piece, `next_h` and `next_m` of the next
-    one.
+    `h` and `m` are width and mean slope of the outermost interval, `next_h` and `next_m` those of
+    its neighbour.
     """
     slope = ((2 * h + next_h) * m - h * next_m) / (h + next_h)
     slope = np.where(np.sign(slope) == np.sign(m), slope, 0.0)

@@ -39,7 +39,7 @@ OIL = "oil"
 
 @dataclass(frozen=True)
 class Origin:
-    """Scene that a dataset was computed from, as hashable text; digests identify its arrays."""
+    """Scene of a dataset as a key for caches: its text, and digests in place of its arrays."""
 
     text: str
     digests: str
@@ -62,14 +62,14 @@ class Origin:
 
 @functools.lru_cache(maxsize=64)
 def stored_sweep(origin: Origin) -> Sweep:
-    """The sweep as it was stored, under its own conditions."""
+    """Sweep that `origin` describes, as it was stored: without the values of `pipeline.at`."""
     data = origin.arrays
     return text_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
 
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """The sweep, or its scene `name`, under the conditions `at`: JSON of SI values by path."""
+    """Sweep, or only its scene `name`, under the conditions `at`: JSON of SI values by path."""
     if name:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
@@ -90,17 +90,17 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
-    """The sweep as it was stored, under its own conditions."""
+    """Sweep of a dataset as it was stored, without the values of `pipeline.at`."""
     return stored_sweep(Origin.of(ds))
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
-    """The whole sweep that a dataset belongs to, under the conditions of `pipeline.at`."""
+    """Whole sweep that a dataset was selected from, under the conditions of `pipeline.at`."""
     return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
 
 
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
-    """Values set by `pipeline.at`, by the path of their entry [SI]."""
+    """Values that `pipeline.at` has set in a dataset, in SI, by the path of their scene entry."""
     try:
         return dict(json.loads(str(ds.attrs.get("at", "{}"))))
     except ValueError as error:
@@ -108,7 +108,7 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """Names and values of all varied entries, if the dataset has one value of each; else empty."""
+    """Pairs (name, value) of all varied entries; empty if the dataset has several values of one."""
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
@@ -163,15 +163,15 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def identified(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset with scene ids on its points, for the values set by `pipeline.at`."""
+    """Dataset with the coordinate ``scene_id``, for its scene and the values of `pipeline.at`."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Open or check the dataset of a sweep; load its lazy data, except fields of the contact.
+    """Open the dataset of a store, or check a given one; load lazy data, except contact fields.
 
-    Time, load and distance of each step become variables of each point.
+    Time, load and distance of each step, which a store has once, are repeated for every point.
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
@@ -202,7 +202,7 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
 
 
 def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` for dimensions, labels or units that no sweep has."""
+    """Raise an `InputError` for dimensions, coordinates or units that the sweep does not have."""
     units = _UNITS | {column.name: column.unit for column in table.columns}
     dims = entry_dims(ds["status"]) if "status" in ds else ()
     if unknown := [dim for dim in dims if dim not in units]:
@@ -243,7 +243,7 @@ def _per_point(ds: xr.Dataset) -> xr.Dataset:
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
-    """Dimensions of varied entries, named by path, and of a table's rows; not of surfaces."""
+    """Names of dimensions of varied scene entries and of table rows, not of surfaces or samples."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
     return [
         str(dim)
@@ -253,7 +253,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
 
 
 class Kind(Enum):
-    """Kind of the rows of a sweep, which decides how questions are answered."""
+    """Arrangement of a sweep's points: one plane, a load and velocity per row, or samples."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
@@ -261,7 +261,7 @@ class Kind(Enum):
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
-    """Kind of the rows of a sweep; see `Kind`."""
+    """Arrangement of a sweep's points; see `Kind`."""
     draw = scene_sweep(ds).variants.draw
     if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES
@@ -283,7 +283,7 @@ _NO_PLANE = {
 
 
 def require_one_scene(names: Sequence[str]) -> None:
-    """Raise an `InputError` if entries, by name, have several values in the sweep."""
+    """Raise an `InputError` if `names` is not empty: entries with several values in the sweep."""
     if names:
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)
@@ -302,12 +302,12 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
 
 
 def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Names of dimensions along which rows are random: surfaces, and samples if any."""
+    """Names of random dimensions of a dataset: surfaces, and samples if there are any."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
-    """The dataset with a dimension ``step``, also if a single step was selected.
+    """Dataset with a dimension ``step``, even if a single step was selected before.
 
     Raises an `InputError` if the dataset lacks one of the variables `names`, or the end of each
     point.

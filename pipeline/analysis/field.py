@@ -30,7 +30,7 @@ from pipeline.sweep.severity import rise_limit, rise_limits
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
-_FAR, _PLACES = 30.0, 1024  # ratio and places of extrapolation with friction by velocity
+_FAR, _PLACES = 30.0, 1024  # extrapolation with friction by velocity: ratio, velocities
 _PARTS = 64  # parts of an interval of velocities, at each of which friction is evaluated
 _POINTS = 2_000_000  # most points of lines in memory
 
@@ -40,10 +40,11 @@ Places = Array | float
 
 
 class Field(Protocol):
-    """Interface of fields: the deciding rise over load and velocity, from which answers follow.
+    """Interface: the deciding temperature rise over load and velocity, from which answers follow.
 
-    Places are loads [N] and velocities [m/s] of shape (k,), or a single one for all places. Arrays
-    have a value by member, a surface or a draw of inputs, (m,), or by member and place (m, k).
+    A place is a pair of load [N] and velocity [m/s]. Methods take k loads and k velocities, or one
+    value for all. Arrays have a value for each of m members (m,), also by place (m, k). A member is
+    a surface, or a draw of unknown inputs.
     """
 
     @property
@@ -56,7 +57,7 @@ class Field(Protocol):
 
     @property
     def source(self) -> Results:
-        """Results of the scene, or of the row of a table."""
+        """Results that the field is made from: those of a scene, or of one row of a table."""
 
     @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
@@ -68,7 +69,7 @@ class Field(Protocol):
 
     @property
     def at_once(self) -> int:
-        """Number of places that fit into memory at once."""
+        """Number of pairs of load and velocity that fit into memory at once."""
 
     @property
     def misfit(self) -> str:
@@ -79,10 +80,10 @@ class Field(Protocol):
         """Lines of text on what answers rest on, in addition to computed points."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field under the conditions of a table's row; see `Conditions.row_conditions`."""
+        """The field under conditions of one row of a table; see `Conditions.row_conditions`."""
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at places, and whether they are computed there."""
+        """Deciding temperatures at loads and velocities, and whether these are computed points."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Numerical errors relative to the rise, by part and place (4, k); NaN if unknown.
@@ -91,19 +92,19 @@ class Field(Protocol):
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along an axis through each place, and where wear first turns severe."""
+        """Outcome along load or velocity at each place, and where wear first becomes severe."""
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability that the next run is severe, by place (k,).
+        """Probability (k,) that the next run at each load and velocity is severe.
 
         `shift`, one value or one for each place, is added to ln(rise).
         """
 
 
 class Here(NamedTuple):
-    """Deciding temperatures of each member of a field at places, or why they are unknown."""
+    """Deciding temperatures by member of a field and place, or why they are unknown."""
 
     values: Array  # deciding temperatures [K] (m, k); NaN if unknown
     is_severe: Mask  # (m, k)
@@ -113,16 +114,16 @@ class Here(NamedTuple):
     reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` with the reason if a place is unknown."""
+        """Raise an `InputError` with the reason if the temperature at a place is unknown."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
 
 @dataclass(frozen=True, eq=False)
 class PointField:
-    """The field of computed points, for the surfaces of a scene or one row of its table."""
+    """Field by interpolation between computed points of a scene's surfaces or a table row."""
 
-    planes: tuple[RisePlane, ...]  # of each member, without friction by velocity
+    planes: tuple[RisePlane, ...]  # one for each surface, without friction by velocity
     conditions: Conditions
     promised: float | None  # relative error of boundary velocities due to the preset
     ends: Mapping[str, tuple[float, float]]  # range of loads [N] and velocities [m/s] of the sweep
@@ -134,13 +135,13 @@ class PointField:
 
     @property
     def at_once(self) -> int:
-        """Number of places whose lines together take some 200 MB of memory."""
+        """Number of places (load, velocity) whose lines together take some 200 MB of memory."""
         width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
         return 1 + _POINTS // (width * len(self.planes))
 
     @property
     def weights(self) -> Array:
-        """Equal weights of the members (m,)."""
+        """Equal weights of the surfaces (m,); their sum is 1."""
         return np.full(len(self.planes), 1 / len(self.planes))
 
     @property
@@ -149,18 +150,18 @@ class PointField:
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """The field under the conditions of a table's row, which replace the scene's."""
+        """The field under conditions of one row of a table, which replace the scene's."""
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
-        """The field judged under other conditions, by the same simulated points."""
+        """The field under other conditions, from the same simulated points."""
         names = "bulk_ratio", "solved_friction"
         if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
             return replace(self, conditions=conditions)  # rises at friction 1 do not change
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at places, interpolated between computed points; see `Here`."""
+        """Deciding temperatures at loads and velocities, by interpolation; see `Here`."""
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
@@ -181,7 +182,7 @@ class PointField:
         )
 
     def _reason(self, load: float, velocity: float, is_known: bool) -> str:
-        """Why a place is unknown; empty if it is known."""
+        """Why there is no answer at a load [N] and velocity [m/s]; empty if there is one."""
         axes = self.loads, self.velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
@@ -199,7 +200,7 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises [K] by member and place (m, k), and a mask: True between computed points."""
+        """Rises [K] by member and place (m, k), and a mask: False where extrapolated."""
         within, continued = (
             Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
             for beyond in (False, True)
@@ -208,7 +209,7 @@ class PointField:
         return np.where(is_within, within, continued), is_within
 
     def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
-        """Rises [K] at each place's velocity and all loads (m, k, n_load), times friction there."""
+        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor."""
         rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
@@ -224,25 +225,26 @@ class PointField:
 
     @functools.cached_property
     def _rises(self) -> Array:
-        """Rises (m, n_load, n_velocity) [K], without the factor of friction by velocity."""
+        """Rises [K] (m, n_load, n_velocity), divided by the friction factor of each velocity."""
         return np.array([plane.rises for plane in self.planes])
 
     @functools.cached_property
     def _curves(self) -> Curve:
-        """Rise over velocity as curves, by member and load."""
+        """Curves of the rise over velocity, for each member and load."""
         return Curve(self.velocities, self._rises)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Rise over load as curves, by member and velocity: computed, `_certain`, extrapolated."""
+        """Curves of rise over load, by member and velocity: computed, `_certain`, extrapolated."""
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
 
     def _certain(self, velocities: Array) -> Array:
-        """Rises by member, load and velocity [K], beyond the points only where wear cannot turn.
+        """Rises [K] by member, load, velocity; extrapolated only if the outcome cannot change.
 
-        A row is extrapolated below its lowest point if that is mild, above its highest if severe.
+        At each load this is below the lowest velocity if wear is mild there, and above the highest
+        velocity if wear is severe there.
         """
         factor = self.conditions.friction_factor(velocities)
         ends = (self._curves.end(end) for end in (0, -1))
@@ -254,7 +256,7 @@ class PointField:
         return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Numerical errors by part and place; see `Field.errors`."""
+        """Numerical errors relative to the rise, by part and place (4, k); see `Field.errors`."""
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
             [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
@@ -270,13 +272,13 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along an axis through each place, and where wear first turns severe."""
+        """Outcome along load or velocity at each place, and where wear first becomes severe."""
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run is severe, averaged over members."""
+        """Probability (k,) that the next run is severe at each place; mean over surfaces."""
         loads, velocities = places_of(loads, velocities)
         # A row with a single point, on any surface, is filled from other rows.
         is_sparse = np.isin(loads, self.loads[(self._curves.count < 2).any(axis=0)])
@@ -297,11 +299,11 @@ class PointField:
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
     ) -> Line:
-        """Rise along an axis through each place, as lines by member and place.
+        """Rise along load or velocity (`axis`) through each place, as one line by member and place.
 
         Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
-        severe. At a load or velocity of the sweep only its own points are used, unless `is_filled`
-        lets other rows replace missing points.
+        severe. At a load or velocity of the sweep only its own points are used. With `is_filled`,
+        points at other loads or velocities replace missing ones.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -335,13 +337,13 @@ class PointField:
 
 
 def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
-    """Loads and velocities of places as arrays, each of shape (k,)."""
+    """Loads and velocities as two arrays of the same shape (k,); a single value is repeated."""
     pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
     return np.asarray(pair[0], float), np.asarray(pair[1], float)
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Insert a point into each row; return ascending abscissae and ordinates, (..., n + 1).
+    """Insert a point (place, value) into each row; return both axes by ascending x, (..., n + 1).
 
     A value that is NaN is not inserted: its abscissa is NaN, too, and comes last.
     """
@@ -354,10 +356,10 @@ def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, 
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
-    """Closely spaced velocities [m/s], and the rises [K] there with friction by velocity.
+    """Closely spaced velocities [m/s] and the rises [K] there, if friction depends on velocity.
 
     Friction is known at every velocity, so only the heat is interpolated: rises are divided by
-    their factor of friction, and multiplied by that of each place.
+    `factor`, the friction factor of their velocity, and multiplied by that of each new velocity.
     """
     steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
     places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)
@@ -369,9 +371,9 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
-    """Curve of rises [K] far beyond known velocities [m/s]: power law for heat, known friction.
+    """Curve of rises [K] far beyond the velocities [m/s] of the points: power law times friction.
 
-    Rows without a power law are unknown (NaN).
+    Rows without a power law are unknown (NaN). `factor` is the friction factor by velocity.
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))
@@ -385,7 +387,7 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
 
 
 def fields(data: Results) -> list[Field]:
-    """Field of each scene of a sweep, or of each row with its own place."""
+    """One field for each scene of a sweep, or for each row that has its own load and velocity."""
     if data.kind is Kind.SAMPLES:
         made: list[Field] = extras.module("fields").fields(data)
         return made
@@ -393,7 +395,7 @@ def fields(data: Results) -> list[Field]:
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
-    """Field of one scene under `conditions`, by default its own."""
+    """Field of one scene under `conditions`, by default the scene's own."""
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)

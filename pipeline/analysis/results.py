@@ -51,6 +51,8 @@ _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
 class Results:
     """Results of a sweep, or of one of its scenes, as arrays.
 
+    A row is one combination of varied entries and surface, or one sample.
+
     Attributes
     ----------
     stored : Sweep
@@ -58,15 +60,15 @@ class Results:
     judged : mapping
         Values set by `pipeline.at`, by the path of their entry [SI].
     kind : Kind
-        Kind of its rows.
+        Arrangement of the points.
     front : tuple of str
-        Dimensions of its rows: entries with several values, then surfaces or samples.
+        Names of the dimensions of rows: entries with several values, then surfaces or samples.
     rows : Dataset
-        Labels of the rows as coordinates; single values for one scene.
+        Values of entries, surfaces or samples that identify the rows, as coordinates.
     loads, velocities : ndarray
         Axes of the plane, ascending [N, m/s]; velocities of samples are in `rows`.
     cut : tuple of str
-        Axes of which the dataset has a single value.
+        Those of the axes load and velocity of which the dataset has a single value.
     columns : mapping
         Variables by name, shape (rows, ..., load, velocity, step, share), as far as each has these.
     shares : ndarray
@@ -92,30 +94,30 @@ class Results:
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
-        """Names of dimensions beside load, velocity and chance: of entries, or of table rows."""
+        """Names of dimensions of varied entries, or of table rows, not of surfaces or samples."""
         drawn = drawn_dims(self.rows)
         return tuple(name for name in self.front if name not in drawn)
 
     @property
     def judged_dims(self) -> list[str]:
-        """Dimensions of conditions for which `pipeline.at` was given several values."""
+        """Names of dimensions of conditions for which `pipeline.at` was given several values."""
         columns = {column.name for column in self.stored.variants.columns}
         return [one for one in self.entry_dims if one in PATHS.values() and one not in columns]
 
     @property
     def labels(self) -> dict[str, Label]:
-        """Labels with one value for all rows, by name: entries, surface, row of a table."""
+        """Coordinates with a single value, by name: entries, seed of surface, row of a table."""
         found = {str(name): one for name, one in self.rows.coords.items() if not one.ndim}
         return {name: one.item() for name, one in found.items() if name not in _UNNAMED}
 
     @property
     def surface(self) -> Variant:
-        """Name and seed of the selected surface; empty for several, or the scene's own surface."""
+        """Pair ("realization", seed) of a single selected surface in a tuple; else empty."""
         return tuple((name, seed) for name, seed in self.labels.items() if name == "realization")
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] of a single place; None for a plane."""
+        """Load [N] and velocity [m/s] if there is a single pair of them; None for a plane."""
         is_row = self.kind is Kind.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None
@@ -123,7 +125,7 @@ class Results:
 
     @functools.cached_property
     def name(self) -> Variant:
-        """Names and values of all varied entries, if each has one value; else empty."""
+        """Pairs (name, value) of all varied entries, if each has one value; else empty."""
         return name_at(self.stored.variants, self.rows)
 
     @property
@@ -133,7 +135,7 @@ class Results:
 
     @functools.cached_property
     def sweep(self) -> Sweep:
-        """The sweep restricted to these results' labels, under the conditions of `pipeline.at`."""
+        """Sweep restricted to the selected entries, under the conditions of `pipeline.at`."""
         columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
         paths = [path for path in PATHS.values() if path in labels and path not in columns]
         own = {path: labels[path] for path in paths}
@@ -141,24 +143,24 @@ class Results:
 
     @functools.cached_property
     def conditions(self) -> Conditions:
-        """Conditions of the scene; raises an `InputError` if the sweep lacks what they need."""
+        """Conditions that judge wear; raises an `InputError` if the sweep lacks their data."""
         _ = self.sweep.conditions.decisive  # raises if the user's own rule is not loaded
         return self._require_computed(self.sweep.conditions)
 
     @property
     def shown_conditions(self) -> Conditions:
-        """Conditions for figures; without a limit if the user's own rule is not loaded."""
+        """Conditions for figures; without a critical temperature if the user's rule is missing."""
         if not isinstance(self.sweep.conditions.rule, Law):
             return self.conditions
         return replace(self.plain_conditions, criterion="highest", critical_temperature=None)
 
     @property
     def plain_conditions(self) -> Conditions:
-        """Conditions with the criterion "share", which needs no rule of the user."""
+        """Conditions with the criterion "share", which needs no code of the user."""
         return self._require_computed(replace(self.sweep.conditions, criterion="share"))
 
     def _require_computed(self, conditions: Conditions) -> Conditions:
-        """Return `conditions`; raise an `InputError` if they need what was not computed."""
+        """Return `conditions`; raise an `InputError` if the sweep lacks variables for them."""
         require_bulks(self.columns, conditions)
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
@@ -175,7 +177,7 @@ class Results:
             yield self.take(dict(zip(names, places, strict=True)))
 
     def take(self, places: Mapping[str, int]) -> Results:
-        """Select rows: `places` has the index to take, by the name of its dimension."""
+        """Results at one index along each of the given dimensions; `places` has indices by name."""
         if not places:
             return self
         rows = self.rows.isel(places)
@@ -194,7 +196,7 @@ class Results:
         )
 
     def take_surface(self, seed: int | None) -> Results:
-        """Results on the surface with a seed; on all surfaces if None."""
+        """Results on the surface with this seed of its roughness; on all surfaces if None."""
         if seed is None:
             return self
         seeds = self.rows["realization"].values.tolist() if "realization" in self.front else []
@@ -211,7 +213,7 @@ class Results:
         self.require("normal_load", "rise_quantile")
 
     def take_row(self, seed: int | None) -> Results:
-        """Plane of one scene on the surface with a seed; on the first surface if None."""
+        """Plane of one scene on the surface with this seed; on the first surface if None."""
         self.require_plane()
         row = self.take_surface(seed)
         return row.take(dict.fromkeys(row.front, 0))
@@ -230,7 +232,7 @@ class Results:
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
     def point(self, load: int, velocity: int) -> Point:
-        """Point of a single row, by its indices along load and velocity."""
+        """Load, velocity and surface of the point at these indices; for results of a single row."""
         if self.kind is Kind.SAMPLES:
             return Point(float(self.loads[load]), float(self.rows["velocity"]))
         return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)
@@ -290,7 +292,7 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Decisive rise [K] for friction coefficient 1, (rows, ..., load, velocity), or NaN."""
+        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity); or NaN."""
         if self.place is None:
             self.require_lists(*PLANE)
         column = conditions.decisive.column
@@ -303,7 +305,7 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises [K] over friction coefficient, if a run solved friction by temperature; or NaN."""
+        """Rises [K] divided by friction, where a run solved friction by temperature; else NaN."""
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:
             return np.array(np.nan)
