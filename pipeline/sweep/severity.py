@@ -17,7 +17,7 @@ import numpy as np
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError, Scene, State, Verdict
-from tribo.simulation import UNSOLVED, CoupledRise, moment_of
+from tribo.simulation import UNSOLVED, CoupledRise, state_rises
 from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
 from tribo.simulation.verdict import RISES as RISES
@@ -70,7 +70,7 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     """Temperature rise that decides on severe wear, at one moment of a simulation [K]."""
-    moment = moment_of(scene, state, conditions.corrections)
+    moment = state_rises(scene, state, conditions.corrections)
     rises = rises_above_colder(moment, replace(conditions, corrections=None))
     return float(conditions.decisive.rise(rises))
 

@@ -35,7 +35,7 @@ from tribo.analytic import rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.inverse import specific_wear_rate
 from tribo.numerics import Convolution
-from tribo.simulation import moment_of, start
+from tribo.simulation import start, state_rises
 from tribo.simulation.verdict import rise_limit
 from tribo.surface import self_affine
 from tribo.surface.topography import block_average
@@ -287,7 +287,7 @@ REFUSALS = {
     ), "friction.by_temperature: the bulk temperatures"),
     "two coefficients": (lambda: Corrections(friction=Friction(0.1)), "it must be 1"),
     "oxide": (lambda: Corrections(film_resistance=-1.0), "film_resistance is -1.0"),
-    "no heat": (lambda: moment_of(RIG, start(RIG), None), "ended without a temperature"),
+    "no heat": (lambda: state_rises(RIG, start(RIG), None), "ended without a temperature"),
     "rolls": (lambda: specific_wear_rate(scene(motion=Motion(slide_roll_ratio=1.0)),
                                                3e-4, 600.0, 1.25), "makes its contact no wider"),
     "width": (lambda: specific_wear_rate(RIG, 1.0, 10.0, 0.065), "it must lie between"),

@@ -8,7 +8,7 @@ from tribo.simulation.contact_ramp import mechanics as mechanics
 from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
-from tribo.simulation.corrections import moment_of as moment_of
+from tribo.simulation.corrections import state_rises as state_rises
 from tribo.simulation.coupled_friction import UNSOLVED as UNSOLVED
 from tribo.simulation.coupled_friction import CoupledRise as CoupledRise
 from tribo.simulation.element_size import fit_elements as fit_elements

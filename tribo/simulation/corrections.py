@@ -245,7 +245,7 @@ class Corrections:
         return abs(pin), abs(disk)
 
     def _bulk_warmings(
-        self, moments: Sequence[_Moment], velocities: Array, ties: tuple[Values, Values]
+        self, moments: Sequence[_Moment], velocities: Array, to_bodies: tuple[Values, Values]
     ) -> Array:
         """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment)."""
         bulks = self.pin_bulk, self.disk_bulk
@@ -255,7 +255,7 @@ class Corrections:
             [
                 bulk_warming(moment.times, moment.loads * velocity, (pin, disk), bulks)
                 for moment, velocity, pin, disk in zip(
-                    moments, velocities, *np.broadcast_arrays(*ties), strict=True
+                    moments, velocities, *np.broadcast_arrays(*to_bodies), strict=True
                 )
             ]
         ).T
@@ -285,7 +285,7 @@ _RISES: dict[str, Any] = {
 """Columns of rises, and the index that broadcasts steps along their further axes."""
 
 
-def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
+def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
     """Temperature rises of a state by column [K], corrected if corrections are given.
 
     The state must have a temperature. Its earlier loads are those of the scene's loading.

@@ -184,7 +184,7 @@ class Friction:
         ends = np.array([bulk, *inside, hottest])
         frictions = self.at(temperature=ends) * np.ones(ends.size)
         slopes = np.diff(frictions) / np.diff(ends)
-        parts = [slopes * (side - bulk) / mu for side, mu in _both(ends, frictions)]
+        parts = [slopes * (side - bulk) / mu for side, mu in _interval_ends(ends, frictions)]
         return float(np.max(parts, initial=0.0))
 
     def spread(self, bulk: float, hottest: float) -> float:
@@ -232,6 +232,6 @@ class SolvedFriction:
     share: float
 
 
-def _both(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
+def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
     """Temperatures and frictions at the lower and at the upper end of each part of a curve."""
     return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])

@@ -15,7 +15,7 @@ from pipeline.quantities import shown_in
 from pipeline.sweep.severity import boundary_velocity_error, rise_limit
 from pipeline.sweep.surface import find_lubrication
 from tribo import InputError, State, measures, simulate
-from tribo.simulation import moment_of
+from tribo.simulation import state_rises
 from tribo.thermal import Criterion, failed_share
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
@@ -72,7 +72,7 @@ def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * sweep.scene.grid.spacing[0]
     return {
         **measures(sweep.scene, state),
-        **moment_of(sweep.scene, state, None),
+        **state_rises(sweep.scene, state, None),
         "bulk": conditions.bulk_temperature,
         "friction": conditions.friction,
         "bearing_width": bearing,

@@ -7,7 +7,7 @@ import pytest
 from scipy.special import erf
 
 import tribo
-from tribo.simulation import moment_of
+from tribo.simulation import state_rises
 from workflows.paper.rig import critical_temperature_rig
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
@@ -126,6 +126,6 @@ def test_a_moment_knows_the_load_that_its_scene_had_before():
     scene = critical_temperature_rig()
     *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
-    plain, warm = (moment_of(scene, state, parts)["mean_rise"] for parts in (None, bulk))
+    plain, warm = (state_rises(scene, state, parts)["mean_rise"] for parts in (None, bulk))
     share = 1 - state.heat.pin_heat_share
     assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)
