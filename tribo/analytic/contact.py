@@ -97,7 +97,7 @@ def hertz_point_approach(normal_load: float, radius: float, contact_modulus: flo
 
 
 class HertzEllipse(NamedTuple):
-    """Elastic contact of a body of two radii and a plane.
+    """Elastic contact between a body of two principal radii and a plane.
 
     Attributes
     ----------
@@ -120,8 +120,8 @@ def hertz_ellipse(
 ) -> HertzEllipse:
     """Elliptical contact between a body of two principal radii and a plane.
 
-    With the semi-axes a ≥ b, κ = b/a, and Carlson's integral R_D, which joins the complete elliptic
-    integrals without their cancellation near a circle (Johnson, Eqs. 4.26 to 4.31):
+    With the semi-axes a ≥ b, κ = b/a, and Carlson's integral R_D. It replaces differences of
+    complete elliptic integrals, which cancel near a circle (Johnson, Eqs. 4.26 to 4.31):
 
         1/(2R_a) = p₀b/(3E*a²) R_D(0, κ², 1),   1/(2R_b) = p₀b/(3E*a²) R_D(0, 1, κ²),
         F = 2πp₀ab/3,   α = p₀b K(e)/E*,   e² = 1 − κ².
@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """Logarithm of the ratio of curvatures at this ln(b/a), less that of the radii given."""
+        """For a trial ln(b/a): ln of the ratio of its radii, less ln of the given ratio."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)

@@ -195,7 +195,7 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def cooler(x: float) -> float:
-        """Temperature rise θ at a distance x behind the centre [m], scaled to −2πKθ/q₀ [m]."""
+        """−2πKθ/q₀ [m], to be minimised, with the rise θ at a distance x behind the centre [m]."""
         # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square

@@ -19,21 +19,21 @@ from tribo.types import Array, Nodes
 
 Stencil = Callable[[Array, Array], Array]
 
-# Conjugate gradient iterations in the first active-set step. Each later step may take twice as
-# many, but ends once the residual has fallen by the first factor; by the second factor if no node
-# has changed its state.
+# Conjugate gradient iterations in the first active-set step. Each further step may take twice as
+# many as the one before. It ends once the residual has fallen to the first fraction, or, if no node
+# has entered or left the free nodes, to the second.
 _INNER_ITERATIONS = 2
 _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """State of the active-set steps: limit of the next step, and free nodes of the last one."""
+    """State between two active-set steps: iterations allowed in the next, last free nodes."""
 
     iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
     nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
-        """Factor by which the next step, on `nodes`, has to reduce the residual."""
+        """Fraction of its first residual at which the next step may stop, if `nodes` are free."""
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION
 
@@ -46,10 +46,10 @@ def active_set_step(
     gap_goal: float,
     most: float,
 ) -> tuple[Iterate, ActiveSet]:
-    """Solve for the pressure of the free nodes, all other nodes held at their bounds.
+    """Solve for the pressure at the free nodes, all other nodes held at their bounds.
 
-    A gap of at most `gap_goal` [m] at these nodes needs no further reduction. At most `most`
-    convolutions may still be spent.
+    The solution stops at the latest once the gap at these nodes is at most `gap_goal` [m], or after
+    `most` convolutions. Returns the next iterate, and the state for the next such step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
@@ -79,9 +79,10 @@ def _conjugate_gradients(
     goals: tuple[float, float],
     most: int,
 ) -> tuple[Array, int]:
-    """Pressure [Pa] that makes the gap equal on all free nodes, ignoring bounds; and iterations.
+    """Find the pressure [Pa] that makes the gap equal at all free nodes, ignoring its bounds.
 
-    `goals` are the factor by which to reduce the residual, and the gap that is small enough [m].
+    `goals` are a fraction of the first residual and a gap [m]; reaching either is enough. Returns
+    the pressure at the free nodes, and the number of iterations.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)
@@ -129,7 +130,7 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip the pressure on the nodes of `stencil`, and let neighbours make up for the change."""
+    """Clip a pressure to its bounds [Pa]; nodes in between undo the displacement this causes."""
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)
     change = between * stencil(problem.near.influence, clipped - pressure)

@@ -16,9 +16,9 @@ _LOCAL_STEPS = 2
 
 
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Move a guess into the bounds, and correct its elements of largest error [Pa].
+    """Return a guess of the pressure [Pa], moved into its bounds and corrected where it is wrong.
 
-    The guess carries the load, but may exceed the bounds. It causes the `displacement` [m].
+    `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds.
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

@@ -15,23 +15,24 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State of the gradient steps: length of the next one, and steps in a row without success."""
+    """State between two gradient steps: length of the next one, and failures in a row."""
 
     length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
 
 
 def first_length(problem: Problem) -> float:
-    """First step length: 1 over an element's self influence [Pa/m]; 1 if there are `SoftRows`."""
+    """Length of the first step: 1 over an element's self influence [Pa/m]; 1 if rows are soft."""
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 
 def gradient_step(
     problem: Problem, iterate: Iterate, judged: Judgement, gradient: Gradient
 ) -> tuple[Iterate, Gradient]:
-    """Move along the projected gradient to the lowest energy.
+    """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    The displacement is updated, not computed, which saves a convolution and costs digits.
+    The displacement is updated along with the pressure, not computed from it. That saves a
+    convolution and costs digits.
     """
     pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
     metric = problem.metric_on(nodes)

@@ -25,11 +25,12 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess of the pressure [Pa] from the contact of 2 × 2 blocks, and its cost in convolutions.
+    """Guess the pressure [Pa] by solving the contact of 2 × 2 blocks; also its convolutions.
 
-    That contact begins on a still coarser grid. A block's elements get its pressure: more elements
-    than will touch in the end, which the iteration sheds in fewer steps than it would take to find
-    missing ones. A convolution on a coarser grid counts by its share of the elements.
+    The contact of blocks is itself guessed from a coarser grid. All elements of a block get the
+    block's pressure, so that too many are loaded: the iteration drops surplus elements in fewer
+    steps than it finds missing ones. A convolution on a coarser grid counts by its share of the
+    elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -47,10 +48,11 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Improve a guess [Pa] by solving the part of the free axes that it loads; also convolutions.
+    """Improve a guess [Pa] by solving the contact on its loaded part alone; also the convolutions.
 
-    Other elements get 0. A convolution on the part counts by its share of the elements. If the part
-    is not much smaller than the grid, the guess is returned as it is.
+    The part spans periodic axes as a whole. Elements outside it get 0. A convolution on the part
+    counts by its share of the elements. If the part is not much smaller than the grid, the guess is
+    returned unchanged.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)
@@ -74,7 +76,7 @@ def _cropped(solid: ElasticHalfSpace, shape: tuple[int, int]) -> ElasticHalfSpac
 
 
 def _extent(loaded: Mask) -> slice:
-    """The part of an axis from the first to the last loaded element, with a margin."""
+    """Slice of an axis from the first to the last loaded element, with a margin on both sides."""
     places = np.flatnonzero(loaded)
     if not places.size:
         return slice(0, loaded.size)
@@ -85,7 +87,7 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _springs(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure on a bed of springs in which the lowest tenth of the shape carries the load [Pa]."""
+    """Pressure [Pa] as if each element were a spring, and the nearest tenth carried the load."""
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)
     weight = float(penetration.sum())

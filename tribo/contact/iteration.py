@@ -32,7 +32,7 @@ _GOAL = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """Limits at which an iteration ends."""
+    """Tolerance and number of convolutions at which an iteration ends."""
 
     tolerance: float  # largest error
     convolutions: float  # after which to give up, including the convolutions for the guess
@@ -41,7 +41,7 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IterationResult:
-    """Result of an iteration; all fields belong to its pressure."""
+    """Last pressure of an iteration, with the displacement, gap and errors that belong to it."""
 
     pressure: Array  # [Pa]
     displacement: Array  # [m]
@@ -56,7 +56,7 @@ class IterationResult:
 
 
 class StepCounters(NamedTuple):
-    """Counters that decide the kind of the next step."""
+    """Counters that decide whether the next step is a gradient step or an active-set step."""
 
     gradient_steps: float = math.inf  # to be taken before the next active-set step
     next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # when active-set steps next fail
@@ -64,7 +64,7 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Counters after an iterate, which has settled if few nodes are at a wrong bound."""
+        """Counters after another iterate; `has_settled` if few nodes are at a wrong bound."""
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:
             steps = 0
@@ -81,10 +81,10 @@ def iterate(
     displacement: Array | None = None,
     spent: float = 0.0,
 ) -> IterationResult:
-    """Iterate from a guess until the error is within the tolerance, or cannot get there.
+    """Iterate from a guess [Pa] until the error meets the tolerance, or no longer falls.
 
-    Where the displacement under the guess is known [m], the guess has to carry the load, but may
-    exceed the bounds. `spent` are the convolutions that the guess took.
+    `displacement` is that under the guess [m], if it is known. Then the guess has to carry the
+    load, but may exceed the bounds. `spent` are the convolutions that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, spent)
     counters, progress, change = StepCounters(), LowestResidual(), math.inf
@@ -126,7 +126,7 @@ def iterate(
 def _first_iterate(
     problem: Problem, guess: Array, displacement: Array | None, spent: float
 ) -> Iterate:
-    """The first iterate: a guess that carries the load within the bounds."""
+    """The first iterate: the guess, scaled to the load and moved into the bounds."""
     # Heights count from a datum near the contact: far from 0 they would have few digits.
     datum = float(problem.heights.min())
     separation = problem.heights - datum
@@ -137,7 +137,7 @@ def _first_iterate(
 
 
 def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """The judgement, with the error that rounding may hide added to its residual."""
+    """The judgement with a bound on the error of rounding added to its residual."""
     hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 

@@ -27,28 +27,28 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A contact problem: rough surface, solid and load, and quantities derived from the solid."""
+    """A contact problem: separation, solid and load, and quantities derived from the solid."""
 
     solid: ElasticHalfSpace  # the map D
     heights: Array  # separation of the undeformed surfaces, z [m]
     total: float  # sum of the pressure, F/dA [Pa]
     hardness: float  # [Pa]
-    soft: SoftRows  # the rows of elements that yield most as a whole
+    soft: SoftRows  # the rows of elements that yield most to their mean pressure
     near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
     fast: ElasticHalfSpace  # D in the precision of conjugate gradients, single where possible
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
-        """Set up the problem of pressing `heights` into a solid."""
+        """Set up the problem of pressing a surface of these heights [m] into a solid."""
         return cls(solid, heights, total, hardness, *_prepare_solid(solid))
 
     @property
     def coupling(self) -> float:
-        """Displacement that nodes of a row add to each other [m/Pa]; 0 if it is negligible."""
+        """Displacement of a whole soft row per pressure on one of its nodes [m/Pa]; 0 if small."""
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
-        """Number of the row in which each node lies."""
+        """Index of the row in which each node lies; rows run along the softer axis."""
         return self.soft.numbers(nodes, self.heights.shape)
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:
@@ -60,9 +60,10 @@ class Problem:
     def bounded_pressure(
         self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
-        """Pressure `changed` on some nodes, moved into the bounds so that the load is carried [Pa].
+        """Move a new pressure on `nodes` into the bounds, so that the load is carried [Pa].
 
-        With a metric it is the nearest such pressure, before the rest of the load is spread evenly.
+        `changed` is the new pressure on the nodes, `pressure` the old one on all elements. With a
+        metric the result is the nearest such pressure, else the load's error is spread evenly.
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -72,13 +73,13 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Rows of elements along x or y, whichever are more compliant under a mean pressure."""
+    """The rows of elements, along x or along y, that yield more to their mean pressure."""
     return _prepare_solid(solid)[0]
 
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Soft rows, stencils, and the map in a faster precision: what depends on the solid alone."""
+    """Soft rows, stencils, and map in single precision where possible; cached for each solid."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
@@ -97,9 +98,9 @@ class Iterate(NamedTuple):
     shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
-        """The next iterate, with this pressure and its newly computed displacement.
+        """The next iterate: a pressure [Pa], and its displacement, which this computes.
 
-        `spent` are the convolutions that it took to find that pressure.
+        `spent` are the convolutions that it took to find the pressure.
         """
         convolutions = self.convolutions + spent + 1
         displacement = problem.solid(pressure)
@@ -113,7 +114,7 @@ class Iterate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """Distance of a pressure from the solution."""
+    """How far an iterate is from the solution: its gap, residual and nodes at wrong bounds."""
 
     gap: Array  # with the bodies at the level [m]
     level: float  # approach of the bodies from the datum of the iterate [m]
@@ -125,7 +126,7 @@ class Judgement(NamedTuple):
 
 
 def judge(problem: Problem, iterate: Iterate) -> Judgement:
-    """Find the gap, the approach and the residual of a pressure."""
+    """Compute the gap, the approach and the residual of an iterate."""
     gap, pressure = iterate.displacement + iterate.separation, iterate.pressure
     highest, loaded = float(pressure.max()), pressure > 0
     unit = problem.solid.self_influence * highest
@@ -145,7 +146,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
-    """Approach for which the gap vanishes on average at the nodes that are free to move [m]."""
+    """Approach that makes `gap` [m] vanish on average at the nodes that are free to move [m]."""
     if free.size:
         return float(gap.take(free).sum()) / free.size
     lowest = float(gap[loaded].max(initial=-math.inf))

@@ -16,8 +16,8 @@ from tribo.numerics import largest
 # Largest error of an updated displacement, fixed and per update, in rounding errors of its largest
 # value. Observed: 8 for all updates of a solution together, 70 where it began far off.
 _UPDATE_ERROR, _ERROR_PER_UPDATE = 100.0, 10.0
-_AT_ROUNDING = 32.0  # in the same unit, a residual that rounding keeps from falling
-_TRANSFORM_ERROR = 3.0  # in the same unit, the error that no update can restore; observed: 2
+_AT_ROUNDING = 32.0  # in the same unit, a residual that rounding keeps from falling further
+_TRANSFORM_ERROR = 3.0  # in the same unit, the error of a displacement just computed; observed: 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
 _MOST_WAITED, _MOST_IDLE = 1000, 20  # iterations without progress; gradient steps that fail
 _FARTHEST_DATUM = 4.0  # datum to surface, in largest displacements: beyond, heights lose digits
@@ -25,22 +25,22 @@ _MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no dig
 
 
 def update_error(updates: int, rounding: float, displacement: float) -> float:
-    """Bound on the rounding error [m] of a displacement, at most `displacement`, after updates."""
+    """Bound on the error of a displacement [m] after updates; its largest value is given [m]."""
     return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
 
 def transform_error(rounding: float, displacement: float) -> float:
-    """Largest error of a displacement that has just been computed [m]."""
+    """Bound on the error of a displacement just computed [m]; its largest value is given [m]."""
     return _TRANSFORM_ERROR * rounding * displacement
 
 
 def restore_digits(
     problem: Problem, iterate: Iterate, judged: Judgement, slack: float, exhausted: bool
 ) -> Iterate | None:
-    """The iterate with its digits restored; None if no digits that matter have been lost.
+    """Repair an iterate whose rounding errors are too large; None if they are small enough.
 
-    `slack` is the tolerance less the residual. An exhausted iteration spends no convolution on
-    restoring the load.
+    One thing is repaired at a call: the datum, the load or the displacement. `slack` is the
+    tolerance less the residual. If `exhausted`, no convolution is spent on the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
@@ -59,7 +59,7 @@ def restore_digits(
 
 
 class LowestResidual(NamedTuple):
-    """The lowest residual so far, and when it was reached."""
+    """The lowest residual so far, and the convolutions spent until it was reached."""
 
     lowest: float = math.inf
     convolutions: float = 0.0  # spent until it was reached
@@ -69,7 +69,7 @@ class LowestResidual(NamedTuple):
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual no longer falls, as when only rounding errors are left."""
+        """True if the residual no longer falls; `idle` gradient steps in a row have failed."""
         waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:
             return False

@@ -52,7 +52,7 @@ class SoftRows:
         return cls(axis, coupling, coupling > _SOFT * solid.self_influence)
 
     def numbers(self, nodes: Indices, shape: tuple[int, int]) -> Indices:
-        """Number of the row of each node, nodes of a field being counted along y first."""
+        """Index of the row of each node; nodes of a field of `shape` are numbered along y first."""
         numbers: Indices = nodes // shape[1] if self.axis else nodes % shape[1]
         return numbers
 
@@ -129,7 +129,7 @@ class RowMetric:
     def _shifted_at_once(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Shift and clip as `_shift_and_clip`, by Newton's method alone; None if it fails."""
+        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip`, None on failure."""
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):
@@ -154,13 +154,13 @@ class RowMetric:
         return None
 
     def _moving(self, field: Array, highest: float) -> Array:
-        """Number of nodes of each row between the bounds."""
+        """Number of nodes in each row whose value lies between the bounds."""
         return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) as exactly as the digits of q allow: clip(q + s), s, and its rows' sums."""
+        """Solve Eq. (2) as exactly as the digits of q allow; return clip(q + s), s and row sums."""
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
         reach = self._d * (top + float(np.abs(q).max()))
@@ -185,7 +185,7 @@ class RowMetric:
     def _rows_at(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) for every row: clip(q + s), s, and how many nodes are between the bounds.
+        """Solve Eq. (2) for sᵢ at a given μ; return clip(q + s), s, and nodes between the bounds.
 
         Where there is no root, all nodes of the row are at one bound, whatever s.
         """

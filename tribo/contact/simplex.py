@@ -18,7 +18,7 @@ _NEAR = 2.0  # a guess within this factor of the load is trusted on which nodes 
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
-    """Scale a guess towards the sum `total`; what the hardness cuts off goes to its neighbours.
+    """Scale a guess to the sum `total` [Pa]; loaded elements share the excess over the hardness.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     loaded = pressure > 0
     if total >= hardness * np.count_nonzero(loaded):
         return nearest(pressure, total, hardness)
-    # If the guess is near, nodes that yield in it go on to yield.
+    # If the guess is near the load, nodes that yield in it are kept at the hardness.
     between = loaded & (pressure < hardness)
     carried = float(pressure[between].sum())
     rest = total - (float(pressure.sum()) - carried)
@@ -47,7 +47,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
 
 
 def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
-    """Clip to the bounds, then shift the values between the bounds until all sum to `total`.
+    """Clip to 0 and the hardness, then shift the values in between until all sum to `total` [Pa].
 
     Examples
     --------
@@ -68,7 +68,7 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
 
 
 def nearest(pressure: Array, total: float, hardness: float) -> Array:
-    """The nearest field within the bounds that sums to `total`: clip(p + s) with the right s.
+    """The field nearest to p between 0 and the hardness whose sum is `total`: clip(p + s) [Pa].
 
     Examples
     --------
@@ -84,7 +84,7 @@ def nearest(pressure: Array, total: float, hardness: float) -> Array:
 
 
 def _shift_and_clip(pressure: Array, total: float, hardness: float) -> tuple[Array, float]:
-    """clip(p + s) that sums to `total` as nearly as the digits of p allow, and s."""
+    """Find s so that clip(p + s) sums to `total`, as nearly as digits allow; return both [Pa]."""
     bound = total if hardness == math.inf else hardness
     low = -float(pressure.max())
     high = bound - float(pressure.min())

@@ -185,7 +185,7 @@ def _check(
     tolerance: float,
     max_iterations: int,
 ) -> None:
-    """Raise `InputError` for a number that allows no solution."""
+    """Raise `InputError` for an argument of `solve_contact` that allows no solution."""
     area = solid.grid.area
     require_positive(tolerance=tolerance, max_iterations=max_iterations)
     if not hardness > 0:
@@ -215,19 +215,19 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure of a contact [Pa], and the displacement of one element under it alone [m]."""
+    """Mean pressure [Pa], and the displacement of a single element that alone carries it [m]."""
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 
 
 def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
-    """True if stresses and depths of a contact are numbers that single precision can hold."""
+    """True if single precision can hold the pressures and displacements of a contact."""
     scales = _scales(solid, normal_load)
     return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
 
 
 def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
-    """Solution of an iteration, with the measures that prove it."""
+    """Convert the result of an iteration to a `ContactSolution` with its measures of error."""
     pressure, gap = outcome.pressure, outcome.gap
     saturated = pressure >= hardness
     yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
@@ -245,7 +245,7 @@ def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
 
 
 def _failure(outcome: IterationResult, limits: Limits) -> str:
-    """Message on an iteration that has not converged, with advice."""
+    """Error message for an iteration that has not converged, with advice."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
     if outcome.stalled:
         largest = float(np.abs(outcome.displacement).max())

@@ -158,7 +158,7 @@ class Ramp:
     def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
         """Times since the start of the hold at which its steps end [s].
 
-        `before` is the impulse of the loading before the hold over the full load [s].
+        `before` is the impulse of the loading before the hold, divided by the full load [s].
         """
         begin, before = 0.0, max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
         stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}

@@ -113,7 +113,7 @@ class MeasuredLoad:
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
     ) -> Iterator[Station]:
-        """Every station (moment) of a point; times count from the record's first row.
+        """All stations (moments) of the loading up to `normal_load` [N], from the first row on.
 
         A record has no hold, so that `hold_increments` is not used.
         """
@@ -129,10 +129,10 @@ class MeasuredLoad:
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
-        """Times from the record's first row [s], each with the load then over the load at the end.
+        """Pairs of a time since the record's first row [s] and the load as a share of the last one.
 
-        There is one pair for each row up to that end. A record of more than 500 rows is cut into
-        500 steps instead, each with its mean load at its middle.
+        There is a pair for each row until the loading ends. If there are more than 500 rows, there
+        is a pair for each of 500 steps instead: the mean load, at the middle of the step.
 
         Examples
         --------
@@ -190,7 +190,7 @@ class MeasuredLoad:
 
 @functools.lru_cache(maxsize=4)  # each scene of a sweep asks for it
 def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
-    """Compute `MeasuredLoad.course`, and cache it."""
+    """Compute `MeasuredLoad.course`; cached."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
@@ -204,9 +204,9 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of the steps taken until each row, and the row's time [s]; None for equal steps.
+    """Share of all steps done by each reading, and its time [s]; None if steps are equal in time.
 
-    The load's travel is that of a follower with backlash, which does not move with noise.
+    A reading moves the load's travel only beyond a dead band, so that noise does not count.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
@@ -225,7 +225,7 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
-    """Number of the first row that cannot be part of a record, and why; None if all can."""
+    """Index of the first reading that is not finite or not later, and why; None without any."""
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
     first = int(broken[0]) if broken.size else len(times)
     backwards = np.flatnonzero(np.diff(times[:first]) <= 0)

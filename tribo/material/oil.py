@@ -19,7 +19,7 @@ FULL_FILM = 3.0
 
 @dataclass(frozen=True, slots=True)
 class Oil:
-    """A Newtonian lubricant at ambient pressure, and how its viscosity grows with pressure.
+    """Viscosity and density of a Newtonian lubricant, by temperature and pressure.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class Oil:
         return 1e-6 * kinematic * self.density
 
     def pressure_coefficient(self, temperature: float) -> float:
-        """Pressure-viscosity coefficient α [1/Pa], its logarithm linear in the temperature."""
+        """Pressure-viscosity coefficient α [1/Pa]; ln α is linear in the temperature [K]."""
         if self.pressure_coefficients is None:
             raise InputError("the oil has no pressure-viscosity coefficient; give it one")
         require_positive(temperature=temperature)

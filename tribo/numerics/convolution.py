@@ -144,7 +144,7 @@ class Convolution:
         return out
 
     def _multiply(self, modes: Spectrum) -> None:
-        """Multiply modes by the spectrum in place; a real spectrum on pairs of reals, for speed."""
+        """Multiply Fourier modes by the spectrum, in place."""
         pairs = modes.view(modes.real.dtype) if np.isrealobj(self.spectrum) else modes
         if self._factors is None:
             spectrum = self.spectrum.astype(pairs.dtype, copy=False)
@@ -242,7 +242,7 @@ class _Buffers(threading.local):
         self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
-        """Uninitialised arrays: modes, shape (mx, my//2 + 1), and rows, shape (nx, my)."""
+        """Two uninitialised arrays: Fourier modes, shape (mx, my//2 + 1), and rows, (nx, my)."""
         key = nx, mx, my, single
         if key in self._kept:
             self._kept.move_to_end(key)

@@ -18,8 +18,8 @@ from tribo.numerics.convolution import Convolution, padded_shape
 from tribo.numerics.sizes import largest
 from tribo.types import Array, Nodes
 
-# Coupling within rows, in units of an element's influence on itself. Above it, undoing it exactly
-# is worth more than undoing what rows do to each other.
+# Coupling within rows, in units of an element's influence on itself. Above this, it is better to
+# invert the influence within a row exactly than to include that between rows.
 _RIGID = 0.3
 
 
@@ -27,10 +27,10 @@ class Neighbourhood:
     """The stencils of a convolution whose kernel is even along y.
 
     A stencil, shape (3, 2), holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1
-    along y. `influence` is the kernel's middle. `inverse` undoes it: on 3 × 3 elements, or on 3
-    of one row where the coupling is strong. The coupling is the displacement that elements of a row
-    along the soft axis add to each other, whatever their distance (see `tribo.contact.rows`); the
-    inverse leaves it to `Preconditioner`.
+    along y. `influence` is the middle of the kernel. `inverse` is its inverse on a block of 3 × 3
+    elements, or on 3 elements of a row where the coupling is strong. The coupling is the
+    displacement that elements of a row along the soft axis add to each other, whatever their
+    distance (see `tribo.contact.rows`); `Preconditioner` deals with it.
 
     Examples
     --------
@@ -56,8 +56,8 @@ class Neighbourhood:
         if coupling > _RIGID * kernel[2, 0]:
             rx, ry = (0, ry) if soft_axis else (rx, 0)
         self.inverse = _inverse(kernel, rx, ry)
-        # Only a dominant middle makes sure that it is positive definite on any nodes. It has to be
-        # where the kernel is even along x too.
+        # Only a dominant middle makes sure that the stencil is positive definite on any nodes,
+        # which conjugate gradients need. A kernel that is not even along x is not symmetric anyway.
         middle, total = self.inverse[1, 0], self.inverse.sum() + self.inverse[:, 1].sum()
         dominant = np.count_nonzero(self.inverse > 0) == 1 and 0 < total < np.inf
         if not (dominant if self._even else 0 < middle < np.inf):
@@ -65,7 +65,7 @@ class Neighbourhood:
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
-        """Return the map (stencil, values) -> values on `nodes`, ascending indices."""
+        """Return the function (stencil, values) -> values at `nodes`, ascending indices."""
         nx, ny = self._shape
         (along_x, along_y), even = self._periodic, self._even
         # Fields have a margin of one element, and are summed as one long row. Rows that hold no
@@ -165,7 +165,7 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets of a block's elements along x and y, and values of 1 at the middle, else 0."""
+    """Offsets of a block's elements along x and y, and a unit load on its middle element."""
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
 
@@ -184,7 +184,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Weights from Fourier modes to values at offsets 0 to 2: even and odd in x, even in y."""
+    """Matrices from modes to values at offsets 0 to 2: cosine and sine along x, cosine along y."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

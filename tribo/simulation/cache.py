@@ -23,7 +23,7 @@ from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_MAPS = 4  # of heat into a body: those of both bodies, for a contact and the next one
+_MOST_MAPS = 4  # thermal maps: those of both bodies, for a contact and the next one
 _MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 
 Value = TypeVar("Value")
@@ -61,7 +61,7 @@ class Cache(Generic[Value]):
             return value
 
     def clear(self) -> None:
-        """Forget all values."""
+        """Drop all values."""
         with self._lock:
             self._values.clear()
             self._size = 0

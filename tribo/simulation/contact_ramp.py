@@ -83,7 +83,7 @@ def mechanics(scene: Scene) -> Scene:
 
 
 def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
-    """Reason why contacts of one wear number differ from velocity to velocity; None if they do not.
+    """Reason why contacts of equal wear number differ with the velocity; None if they do not.
 
     Examples
     --------
@@ -120,8 +120,8 @@ def contacts(
     Parameters
     ----------
     note : Note, optional
-        Value to keep of each increment below the load. A state whose temperature is requested has
-        these values as `State.course`.
+        Value to record of the state after each increment below the load. A state whose temperature
+        is requested has these values as `State.course`.
 
     Yields
     ------
@@ -191,14 +191,14 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station (moment of the loading) that higher loads pass too, on the coarse grid."""
+    """State on the coarse grid at a station (moment of the loading) that higher loads share."""
     return _last_part(levels, velocity, before, station)[1]
 
 
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States at both ends of the last part of a step, on the coarse grid of the ramp."""
+    """States before and after the last part of a step, on the coarse grid; see `parts_of`."""
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
@@ -231,7 +231,7 @@ def _unworn(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station, which does not depend on earlier steps; cached for other velocities."""
+    """State at a station if it does not depend on earlier steps; cached for all velocities."""
     scene = levels[-1]
 
     def compute() -> State:

@@ -247,7 +247,10 @@ class Corrections:
     def _bulk_warmings(
         self, moments: Sequence[_Moment], velocities: Array, to_bodies: tuple[Values, Values]
     ) -> Array:
-        """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment)."""
+        """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment).
+
+        `to_bodies` are the conductances from the contact to pin and disk at the moments [W/K].
+        """
         bulks = self.pin_bulk, self.disk_bulk
         if not any(bulk and bulk.capacity for bulk in bulks):
             return np.zeros((2, 1))
@@ -300,7 +303,7 @@ def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> 
 
 
 class _Moment(NamedTuple):
-    """A step of a point, with the course of the load until then."""
+    """One step of a simulated point, with the history of its load until then."""
 
     times: Array  # s, ascending
     loads: Array  # N
@@ -310,7 +313,7 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """The moment at one step of columns whose last axis is the step.
+        """The moment at index `place` of columns whose last axis is the step.
 
         The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
         the last step. Without both it is linear between the steps that are known.
@@ -335,7 +338,7 @@ class _Moment(NamedTuple):
 
 
 def _describe_curve(curve: Curve) -> str:
-    """A curve of friction in words, with the range of its factors; empty without a curve."""
+    """Describe a curve of friction in words by the range of its factors; "" without a curve."""
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))
     return factors and f"measured, {factors} times the coefficient"

@@ -145,7 +145,7 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
     heat = friction_heat(scene, state, frictions.velocity).take(nodes)
 
     def rise_by(flux: Array, whole: Array) -> Array:
-        """Rise on the contact due to a flux [K], to the tolerance of the rise due to `whole`."""
+        """Rise of the touching elements due to a flux [K], solved loosely if `whole` is larger."""
         size = float(np.linalg.norm(flux))
         if not size:
             return np.zeros(nodes.size)
@@ -173,7 +173,7 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
 
 @dataclass(frozen=True, slots=True)
 class _Frictions:
-    """Friction at rises above a bulk temperature, at one velocity."""
+    """Coefficient of friction as a function of the rise above bulk, at one velocity."""
 
     law: Friction
     velocity: float
@@ -192,7 +192,10 @@ class _Frictions:
 def _solve_rise(
     heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
 ) -> tuple[Array, Outcome, int]:
-    """Rise of each element [K], outcome and rounds, from the elements' heat per unit friction."""
+    """Iterate to the rise of each element [K]; return it, the outcome, and the rounds it took.
+
+    `heat` is the elements' heat at friction 1 [W/m²]. `rise_by` turns a flux into a rise.
+    """
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)
     may_ignite, cold = frictions.may_ignite(rise), float(rise.mean())
@@ -217,7 +220,7 @@ def _solve_rise(
 
 
 class _AndersonMixing:
-    """Anderson mixing: next guess of a fixed point by the last guesses and their residuals."""
+    """Anderson mixing: next guess of a fixed point from the last guesses and their residuals."""
 
     def __init__(self) -> None:
         self._guesses: list[Array] = []

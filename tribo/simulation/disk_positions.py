@@ -40,8 +40,8 @@ _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 # 100. Under a ball of 2 mm at 10 N that wears off 2.4 µm the rise moves by 0.5 % from 9 to 19
 # positions, and by 0.8 % from 19 to 38.
 _MOST_POSITIONS, _PIXELS = 100, 1e5
-# With fewer positions, the disk's own is enough: from one position to another the shipped ball's
-# rise differs by 0.4 %.
+# If there would be fewer positions than this, the disk's own is enough: from one position to
+# another the rise under the shipped ball differs by 0.4 %.
 _FEWEST_POSITIONS = 5
 # From so many positions on, steps of wear have so many times the parts. Otherwise the rise under
 # one of the balls above (140 elements) differed by 3.0 %, not 0.5 %.
@@ -57,11 +57,11 @@ class Pass(NamedTuple):
 
 
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
-    """Number of parts into which a step of wear is cut, with the disk elsewhere in each.
+    """Number of parts into which a step of wear is cut; each has the disk at another position.
 
-    Enough parts that the imprint of each stays below a limit. For a wave of the roughness the
-    imprint is kS/λ, if small: the wear along the distance S [m] by the pressure that flattens the
-    wave, λ the compliance of the half-space to it. Here it is the mean over the waves.
+    There are enough parts that the imprint of each stays below a limit. A small imprint of a wave
+    of the roughness is kS/λ of its height: the wear over the distance S [m] by the pressure that
+    flattens the wave, and λ the half-space's compliance to it. The mean over all waves counts.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _finer(scene)
@@ -77,7 +77,7 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
 
 
 def _finer(scene: Scene) -> int:
-    """Factor on the number of parts of a step of wear: 3 where few elements touch, else 1."""
+    """Factor on the number of parts of a step of wear: larger where few elements touch, else 1."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
     return _MORE_PARTS if position_count(scene, highest) >= _FEW else 1
@@ -94,7 +94,8 @@ def passes(
 ) -> Iterator[Pass]:
     """Contacts that the step from `state` to `station` has to solve, in order.
 
-    If `observed`, the last one is the contact with the disk at its own position.
+    `distance` is the distance slid in the step [m]. If `observed`, the last contact is that with
+    the disk at its own position.
     """
     if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
@@ -132,8 +133,8 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
     """Shifts of the disk, beside its own position, over which a temperature is averaged.
 
-    Counted in elements, and multiples of `_SHIFT` pixels where the window allows it, so that all
-    fidelities average over the same positions.
+    The shifts are in elements. They are multiples of `_SHIFT` pixels where the window allows it, so
+    that all fidelities average over the same positions.
     """
     if not scene.sweeps_over:
         return []
@@ -153,7 +154,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
-    """Shift of the disk with this number, in elements: a multiple of `units` along each axis."""
+    """Shift number `number` of the disk, in elements: a multiple of `units` along each axis."""
     # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (
         unit * int(n / unit * (number * step % 1))

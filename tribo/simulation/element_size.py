@@ -54,7 +54,7 @@ class _ExpectedContact(NamedTuple):
     """A contact as it is expected at the lowest load of a ramp, in pixels."""
 
     across: float  # width of the smooth contact along x
-    touching: float  # in the window; its square for a plane scene, as if y were divided like x
+    touching: float  # elements; squared for a plane scene, as if y were divided like x
     is_smooth: bool  # all of the nominal area touches
 
 
@@ -110,9 +110,10 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
 
 
 def summit_width(scene: Scene) -> float:
-    """Width of a summit that touches, in pixels: all of a yielding summit, half of an elastic one.
+    """Width of the part of a summit that touches, along its narrower axis, in pixels.
 
-    Along the narrower axis; infinite for smooth bodies.
+    A yielding summit touches over its whole width, an elastic one over half of it. Infinite for
+    smooth bodies.
     """
     summits = _kept_summits(scene)
     modulus = contact_modulus(scene.pin.material, scene.disk)
@@ -154,7 +155,7 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean length, in pixels, of runs of neighbouring highest pixels along an axis."""
+    """Mean length of a run of neighbouring highest pixels along an axis [pixels]."""
     high = heights >= np.quantile(heights, _HIGHEST)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

@@ -19,9 +19,9 @@ from tribo.wear import Stage
 def refine_step(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the step from `before` to `after` on ever finer grids, starting each from the last.
+    """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
-    One contact on each grid is enough; see `_rewind`.
+    Each grid starts from the result of the grid before, and needs one contact; see `_rewind`.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
@@ -42,7 +42,7 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth [m] to start one implicit step from, so that it ends with the wear of `after`."""
+    """Wear depth [m] from which one implicit step of wear ends at the wear of `after`."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage

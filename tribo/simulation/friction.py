@@ -109,7 +109,7 @@ class Friction:
                 )
 
     def at(self, velocity: Any = None, temperature: Any = None) -> Any:
-        """Friction at sliding velocities [m/s] and temperatures of the contact [K].
+        """Coefficient of friction at sliding velocities [m/s] and contact temperatures [K].
 
         The factor of an argument that is None is left out.
         """
@@ -198,7 +198,7 @@ class Friction:
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:
-        """Temperatures from a bulk upwards, and the rises per unit friction that reach them [K]."""
+        """Nodes of the curve from the bulk temperature up, and the rises that reach them [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])
@@ -233,5 +233,5 @@ class SolvedFriction:
 
 
 def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
-    """Temperatures and frictions at the lower and at the upper end of each part of a curve."""
+    """Temperatures and frictions at the lower, and at the upper end of each interval."""
     return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])

@@ -19,9 +19,10 @@ from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
 
 _END = 1 / 6  # share of the step that is taken implicitly
-# Share of the load on elements that did not touch a step before, from which on the end is repeated;
-# and the mean pressure on them, over that of the contact, below which they are the rim of a rough
-# contact. Below it the short end moved the rise of 1 of 28 points by 1.5 %, of others by 0.6 %.
+# The end is repeated if elements that did not touch one step earlier carry more than the first
+# share of the load. Their mean pressure over that of the contact must exceed the second number:
+# below it they are the rim of a rough contact, where repeating moved the rise of 1 of 28 points by
+# 1.5 %, of the others by at most 0.6 %.
 _NEW, _RIM = 0.01, 0.75
 
 
@@ -47,7 +48,7 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages ends with much of its load where nothing was worn before."""
+    """True if a step of several stages ends with much load on elements that bore none before it."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
@@ -62,7 +63,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _worn(scene: Scene, state: State) -> Mask:
-    """Elements at which the pressure wears the pin; with swept wear, whole rows."""
+    """True at elements where the pressure of a state wears the pin; with swept wear, whole rows."""
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)

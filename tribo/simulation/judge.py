@@ -40,8 +40,7 @@ def solve_friction(
     """Solve friction by temperature at the worst moment of a point, if its verdict depends on it.
 
     It depends where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit
-    is not known, and where friction may ignite a contact that would be mild. Else `UNSOLVED` is
-    returned.
+    is not known, and where a mild contact may ignite. Else `UNSOLVED` is returned.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Volume that the whole pin has lost by its law up to a station [m³]."""
+    """Volume that the whole pin has worn off up to a station, according to its wear law [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area
@@ -148,9 +148,10 @@ def solve_pass(
     wear_depth: Array,
     guess: Array | None,
 ) -> tuple[ContactSolution, Array]:
-    """Contact of a pass after a state, and its elastic displacement [m].
+    """Solve the next contact of a step; return it and its elastic displacement [m].
 
-    Without a guess the pressure is extrapolated from the state.
+    The pin is worn by `wear_depth` [m]. Without a guess of the pressure [Pa], it is extrapolated
+    from the state and the state before it.
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (
@@ -192,10 +193,10 @@ def _element_area(scene: Scene) -> float:
 
 
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
-    """Pressure and elastic displacement at the next load, linear through the last two states.
+    """Pressure [Pa] and elastic displacement [m] at a load [N], linear through the last two states.
 
-    Where the load has hardly changed before, as in a hold, the pressure is the last one. What is
-    not known is None.
+    Where the load changes much more than in the step before, the pressure is the last one. The
+    displacement is None where it is not known, and both are None if the state is unloaded.
     """
     if state.normal_load == 0.0:
         return None, None

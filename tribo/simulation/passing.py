@@ -13,10 +13,11 @@ from tribo.wear import Stage
 
 
 def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """The state with contacts at further positions of the disk, over which heat is averaged.
+    """Solve the contact at further positions of the disk, so that heat is a mean over positions.
 
-    Pressure and wear of the state stay as at the disk's own position. `before` has the history of
-    the heat, if the temperature depends on it.
+    Returns the state with these contacts, or with the mean heat if it has heat already. Its
+    pressure and wear stay as at the disk's own position. `before`, the state one step earlier, has
+    the history of the heat.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
     for shift in further_positions(scene, state.normal_load):

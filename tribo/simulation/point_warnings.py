@@ -32,8 +32,8 @@ _FEW_PIXELS = 200
 # rise differs by up to 0.9 % with the number of steps, and by more with the surface, although it is
 # a mean over positions of the disk.
 _FEW_SWEPT = 1000
-# The same under heavy wear, whatever the elements: balls worn by 9 to 64 times the roughness moved
-# by up to 2.5 % from 25 to 100 steps on 1123 to 2172 elements, by at most 1.7 % on 2536 to 3076.
+# Fewest elements under heavy wear, of any size. From 25 to 100 steps the rise of balls worn by 9 to
+# 64 times the roughness moved by up to 2.5 % on 1123 to 2172 elements, 1.7 % on 2536 to 3076.
 _FEW_WORN = 3000
 _HEAVY = 9.0  # depth of heavy wear, over Ra of the elements
 FEWEST_PIXELS = 2.0  # in a correlation length, to resolve the slopes of the roughness

@@ -34,7 +34,8 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     """Relative error of a rise computed as if present heat had acted since time 0; > 0: too high.
 
     The rise is that exceeded on a tenth of the contact. Below 0.1 m/s it is right to some percent.
-    On random scenes at 0.07 to 31 m/s the true error was 0.88 of it in the median, 1.31 at most.
+    On random scenes at 0.07 to 31 m/s the true error was 0.88 of this estimate in the median, 1.31
+    at most.
 
     Examples
     --------
@@ -67,7 +68,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Ages before a state, from 0 upwards [s], and the share of its load that was lacking then."""
+    """Times back from a state, ascending [s], and the share of its load still missing then."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])

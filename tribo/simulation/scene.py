@@ -170,7 +170,7 @@ class Scene:
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
-        """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
+        """Wear of the pin by one contact at a sliding velocity [m/s]; None if no wear takes place.
 
         `distances` are those slid at both ends of the step [m], for a law that depends on them.
         """

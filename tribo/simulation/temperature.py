@@ -140,7 +140,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """`summary`, plus how temperatures change if the disk is 1 K warmer than the pin."""
+    """`summary` with the response of its temperatures to a disk that is 1 K warmer than the pin."""
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
     return replace(
@@ -153,7 +153,7 @@ def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: M
 
 
 def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
-    """Heat that flows where the disk's bulk is 1 K warmer than the pin's since time 0."""
+    """Heat that flows without friction if the disk's bulk is 1 K warmer than the pin's."""
     return partition_heat(
         *bodies_at(scene, state, velocity),
         np.zeros(scene.grid.shape),

@@ -23,7 +23,7 @@ MOST_BYTES = 2**28
 
 
 class Note(NamedTuple):
-    """A value to keep beside the state of each increment, and the name under which it is kept."""
+    """A value to record of the state after each increment, and the name under which it is kept."""
 
     name: Hashable
     make: Callable[[State], Any]
@@ -31,7 +31,7 @@ class Note(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Trunk:
-    """A shared ramp (trunk) up to its last increment so far; a large one keeps one state alone."""
+    """States of a shared ramp (trunk) so far; if they need much memory, only the last one."""
 
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far
@@ -45,7 +45,10 @@ class _Trunk:
         return self.count - len(self.states)
 
     def require(self, increments: int, noted: int) -> None:
-        """Discard the ramp if it has dropped the state of an increment that is needed now."""
+        """Discard the ramp if it has dropped a state that is needed now.
+
+        The last one of `increments` is needed, and the first one that is not `noted` yet.
+        """
         if increments and self.gone >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
@@ -85,7 +88,7 @@ class Trunks:
         self._lock = threading.Lock()
 
     def clear(self) -> None:
-        """Forget all ramps."""
+        """Drop all ramps."""
         with self._lock:
             self._trunks.clear()
 
@@ -130,7 +133,7 @@ class Trunks:
 
 
 def _arrays(state: State) -> Iterator[Array | Spectrum]:
-    """Arrays of a state, without the arrays that it shares with the state before."""
+    """Arrays of a state, without the arrays that it shares with the state one step earlier."""
     yield from (state.pressure, state.wear_depth)
     if state.displacement is not None:
         yield state.displacement

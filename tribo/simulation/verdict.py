@@ -28,7 +28,7 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 
 @dataclass(frozen=True, slots=True)
 class Judging(ABC):
-    """Base of conditions: what a verdict needs, apart from the criterion."""
+    """Base class of conditions: all that a verdict needs, apart from the criterion."""
 
     friction: float
     bulk_temperature: float
@@ -236,7 +236,7 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 
 
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Columns of rises per unit friction, converted to rises above the colder body's bulk [K]."""
+    """Convert columns of rises above the pin's bulk to rises above the colder body's bulk [K]."""
     if bulk_ratio == 0:
         return columns
     above_pin = add_bulk_ratio(columns, bulk_ratio)
@@ -247,8 +247,8 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
     """Rises per unit friction for which Eq. (1) of `friction` gives the solved temperatures [K].
 
-    `coupled` is `CoupledRise.rise`: where it is NaN the rise stays, where it is infinite the
-    temperature is that at the highest friction of the law [K].
+    `coupled` is `CoupledRise.rise`. Where it is NaN, the result is `rise`. Where it is infinite,
+    the contact ignites, and the temperature is that at the highest friction of the law.
     """
     if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
         return rise

@@ -46,7 +46,7 @@ class Bulk:
 
     @property
     def resistance(self) -> float:
-        """Resistance in series with the body's other ones, 1/loss [K/W]; 0 with a `capacity`."""
+        """Resistance in series with the body's others: 1/loss [K/W]; 0 with a heat capacity."""
         return 0.0 if self.capacity else 1 / self.loss
 
 

@@ -207,7 +207,7 @@ def _stretches(
 
 
 def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
-    """Raise `InputError` for a number that allows no kernel."""
+    """Raise `InputError` for an argument from which no kernel can be computed."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     for earlier, time in itertools.pairwise((0.0, *ages)):
@@ -235,7 +235,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s on a panel of the time integral; at each, the kernel's x factor times its weight."""
+    """Nodes s [m] on a panel of the integral, and the kernel's x factor times weight at each."""
     (low, high), (nodes, weights) = panel, rule
     if not filon:
         s = (high + low) / 2 + (high - low) / 2 * nodes

@@ -250,7 +250,10 @@ def _norm(vector: Array) -> float:
 def _uniform(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
-    """Choose the share φ with ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, given T₁q and the right-hand side."""
+    """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩.
+
+    `rise` is T₁q, `target` the right-hand side on the contact, `delta` is ΔT_b there [K].
+    """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:
         raise InputError('method "uniform" divides frictional heat, and there is none')

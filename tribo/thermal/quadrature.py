@@ -21,10 +21,10 @@ _NOTHING = 1e-12  # share of a length below which no part of the integral is wor
 
 
 def diffusion_length(reach: float, drift: float, distance: float) -> float:
-    """Return the s > 0 at which drift·s² + reach·s = distance; infinite if there is none.
+    """Return the s > 0 at which drift·s² + reach·s = distance [m]; infinite if there is none.
 
-    At that age the heat of a moving source (reach > 0: its front, reach < 0: its rear) gets past
-    `distance`.
+    Then the heat of a moving source gets past `distance`: its front if `reach` is positive, its
+    rear if it is negative.
     """
     root = math.sqrt(reach**2 + 4 * drift * distance)
     if reach > 0:
@@ -56,10 +56,10 @@ def panels(
 
 
 def _undisturbed(drift: float, low: float, side: float) -> float:
-    """Growth of s until an edge of the source comes within reach of an element's centre.
+    """Growth of s [m] until an edge of the moving source is next felt at an element's centre.
 
-    0 or less if one is within reach already. The edges pass centres when drift·s² is an odd
-    multiple of half the side, and reach this far for a change of s by `REACH`/(2 drift).
+    0 or less if it does so now. An edge passes a centre where drift·s² is an odd multiple of half
+    the side. Its heat is felt there as long as s differs by less than `REACH`/(2 drift).
     """
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)

@@ -60,7 +60,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 
 
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
-    """Quantiles of rise + ρ·response over the contact [K], one row for each ρ in `BULK_RATIOS`."""
+    """Quantiles of rise + ρ·response over the contact [K], a row for each ρ of `BULK_RATIOS`."""
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 

@@ -44,7 +44,7 @@ class Stem:
     def rod(
         cls, length: float, area: float, thermal_conductivity: float, thermal_diffusivity: float
     ) -> Self:
-        """The stem that is a rod of a length [m], area [m²], K [W/(m K)] and κ [m²/s]."""
+        """Make a stem from a rod's length [m], cross-section [m²], K [W/(m K)] and κ [m²/s]."""
         require_positive(length=length, area=area)
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 

@@ -11,7 +11,7 @@ from tribo.thermal.disc import Disc
 from tribo.types import Array
 
 _SINGLE = 400  # latest passes, which are summed one by one; earlier passes are integrated
-_IMAGES, _MODES = 3, 4  # for 1e-11; images up to a spread of a quarter of the body, modes beyond
+_IMAGES, _MODES = 3, 4  # for an error of 1e-11; modes once heat has spread over a quarter of a body
 _PANEL, _NODES = 2.0, 5  # ratio of the ages at the ends of a panel, and nodes in each
 
 

@@ -32,7 +32,7 @@ _LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its
 
 
 class Stage(NamedTuple):
-    """A contact to be solved within a step."""
+    """A contact to be solved within a step: its load, and the distances slid."""
 
     normal_load: float  # on the whole pin [N]
     distance: float  # slid, over which the pressure of this contact wears the pin [m]
