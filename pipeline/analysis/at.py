@@ -134,16 +134,16 @@ def at(
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
     if given_measured or scatter is not None:
-        ds = _weighed(ds, given_measured, scatter, [_NAMES[path] for path in wanted])
+        ds = _weigh_by_tests(ds, given_measured, scatter, [_NAMES[path] for path in wanted])
     if oil is not None:
-        ds = _of_oil(ds, oil)
-    ds, wanted = _taken(ds, wanted | entries)
+        ds = _choose_oil(ds, oil)
+    ds, wanted = _select_entries(ds, wanted | entries)
     known = {*_NAMES, *open_inputs(ds)}
     if others := [path for path in wanted if path not in known]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
     wanted = {path: _si_value(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
-    ds = _changed(ds, {k: v for k, v in wanted.items() if k not in several})
+    ds = _record_values(ds, {k: v for k, v in wanted.items() if k not in several})
     for path, values in reversed(several.items()):
         if path not in _UNITS:
             raise InputError(f"{path} takes one value at a time here; give one")
@@ -157,10 +157,10 @@ def at(
     return ds
 
 
-def _weighed(
+def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Mark the dataset, so that the scene's laboratory tests weigh its samples."""
+    """Dataset whose attributes make the scene's laboratory tests weigh its samples (posterior)."""
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
             "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "
@@ -174,8 +174,8 @@ def _weighed(
     return identified(ds.assign_attrs(at=json.dumps(values)))
 
 
-def _of_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
-    """Mark the dataset, so that only laboratory tests with this oil count."""
+def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
+    """Dataset whose attributes make only laboratory tests with this oil count."""
     names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
@@ -222,7 +222,7 @@ def oil_temperature(name: str, value: float | str) -> float:
     return kelvin
 
 
-def _changed(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
+def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     """Record `values` in the dataset's attributes; drop coordinates that they replace."""
     if not values:
         return ds
@@ -247,27 +247,27 @@ def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """Value of an unknown input in SI; raises if the samples do not reach it."""
+    """Value of a samples' unknown input in SI; raises if it is outside the range of the samples."""
     draw = whole_sweep(ds).variants.draw
     return float(extras.module("drawn").drawn_value(draw, path, value))
 
 
-def _taken(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Select the values of entries that the sweep varies; return those of other entries, too."""
+def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
+    """Dataset at those `values` that belong to varied entries; other values are returned, too."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:
         several = isinstance(values[path], list | tuple | np.ndarray)
         places = [
-            _place(ds[path], value) for value in (values[path] if several else [values[path]])
+            _value_index(ds[path], value) for value in (values[path] if several else [values[path]])
         ]
         if path in ds.dims:
             ds = ds.isel({path: places if several else places[0]})
-    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # of a row with its place
+    ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # if it is a table's row
     return ds, {path: value for path, value in values.items() if path not in columns}
 
 
-def _place(axis: xr.DataArray, value: float | str) -> int:
+def _value_index(axis: xr.DataArray, value: float | str) -> int:
     """Index of a value along an entry's dimension; raises an `InputError` if it is missing."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):

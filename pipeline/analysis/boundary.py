@@ -55,8 +55,8 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
         - ``outcome``: crosses, or why not. Mild or severe throughout: this holds in the scene's
           whole range. Otherwise the crossing is above or below the computed points, or too few
           points are done, or wear is severe at some and mild at a higher one.
-        - ``words``: the outcome in words, with the ranges of severe wear if it turns several times.
-        - ``turns(load, turn)``: all places at which wear turns.
+        - ``words``: the outcome in words, with the ranges of severe wear if there are several.
+        - ``turns(load, turn)``: all loads or velocities at which wear changes.
         - ``film_parameter`` at the crossing, if the scene gives an oil.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, the
@@ -99,7 +99,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     """
     data = results(ds)
     require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
-    answer = _band_alone if data.kind is Kind.SAMPLES else _plane_boundary
+    answer = _samples_boundary if data.kind is Kind.SAMPLES else _plane_boundary
     axes = [data.rows[name] for name in data.entry_dims]
     found = side_by_side([answer(scene) for scene in data.scenes], axes)
     if data.kind is Kind.PLANE:
@@ -110,7 +110,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """The boundary of one scene with points at all pairs of its loads and velocities."""
+    """Boundary of one scene that has a point at every pair of its loads and velocities."""
     data.require_lists(*PLANE)
     found = point_field(data)
     data = found.source
@@ -143,7 +143,7 @@ def axis_of(name: str, values: Array) -> xr.Variable:
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as dataset attributes with units, without conditions that samples vary."""
+    """Conditions as dataset attributes with units, except conditions that samples vary."""
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
@@ -153,11 +153,11 @@ def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ())
     return attributes | {"units_of_attributes": ", ".join(units)}
 
 
-_TURNS = 64  # most turns of a line that are stored; more are interpolation artefacts
+_TURNS = 64  # most changes of wear stored for a line; more are artefacts of interpolation
 
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
-    """Dataset variables of the transitions along `axis`, at each value of the axis `line`."""
+    """Dataset variables, by name, of transitions along `axis` at each value of the axis `line`."""
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
         places, others = (field.loads[-1:], field.velocities), field.velocities
@@ -190,13 +190,13 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     result[f"outcome_at_{line}"] = dims, codes.astype(np.int8), meanings
     if field.source.front:
         result[f"critical_{axis}_quantile"] = _described(
-            ["quantile", line], _band(found), unit, "that a share of the surfaces stays below"
+            ["quantile", line], _quantiles(found), unit, "that a share of the surfaces stays below"
         )
     return result
 
 
 _STEPS = 241  # velocities at which the ends of the error band are sought
-_BEYOND = 3.0  # these velocities extend by this factor beyond the computed ones
+_BEYOND = 3.0  # the band is sought up to this factor beyond the computed velocities
 _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is smaller at it
 
 
@@ -219,8 +219,8 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
 
 
-def _band_alone(scene: Results) -> xr.Dataset:
-    """Boundary of samples: velocities at which severe wear is 5, 50 and 95 % likely; error band."""
+def _samples_boundary(scene: Results) -> xr.Dataset:
+    """Velocities by load at which severe wear is 5, 50 and 95 % likely, and the error band."""
     (field,) = fields(scene)
     loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])
@@ -244,10 +244,10 @@ BAND = (0.1, 0.5, 0.9)
 
 
 @np.errstate(invalid="ignore")
-def _band(line: Line) -> Array:
-    """Quantiles (3, k) of the transition over several surfaces, by place; linear between ranks.
+def _quantiles(line: Line) -> Array:
+    """Quantiles `BAND` (3, k) over surfaces of the critical velocity or load on each of k lines.
 
-    A quantile is NaN if it lies next to a transition of which only bounds are known.
+    They are linear between ranks, and NaN next to a transition of which only bounds are known.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

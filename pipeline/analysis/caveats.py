@@ -26,7 +26,7 @@ def caveats_of(data: Results) -> list[str]:
 
 
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
-    """Caveats of answers on a scene under some conditions."""
+    """Caveats, one line each, of answers on a scene under these conditions."""
     sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
     exact = "inputs such as the steel's conductivity are taken as exact (irg help your-tests)"
     lines = [
@@ -41,9 +41,9 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Describe where wear is severe if tracks assumed cold are warm; empty if not computed.
+    """Velocities in words from which wear is severe if heat of a track's earlier turns counts.
 
-    It is computed only for a plane of one scene, under the scene's own conditions.
+    Empty unless the scene leaves that heat out, and is a single plane under its own conditions.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions

@@ -72,7 +72,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
 
 
 def _boundary(a: Results, b: Results) -> pd.DataFrame:
-    """Frame of critical velocities at loads that both have; empty if a scene has no limit."""
+    """Frame of critical velocities at common loads; empty without a critical temperature."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(data) for data in (a, b))
@@ -87,7 +87,7 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 
 
 def _critical_velocities(data: Results) -> pd.DataFrame:
-    """Critical velocity and outcome at each load; the median for surfaces or samples."""
+    """Frame of critical velocity and outcome by load; median for several surfaces or samples."""
     boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
@@ -105,7 +105,7 @@ def _critical_velocities(data: Results) -> pd.DataFrame:
 
 
 def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
-    """Frame of points that differ or are done in one store only, and the number that are alike."""
+    """Frame of points that differ or are done in one store only, and the number of equal points."""
     heads = (
         "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
         "change [%]",
@@ -124,7 +124,10 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 
 
 def _states(data: Results, has_seeds: bool) -> pd.DataFrame:
-    """Frame of points that are done, failed or asked for: place, state and highest rise [K]."""
+    """Frame of points with load, velocity, variant, state and highest rise [K].
+
+    Pending points are included if the last run asked for them.
+    """
     data.require("max_rise")
     values = {
         "status": data.columns["status"],

@@ -31,7 +31,7 @@ def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
 
 
 def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
-    """Frame of a boundary, with a row for each scene and each value of `axis`."""
+    """Data frame of a boundary along `axis`, with a row for each scene and value of the axis."""
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
@@ -58,15 +58,15 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
 
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield headings and columns for a single surface: critical value and outcome."""
+    """Yield pairs (heading, column) for a single surface: critical value and outcome."""
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield headings and columns for several surfaces: median, band, counts of outcomes.
+    """Yield pairs (heading, column) for several surfaces: median, band, counts of outcomes.
 
-    For samples, only the velocities of some probabilities.
+    For samples they are the velocities of some probabilities only.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

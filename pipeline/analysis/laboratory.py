@@ -41,16 +41,16 @@ _HEADS = (
 
 
 def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
-    """Measured transitions, then tests, with the oil that the sweep is judged for.
+    """Tests that a sweep is compared with: measured transitions first, then single outcomes.
 
-    If that oil is not known, those with any oil are returned.
+    They are those of the oil that the sweep is judged for, or of all oils if it is not known.
     """
     tests = data.sweep.tests
     return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
 
 
 def ambiguous_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests name; empty if the user chose one, or a test names none."""
+    """Oils that the tests name; empty if the user chose an oil, or a test names none."""
     names = oils_of(test.oil for test in sweep.tests)
     return [] if "" in names or sweep.oil else names
 
@@ -66,7 +66,7 @@ def require_one_oil(sweep: Sweep) -> None:
 
 
 def own_conditions(data: Results, test: Measurement) -> Conditions:
-    """Conditions of a test: its friction and bulk temperature, else those of the scene."""
+    """Conditions to judge a test under: its own friction and bulk temperature, else the scene's."""
     judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -75,7 +75,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 
 
 def model_error(data: Results, field: Field) -> Scatter:
-    """The model's own error in a scene, inferred from its tests; a prior without tests."""
+    """Distribution of the model's own error, from the scene's tests; a prior without tests."""
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
     if scatter is not None:
@@ -85,18 +85,18 @@ def model_error(data: Results, field: Field) -> Scatter:
         reason = "the scene's tests count with --given-measured"
         return replace(plain, reason=reason) if tests else plain
     found = [(test, one) for test in tests if (one := _known(data, field, test))]
-    return replace(_counted(plain, found), reason=AGREED if found else plain.reason)
+    return replace(_updated(plain, found), reason=AGREED if found else plain.reason)
 
 
 def untested_error(sweep: Sweep) -> ModelError:
-    """The model's own error in a scene if its tests are not used."""
+    """Distribution of the model's own error if the scene's tests are not used: the prior."""
     names = ambiguous_oils(sweep)
     oil, model = sweep.oil or (names[0] if len(names) == 1 else ""), sweep.declared.model
     return ModelError(usual=model.scatter if model else USUAL, oil=oil)
 
 
 def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
-    """Comparison of a test with the model at its own conditions, or None.
+    """Comparison of a test with the model under the test's conditions; None if it decides nothing.
 
     It is None if the load is outside the sweep, or if further velocities might change whether test
     and model agree.
@@ -108,11 +108,11 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
     return found if found.is_known and 0 < found.critical < math.inf else None
 
 
-def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
-    """The model's own error `plain`, updated by compared tests.
+def _updated(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
+    """The model's own error `plain`, updated by the compared tests `found`.
 
-    Of each run the farthest transition counts, and the farthest wrong outcome on each side. A
-    measured transition where none is computed contradicts the model like a wrong outcome.
+    Each run counts by its transition farthest from the model, and by its farthest wrong outcome on
+    either side. A measured transition where none is computed counts as a wrong outcome.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()
     for number, (test, one) in enumerate(found):
@@ -126,21 +126,21 @@ def _counted(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]])
 
 
 class Comparison(NamedTuple):
-    """A test compared with the computed wear at its own conditions and load, along velocity."""
+    """A test compared with the wear computed at its load, under its own conditions."""
 
-    place: tuple[float, float]  # load [N], and velocity [m/s] within the computed ones
+    place: tuple[float, float]  # load [N], and velocity [m/s] moved into the computed range
     here: Here  # temperatures computed at that place
-    turn: float  # velocity at which wear turns [m/s]; see `critical_velocity`
-    critical: float  # the same, extrapolated by a power law if none is computed [m/s]
+    turn: float  # velocity at which wear changes [m/s]; see `critical_velocity`
+    critical: float  # `turn`, extrapolated by a power law if none is computed [m/s]
     is_right: bool  # True if the test has the computed outcome
     is_known: bool  # False if further velocities might change whether it agrees
 
 
 def comparison(own: PointField, test: Measurement) -> Comparison:
-    """Compare a test with the field at its own conditions.
+    """Compare a test with `own`, the field under the test's conditions.
 
-    Beyond the computed velocities wear may turn from mild to severe with velocity. With a friction
-    that depends on velocity it may turn either way.
+    Beyond the computed velocities wear may change from mild to severe with velocity. With a
+    friction that depends on velocity it may change either way.
 
     Raises
     ------
@@ -164,9 +164,9 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
 
 
 def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:
-    """Computed velocity [m/s] nearest to a test at which wear turns: median over surfaces.
+    """Computed velocity [m/s], nearest to a test, at which wear changes; median over surfaces.
 
-    For a measured transition only turns to severe wear count. Without a turn the velocity is
+    For a measured transition only changes to severe wear count. Without a change the velocity is
     infinite (mild at all computed points) or -infinite (severe), or extrapolated if `continued`.
     """
     line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
@@ -175,7 +175,7 @@ def critical_velocity(own: PointField, test: Measurement, continued: bool = Fals
 
 
 def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
-    """Describe tests at or near a place, with their own conditions.
+    """Yield a description of each test near a load [N] and velocity [m/s], with its conditions.
 
     Tests whose bulk temperature is above the critical one are left out.
     """
@@ -192,7 +192,7 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
 
 
 def compared(data: Results) -> pd.DataFrame | None:
-    """Frame of tests compared with the model at their own conditions; None without tests.
+    """Data frame of tests compared with the model under their own conditions; None without tests.
 
     If the sweep is judged at several critical temperatures or shares, the first counts. Friction
     and bulk temperature are those of the test, or of the scene as stored.
@@ -223,7 +223,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 
 
 def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
-    """Rows of the frame of tests, for one scene."""
+    """Yield the rows of the table of tests for one scene, a row for each test."""
     field = point_field(scene)
     under = functools.cache(field.under)
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)

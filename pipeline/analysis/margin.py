@@ -156,9 +156,9 @@ def percent(probability: float) -> str:
 def answers(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
-    """Margins of a field at loads [N] and velocities [m/s] (k,), or reasons in words if unknown.
+    """Margin at each load [N] and velocity [m/s] (k,), or in words why there is none.
 
-    `tested` describes the tests near each place.
+    `tested` describes the tests near each of these places.
     """
     here = field.temperatures(loads, velocities)
     is_known = np.array([not reason for reason in here.reasons])
@@ -184,7 +184,7 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Values at known places for each field of `Margin`, by the field's name."""
+    """Values by name of the attributes of `Margin`, for the k places where `is_known`."""
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
     chances = probabilities(field, loads, velocities, scatter, totals(errors))
@@ -221,7 +221,7 @@ def _columns(
 def probabilities(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
 ) -> tuple[Array, Array, Array]:
-    """Probabilities (k,) of severe wear: with rises lower by the error, as computed, higher.
+    """Probabilities (k,) of severe wear: for rises too high by the error, as computed, too low.
 
     `errors` are relative numerical errors, one for each place (k,) or one for all; NaN if unknown.
     """
@@ -235,10 +235,9 @@ def probabilities(
 def verdict_plane(
     field: Field, loads: Array, velocities: Array, scatter: Scatter
 ) -> tuple[Array, Array]:
-    """Lowest and highest probability of a severe next run, each (load, velocity).
+    """Lowest and highest probability that the next run is severe, each (load, velocity).
 
-    Numerical errors are at their worst, as in a margin. Places may be beyond the loads and
-    velocities of the sweep.
+    The numerical error makes the difference. Loads and velocities may be outside the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -256,7 +255,7 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
     `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities, the
     first end is infinite and the second NaN; if severe at all, the first is NaN and the second 0.
-    Wear is taken as severe up to velocities where the numerical error is unknown.
+    The second end is sought up to the last velocity with a known numerical error.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):

@@ -104,7 +104,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 
 
 class Judged(NamedTuple):
-    """A place of a scene with its margin, or with the reason why there is none."""
+    """An operating point in one scene, with its margin or the reason why there is none."""
 
     field: Field  # field under the conditions of the place
     place: Place
@@ -120,7 +120,7 @@ class Judged(NamedTuple):
 
 
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Judge `points` in each scene of a sweep; if None, the places of the sweep's own rows."""
+    """Yield the judged operating points of each scene; if `points` is None, those of its rows."""
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(data):
@@ -140,7 +140,7 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_places(
     field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge places of a field; places with the same conditions are judged together."""
+    """Judge operating points by a field; those with the same conditions are judged together."""
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
         alike.setdefault((*own.items(),), []).append(number)
@@ -166,8 +166,8 @@ def _judged_places(
 def margin_frame(
     data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Frame of judged places, with labels of their scenes and further columns in front."""
-    names = _labels(found) if data.kind is Kind.PLACES else data.entry_dims
+    """Data frame of judged operating points; varied entries and the user's columns come first."""
+    names = _label_names(found) if data.kind is Kind.PLACES else data.entry_dims
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
         {
@@ -186,7 +186,7 @@ def margin_frame(
             notes += one.margin.caveats
         rows.append((*one.place, *values, joined(notes)))
     answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
-    return pd.concat([labels, _passed_on(points, answers), answers], axis="columns")
+    return pd.concat([labels, _copied_columns(points, answers), answers], axis="columns")
 
 
 _COLUMNS = column_heads(
@@ -206,14 +206,14 @@ def _value(margin: Margin, name: str) -> Any:
     return clipped(value) if name == "probability" else value
 
 
-def _labels(found: Sequence[Judged]) -> list[str]:
-    """Names of the labels of rows that have their own places; the row number if no others."""
+def _label_names(found: Sequence[Judged]) -> list[str]:
+    """Names of the coordinates that identify rows of a table; the row number if no others."""
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 
 
-def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
-    """Further columns of the user's table, repeated for each scene."""
+def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
+    """Data frame of the user's further columns, repeated for each scene."""
     taken, count = {*answers}, len(answers)
     columns = {
         f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
@@ -223,7 +223,7 @@ def _passed_on(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.Data
 
 
 def counts_in_words(frame: pd.DataFrame) -> str:
-    """Counts of operating points by verdict, and the place with the least margin, in words."""
+    """Counts of operating points by verdict, and the point with the least margin, in words."""
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
     if len(frame) == 1 or frame["distance [K]"].isna().all():

@@ -27,7 +27,7 @@ USUAL = 0.10
 """Prior of the relative scatter of a run about the model."""
 AGREED = "no test contradicts it"
 """Reason for the prior if all tests that can be compared are right."""
-WORTH = 4  # number of tests that the prior counts like
+WORTH = 4  # the prior weighs as much as this number of tests
 
 
 class Scatter(Protocol):
@@ -43,7 +43,7 @@ class Scatter(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ModelError:
-    """The model's own error: Student's t in ln(velocity), with a scale for each half."""
+    """The model's own error in ln(velocity): Student's t with a scale for each sign."""
 
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
     wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.
@@ -58,7 +58,7 @@ class ModelError:
 
     @property
     def scales(self) -> tuple[float, float]:
-        """Scales for runs that turn severe below the computed velocity, and above it."""
+        """Scales in ln(velocity) of runs below the computed critical velocity, and above it."""
         known = WORTH * self.usual**2 + sum(r * r for r in self.residuals)
         low, high = (
             sorted((r * r for r in self.wrong if r * side > 0), reverse=True) for side in (-1, 1)
@@ -66,7 +66,10 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest scale over all n, from the sum `known` plus the first n of `squares`."""
+        """Largest root mean square over n of residuals: those summed in `known`, and the first n.
+
+        `known` is the sum of squares of `degrees` residuals; `squares` are further ones.
+        """
         sums = enumerate(itertools.accumulate(squares, initial=known), self.degrees)
         return math.sqrt(max(total / count for count, total in sums))
 

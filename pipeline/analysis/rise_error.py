@@ -48,15 +48,15 @@ Found by `python -m tests.promises.errors`.
 """
 
 _OF_WARNED = {
-    # Largest errors seen with these three, which are rare in the campaign. Coarse pixels are the
-    # same in `fine`.
+    # Largest errors seen with these three warnings, which are rare in the campaign. That of coarse
+    # pixels is the same in `fine`.
     WarningKind.FEW_STEPS: 0.10,
     WarningKind.FEW_TURNS: 0.10,
     WarningKind.COARSE_PIXELS: 0.70,
     # With 15 to 38 elements in contact; with some hundreds it was 0.6 %. Elements are then pixels.
     # Differences between surfaces, or from smaller pixels, are not included.
     WarningKind.FEW_NODES: 0.11,
-    # None here: friction by temperature has a part of the error of its own.
+    # 0, as friction by temperature has its own part of the error, `counted`.
     WarningKind.IGNITION: 0.0,
     WarningKind.UNSOLVED_FRICTION: 0.0,
     WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
@@ -94,11 +94,11 @@ class RiseError:
     interpolation: float | None
     preset: float | None
     warned: float | None
-    counted: float | None = 0.0  # of film and friction by temperature, added after the simulation
+    counted: float | None = 0.0  # error of film and friction by temperature, added after the run
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """The error from its parts (4,); NaN for an unknown part."""
+        """Error from its four parts (4,), where NaN is an unknown part."""
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
@@ -146,12 +146,12 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """True at places (k,) if friction by temperature is solved at all neighbouring points."""
+        """True at places (k,) whose neighbours all solved temperature-dependent friction."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """True at places (k,) that are a computed point."""
+        """True for those pairs of load and velocity (k,) that are a computed point."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
         done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
@@ -161,9 +161,9 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Rows (k, 2) and columns (k, 2, 2) of the points from which places are interpolated.
+        """Indices of loads (k, 2) and velocities (k, 2, 2) of the points that places lie between.
 
-        A computed point is interpolated from itself, others from neighbours; -1 if there is none.
+        A computed point has itself twice. Without a neighbour the index is -1.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -171,7 +171,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Indices of the two loads around a load, by slot of velocity and of load; see `_slots`."""
+        """Indices of two loads for each slot of velocity and of load; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -179,7 +179,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Indices of velocities beside each slot of velocity, for each load; see `_slots`."""
+        """Indices of two velocities for each load and slot of velocity; see `_slots`."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -189,7 +189,7 @@ class RisePlane:
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """`RisePlane` of each surface under `conditions`, with friction by velocity divided out."""
+    """`RisePlane` of each surface, with rises divided by the friction factor of their velocity."""
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
@@ -203,7 +203,7 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of the rise by part of `RiseError` and place (4, k); the last part is 0."""
+    """Relative errors of the rise at k places, by part of `RiseError` (4, k); the last is 0."""
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
@@ -211,7 +211,7 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot number of each place on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
+    """Slots of places on an axis: 2 i + 1 at point i, 2 i between the points i − 1 and i."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
@@ -242,7 +242,7 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Indices of two done points for each slot (r, 2 n + 1, 2), from rows (r, n); see `_slots`.
+    """Indices of two done points for each slot (r, 2 n + 1, 2), from masks (r, n); see `_slots`.
 
     They are the slot's own point twice, the points on both sides, or, beyond the ends, the last
     two. A row with a single point has it twice; an empty row has -1.
@@ -261,7 +261,10 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors (k,) of interpolating, or of extrapolating beyond points; NaN if unknown."""
+    """Relative errors (k,) of interpolation or extrapolation at places; NaN if unknown.
+
+    `rows` and `columns` are the points that a place lies between; see `RisePlane.rests_on`.
+    """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
     gaps = np.log(last / first)
@@ -276,13 +279,13 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of interpolating over `gaps` in ln, estimated by leaving points out."""
-    return np.where(gaps > 0, BETWEEN * _missed(grid, axis) * gaps, 0.0)
+    """Relative errors of interpolating over gaps in ln(load or velocity), by cross-validation."""
+    return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
-def _missed(grid: RisePlane, axis: str) -> float:
-    """Root mean square error of ln(rise) at points left out in turn, each over its gap in ln."""
+def _left_out_error(grid: RisePlane, axis: str) -> float:
+    """Root mean square of (error of ln(rise))/(gap in ln) over points left out in turn."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.

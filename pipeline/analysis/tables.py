@@ -55,7 +55,7 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
 
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
-    """A frame of one row turned upright: a row for each non-empty column."""
+    """Frame of one row turned on its side: a row for each non-empty column."""
     columns = short(frame)
     (cells,) = _cells(columns, "-")
     return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
@@ -188,7 +188,7 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes of a frame of operating points, each once, after its place unless all places have it.
+    """Notes of a frame of operating points, each once, with its point unless all points have it.
 
     Notes in `said` are left out.
     """

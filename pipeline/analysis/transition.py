@@ -37,40 +37,40 @@ def outcomes(axis: str) -> Mapping[int, str]:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Rise along velocity at one load, or along load at one velocity, and where wear turns.
+    """Rise along velocity at one load, or along load at one velocity, and where wear changes.
 
     Arrays may have leading axes for the members and places of a field. One row may be compared with
     several limits.
     """
 
-    #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the places that are done,
-    #: if wear does not turn there.
+    #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the computed ones, if wear
+    #: does not change there.
     curve: Curve
     limit: Array  # rise above which wear is severe [K]
-    ends: tuple[float, float]  # range of the sweep
-    done: Array  # places that are done (..., n), ascending; else NaN
+    ends: tuple[float, float]  # lowest and highest velocity or load of the sweep
+    done: Array  # computed velocities or loads (..., n), ascending; else NaN
     continued: Curve  #: The curve extrapolated beyond its ends, where known.
-    turns_back: bool  #: True if friction by velocity may turn wear beyond either end.
+    turns_back: bool  #: True if wear may change beyond either end, by velocity-dependent friction.
     rows: Any = ...  # row of each limit; by default one limit for each row
 
     @functools.cached_property
     def places(self) -> Array:
-        """Velocities [m/s] or loads [N] at which wear turns (..., n), ascending, then NaN."""
+        """Velocities [m/s] or loads [N] at which wear changes (..., n), ascending, then NaN."""
         return self.curve.crossings(self.limit, self.rows)
 
     @functools.cached_property
     def begins_severe(self) -> Mask:
-        """True if wear is severe before the first turn."""
+        """True if wear is severe at the line's lowest velocity or load."""
         return np.asarray(Criterion.is_severe(self.curve.end(0)[1][self.rows], self.limit))
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest velocity or load that is done; NaN if there is none."""
+        """Lowest and highest computed velocity or load of each line; NaN if there is none."""
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property
     def outcome(self) -> Array:
-        """Code of the outcome; see `outcomes`."""
+        """Code of the outcome of each line; see `outcomes`."""
         count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
         is_first, is_last = low <= self.ends[0], high >= self.ends[1]
         turns_back = self.turns_back & (self.continued.count > 0)
@@ -83,9 +83,9 @@ class Line:
 
     @property
     def first(self) -> Array:
-        """Lowest place at which wear turns severe.
+        """Lowest velocity [m/s] or load [N] at which wear turns severe.
 
-        It is -infinite if wear is severe at the lowest place, infinite if mild at every place, and
+        It is -infinite if wear is severe at the lowest one, infinite if wear is mild at all, and
         NaN if unknown.
         """
         place = np.fmin.reduce(self.places, axis=-1)
@@ -104,16 +104,17 @@ class Line:
 
     @property
     def _turns_severe(self) -> Mask:
-        """True at those of `places` at which wear turns severe."""
+        """Mask of `places`: True where wear turns severe, False where it turns mild."""
         number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
         return np.asarray(np.isfinite(self.places) & (number % 2 == 1))
 
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """The turn (to severe wear if `to_severe`) nearest to `here` by ratio; `first` if none.
+        """Velocity or load nearest to `here`, by ratio, at which wear changes; `first` if none.
 
-        If `continued`, a line without a turn uses turns extrapolated beyond its ends.
+        With `to_severe` only changes to severe wear count. If `continued`, a line without a change
+        uses changes extrapolated beyond its ends.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)
@@ -130,10 +131,10 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """All turns of wear (..., n), also extrapolated ones, their direction, and the last wear.
+        """Where wear changes (..., n), also by extrapolation; if to severe; if severe at the end.
 
         The second array is True where wear turns severe, the third if wear is severe beyond the
-        last turn. Without a power law at an end, wear does not turn beyond it.
+        last change. Without a power law at an end, wear does not change beyond it.
         """
         if self.curve is not self.continued:
             return replace(self, curve=self.continued)._all_turns
@@ -151,14 +152,14 @@ class Line:
 
     @property
     def transitions(self) -> Transitions:
-        """Outcome and first turn to severe wear of each line."""
+        """Outcome of each line, and where wear first turns severe."""
         low, high = (np.where(self.outcome == UNKNOWN, math.nan, end) for end in self.computed)
         ends = np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)
         alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))
         return Transitions(self.outcome, self.first, ends, alone)
 
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
-        """Probability that a run is severe at each of `velocities`, on the line of each limit.
+        """Probability that a run is severe at each of `velocities`, for each line and its limit.
 
         A run at V behaves like the model at V·exp(ε), where ε has the distribution `scatter`.
         """
@@ -169,7 +170,7 @@ class Line:
         return np.asarray(np.clip(shares + is_severe, 0.0, 1.0))
 
     def _continued_end(self, end: int) -> Array:
-        """Place beyond an end at which wear turns, by extrapolation with the power law there."""
+        """Velocity or load beyond an end (0 or -1) at which its power law reaches the limit."""
         parts = *self.curve.end(end), self.curve.line_exponent(end)
         x, y, slope = (part[self.rows] for part in parts)
         with np.errstate(all="ignore"):
@@ -184,9 +185,9 @@ def in_words(
     turns: Sequence[float] = (),
     begins_severe: bool = False,
 ) -> str:
-    """An outcome in words along ``"velocity"`` or ``"load"``, with the computed range.
+    """Outcome in words along ``"velocity"`` or ``"load"``, with the computed range.
 
-    If wear turns several times and turns are given, the ranges of severe wear.
+    If wear changes several times, and `turns` says where, the words are ranges of severe wear.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):
@@ -197,7 +198,7 @@ def in_words(
 
 
 def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
-    """Ranges of severe wear in words, from its turns; NaN is no turn."""
+    """Ranges of severe wear in words, from the places `turns` where wear changes; NaN is none."""
     places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
     begins = ["", *places] if begins_severe else places
     ends = [*begins[1::2], ""][: len(begins[::2])]
@@ -220,12 +221,12 @@ def range_of(data: Results, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Outcomes and first turns to severe wear of a field's members, along an axis."""
+    """Outcome of each member of a field along an axis, and where wear first turns severe."""
 
     outcome: Array  # codes by member and place (m, k); see `outcomes`
-    first: Array  # lowest turn to severe wear by member and place (m, k); see `Line.first`
-    computed: tuple[Array, Array]  # lowest and highest place computed, each (k,)
-    places: Array = np.empty((0, 0))  # all turns (k, n) of a single member; else empty
+    first: Array  # lowest place of severe wear by member and place (m, k); see `Line.first`
+    computed: tuple[Array, Array]  # lowest and highest computed velocity or load, each (k,)
+    places: Array = np.empty((0, 0))  # changes of wear (k, n) of a single member; else empty
 
     def outcome_texts(self, along: str) -> Iterator[str]:
         """Outcome of each place in words, along ``"velocity"`` or ``"load"``.

@@ -62,21 +62,21 @@ def warned(ds: ResultsLike) -> Warned:
     """
     data = results(ds)
     judged = tuple(data.front.index(name) for name in data.judged_dims)
-    flags = warning_flags(data) | _marked(data, _is_molten) * int(WarningKind.MOLTEN)
+    flags = warning_flags(data) | _mask_by_scene(data, _is_molten) * int(WarningKind.MOLTEN)
     flags = np.bitwise_or.reduce(flags, axis=judged)
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
     return Warned(
         points=int((flags != 0).sum()),
         kinds={kind: count for kind, count in counts.items() if count},
-        example=_first(data.take(dict.fromkeys(data.judged_dims, 0)), flags),
+        example=_example(data.take(dict.fromkeys(data.judged_dims, 0)), flags),
     )
 
 
 def warning_flags(data: Results) -> Indices:
-    """Flags (`WarningKind`) of each done point: its own, and those that follow from neighbours."""
+    """Flags (`WarningKind`) of each done point: those stored, and that of a slow rise."""
     data.require("status", "warning_flags")
     flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
-    return np.asarray(flags | _marked(data, _rises_slowly) * int(WarningKind.SLOW_RISE))
+    return np.asarray(flags | _mask_by_scene(data, _rises_slowly) * int(WarningKind.SLOW_RISE))
 
 
 def _is_molten(scene: Results) -> Mask:
@@ -86,14 +86,14 @@ def _is_molten(scene: Results) -> Mask:
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
 
 
-def _marked(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Join the masks that `mark` returns by scene; all False if the sweep has no plane."""
+def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
+    """Mask of all points, joined from `mark` of each scene; all False if the sweep has no plane."""
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
 
 
-def _first(data: Results, flags: Indices) -> str:
+def _example(data: Results, flags: Indices) -> str:
     """The first point that carries a warning, with its message; empty if none does."""
     if not flags.any():
         return ""
@@ -121,7 +121,7 @@ def _rises_slowly(scene: Results) -> Mask:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; else NaN."""
+    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; NaN if none."""
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])

@@ -19,7 +19,7 @@ ONSET = "the median is not the onset: the hottest patch under the pin scuffs fir
 
 
 def model_error_line(errors: Iterable[str]) -> str:
-    """Line with the model's own error in the first scene, and the number of other errors."""
+    """Line that states the model's own error in the first scene, and how many others differ."""
     first, *others = dict.fromkeys(errors)
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 
@@ -55,7 +55,7 @@ def next_run_line(boundary: xr.Dataset) -> str:
 
 
 def margin_lines(here: Margin) -> Iterator[str]:
-    """Lines on an operating point: the verdict, then its temperatures, errors and factors."""
+    """Yield lines on an operating point: verdict, then temperatures, errors and factors."""
     yield here.sentence
     several = "inputs" if here.counts_inputs else "surfaces"
     origin = "interpolated between computed points"
