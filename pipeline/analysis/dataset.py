@@ -16,7 +16,7 @@ import xarray as xr
 from pipeline import extras
 from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.analysis.scene_id import identify, require_one_sweep
-from pipeline.scene.kept import text_sweep
+from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
@@ -64,7 +64,7 @@ class Origin:
 def stored_sweep(origin: Origin) -> Sweep:
     """Sweep that `origin` describes, as it was stored: without the values of `pipeline.at`."""
     data = origin.arrays
-    return text_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
+    return parse_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
 
 
 @functools.lru_cache(maxsize=64)

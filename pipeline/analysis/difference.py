@@ -13,7 +13,7 @@ from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
-from pipeline.scene.written import differing
+from pipeline.scene.written import differing_entries
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
 from pipeline.sweep.laws import LawError
@@ -66,7 +66,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
         require_one_scene(data.entry_dims)
         data.require_lists(*PLANE)
     points, alike = _points(first, second)
-    rows = differing(first.sweep, second.sweep)  # in the order of the scene
+    rows = differing_entries(first.sweep, second.sweep)  # in the order of the scene
     entries = frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
     return Difference(entries, _boundary(first, second), points, alike)
 

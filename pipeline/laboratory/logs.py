@@ -20,7 +20,7 @@ from pipeline.laboratory.reading import (
 )
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import numbered
+from pipeline.scene.faults import row_text
 from pipeline.scene.format import Stages, Test, Transition
 from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
@@ -161,7 +161,7 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
         word, outcome = next(iter(meanings.items()))
         other = "severe" if outcome == "mild" else "mild"
         sheet.faults.append(
-            f"{numbered([row.number for row in empty])}: no outcome, where all others are {outcome}"
+            f"{row_text([row.number for row in empty])}: no outcome, where all others are {outcome}"
             f'; say what it is by --word "={other}", or leave them out by --where "outcome={word}"'
         )
     if "" not in words:

@@ -16,7 +16,7 @@ from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.forkserver import end_if_imported
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
-from pipeline.scene.resume import acting
+from pipeline.scene.resume import effective_changes
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.create import grown, writing
@@ -180,7 +180,7 @@ def _rounds(
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:
     """Notes for the user on a store that is resumed; `before` is the sweep that it had."""
-    if changed := [*acting(before, store.sweep, lambda one: one.conditions)]:
+    if changed := [*effective_changes(before, store.sweep, lambda one: one.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"

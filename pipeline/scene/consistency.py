@@ -10,7 +10,7 @@ from pipeline.quantities import display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, RandomSurface
 from pipeline.scene.library import library
-from pipeline.scene.parts import DISC, around
+from pipeline.scene.parts import DISC, track_length
 from pipeline.scene.runs import run_faults
 from tribo.simulation.pins import sizes_of
 
@@ -37,7 +37,7 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
     """Note every conflict between the tables of a scene, given which of them have changed."""
     for paths, names, find in _CHECKS:
-        if not names.isdisjoint(changed) and not (faults and any(map(faults.touch, paths))):
+        if not names.isdisjoint(changed) and not (faults and any(map(faults.touches, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))
 
 
@@ -97,7 +97,7 @@ def _unfit_sizes(scene: Any) -> Misfits:
 
 @_check("motion", "pin.diameter", "pin.track_length")
 def _unfit_track(scene: Any) -> Misfits:
-    track, motion = around(scene.pin), scene.motion
+    track, motion = track_length(scene.pin), scene.motion
     key = "pin.diameter" if scene.pin.diameter else "pin.track_length"
     if track and motion is None:
         problem = "the pin is at rest, so that no earlier turn has warmed it; leave it out"

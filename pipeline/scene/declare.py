@@ -58,7 +58,7 @@ def declared(table: type[_Class]) -> type[_Class]:
     return dataclass(frozen=True, kw_only=True)(table)
 
 
-class Kept(NamedTuple):
+class StoreOnly(NamedTuple):
     """Mark of an entry that only stores have, and no scene file."""
 
 
@@ -76,7 +76,7 @@ class Entry(NamedTuple):
     example: Any = None
     default: Any = None
     is_needed: bool = False
-    is_kept: bool = False  # in stores alone
+    is_store_only: bool = False  # in no scene file
 
 
 @functools.cache
@@ -92,7 +92,7 @@ def _entry(hint: Any, field: Field[Any]) -> Entry:
     notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
     meaning = next((note for note in notes if isinstance(note, str)), "")
     example = next((note.value for note in notes if isinstance(note, Example)), None)
-    needed, kept = field.default is MISSING, any(isinstance(note, Kept) for note in notes)
+    needed, kept = field.default is MISSING, any(isinstance(note, StoreOnly) for note in notes)
     return Entry(kind_of(hint), meaning, example, None if needed else field.default, needed, kept)
 
 
@@ -245,11 +245,11 @@ class Table(Kind):
     @property
     def listed(self) -> dict[str, Entry]:
         """Keys that a file may have."""
-        return {key: entry for key, entry in self.keys.items() if not entry.is_kept}
+        return {key: entry for key, entry in self.keys.items() if not entry.is_store_only}
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         require(value, dict, "is not a table")
-        known = self.keys if faults.has_kept else self.listed
+        known = self.keys if faults.allows_store_only else self.listed
         for key in value:
             if key not in known:
                 hint = did_you_mean(key, known)

@@ -35,11 +35,11 @@ class Fault(NamedTuple):
 class Faults(list[Fault]):
     """All faults of a scene, with notes and warnings on entries that are not faulty."""
 
-    def __init__(self, is_complete: bool = False, has_kept: bool = False) -> None:
+    def __init__(self, is_complete: bool = False, allows_store_only: bool = False) -> None:
         super().__init__()
         self.notes: list[Remark] = []
         self.is_complete = is_complete  # the entries of a store, where no default fills a gap
-        self.has_kept = has_kept  # entries that no file may have are allowed
+        self.allows_store_only = allows_store_only  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str) -> None:
         """Add a fault of the entry at a key path."""
@@ -58,7 +58,7 @@ class Faults(list[Fault]):
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 
-    def touch(self, path: str) -> bool:
+    def touches(self, path: str) -> bool:
         """True if the entry at a path, one within it, or a table around it is faulty."""
         within = f"{path}.", f"{path}["
         return any(
@@ -116,12 +116,12 @@ def listed_faults(faults: Iterable[Fault]) -> list[str]:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
         alike.setdefault((one.key, kind), []).append(one)
     return [
-        f"{numbered([one.row for one in some])}, {some[0].key}: {some[0].problem}"
+        f"{row_text([one.row for one in some])}, {some[0].key}: {some[0].problem}"
         for some in alike.values()
     ]
 
 
-def numbered(numbers: Sequence[int]) -> str:
+def row_text(numbers: Sequence[int]) -> str:
     """Rows in words, such as "rows 2, 3 and 5"."""
     if len(numbers) == 1:
         return f"row {numbers[0]}"

@@ -14,9 +14,9 @@ from pipeline.scene.declare import (
     ByPath,
     Either,
     Example,
-    Kept,
     List,
     Range,
+    StoreOnly,
     declared,
     kind_of,
     table_of,
@@ -182,7 +182,7 @@ class MeasuredSurface:
         "Pixels without a height: refuse the file, or fill them smoothly from around."] = "refuse"
     repeat: A[str, OneOf(("no", "mirror", "tile")),
         "Continuation of a surface that is smaller than the window."] = "no"
-    content: A[str | None, Kept()] = None
+    content: A[str | None, StoreOnly()] = None
 
 @declared
 class Film:
@@ -221,7 +221,7 @@ class Record:
         "folder of the scene.", Example("load.csv")]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
-    content: A[str | None, Kept()] = None
+    content: A[str | None, StoreOnly()] = None
 
 @declared
 class Motion:
@@ -365,7 +365,7 @@ class _Fidelity:
         'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
 Fidelity = _extended(_Fidelity, entries=[
-    (name, A[hint | None, _CHOICES.get(name, Kept())], None)
+    (name, A[hint | None, _CHOICES.get(name, StoreOnly())], None)
     for name, hint in get_type_hints(tribo.Fidelity).items()
 ])
 

@@ -172,24 +172,24 @@ def corrections_of(
         film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
         pin_bulk=_bulk_of(scene.pin, pin.material),
         disk_bulk=_bulk_of(scene.disk, disk),
-        motion=motion if around(scene.pin) or around(scene.disk) else None,
+        motion=motion if track_length(scene.pin) or track_length(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
 
 
 def motion_of(table: Motion, pin: Body) -> tribo.Motion:
     """The motion of both bodies; the pin's wear spreads over the track around it."""
-    return tribo.Motion(**vars(table) | {"track_length": table.track_length or around(pin)})
+    return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
 
 
-def around(body: Body) -> float | None:
+def track_length(body: Body) -> float | None:
     """Length of the track around a body [m]: the rim of a disc, or as given."""
     return math.pi * body.diameter if body.diameter else body.track_length
 
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
     """The track around a body of a material; None if its table gives none."""
-    track = disc_of(body) or around(body)
+    track = disc_of(body) or track_length(body)
     return tribo.Track.under(pin, material, track) if track else None
 
 

@@ -64,7 +64,7 @@ class SceneReader:
 
     def read(self, entries: Entries) -> Parts:
         """Read entries; raise an `InputError` with the first fault."""
-        faults = Faults(self.is_stored, has_kept=True)
+        faults = Faults(self.is_stored, allows_store_only=True)
         parts = self.read_all(entries, faults)
         if parts is None or faults:
             raise tribo.InputError(f"{faults[0].key}: {faults[0].problem}")
@@ -152,7 +152,7 @@ class SceneReader:
     ) -> Any:
         """Make a part from tables, cached; None if the first table is missing, or one is faulty."""
         tables = [entry_at(scene, path) for path in paths]
-        if tables[0] is None or any(map(faults.touch, paths)):
+        if tables[0] is None or any(map(faults.touches, paths)):
             return None
         made_of = (*paths, *tables, *more)
         if self.parts.get(made_of) is None:  # a faulty part is made again, and refused each time

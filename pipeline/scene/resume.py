@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.written import differing
+from pipeline.scene.written import differing_entries
 from pipeline.sweep.digest import digest
 from pipeline.sweep.model import Sweep, named
 from pipeline.sweep.station_choice import choose_stations
@@ -49,7 +49,7 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
     if old.rule.rows != new.rule.rows:
-        reasons = [_differs(*one) for one in differing(stored, sweep)]
+        reasons = [_differs(*one) for one in differing_entries(stored, sweep)]
         yield from reasons or ["sweep.samples are drawn by another rule than in the store"]
         return
     yield from _different_scenes(stored, sweep)
@@ -77,18 +77,18 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     """Entries that differ in the first common row with another scene, in words."""
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
-        if different := [*acting(old, new, lambda one: one.scene)]:
+        if different := [*effective_changes(old, new, lambda one: one.scene)]:
             row = f"scene with {', '.join(named(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
             return
 
 
-def acting(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
+def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
     """Entries that differ and thereby change a part of the sweep, in words."""
     present = digest(part(old))
     if present == digest(part(new)):
         return
-    for path, before, after in differing(old, new):
+    for path, before, after in differing_entries(old, new):
         whole = re.split(r"\.\d+(?=\.|$)", path)[0]  # without the number in a list
         try:
             is_same = digest(part(old.changed(whole, entry_at(new.entries, whole)))) == present

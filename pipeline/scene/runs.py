@@ -32,7 +32,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
 def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
     """Tests at the stages of a run, with their outcomes."""
-    if faults.touch(place):
+    if faults.touches(place):
         return
     varied = [name for name in _KINDS if getattr(entry, name) is None]
     given = {outcome: key for outcome, key in _STAGES if getattr(entry, key) is not None}

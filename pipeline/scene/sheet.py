@@ -25,8 +25,8 @@ from pipeline.scene.faults import (
     did_you_mean,
     fault_lines,
     listed_faults,
-    numbered,
     quoted,
+    row_text,
 )
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.names import Heading, Names
@@ -99,7 +99,7 @@ class Sheet:
         for reason in dict.fromkeys(self.left_out.values()):
             numbers = sorted(row for row, why in self.left_out.items() if why == reason)
             verb, _, rest = reason.partition(" ")
-            said.append(f"{numbered(numbers)} {_PLURAL[verb] if numbers[1:] else verb} {rest}")
+            said.append(f"{row_text(numbers)} {_PLURAL[verb] if numbers[1:] else verb} {rest}")
         used, left = len(self.rows), len(self.left_out)
         return f"{used + left} rows: {used} used, {left} left out: {'; '.join(said)}" * bool(left)
 

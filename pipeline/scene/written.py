@@ -82,7 +82,7 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
     return texts | unknown | _judged(sweep)
 
 
-def differing(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
+def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
     """Paths of entries that differ in meaning between two sweeps, and both values in words."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]

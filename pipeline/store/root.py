@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.paths import near_path
-from pipeline.scene.kept import files_of, sweep_text, text_sweep
 from pipeline.scene.resume import misfits
+from pipeline.scene.stored_text import file_contents, parse_sweep, sweep_text
 from pipeline.store.arrays import Document, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import DIM, inputs_variable, split_arrays
@@ -76,7 +76,7 @@ class Root:
     @cached_property
     def _inputs(self) -> dict[str, int]:
         """Sizes of the arrays of the scene, by their digests."""
-        return {digest: array.size for digest, array in files_of(self.sweep).items()}
+        return {digest: array.size for digest, array in file_contents(self.sweep).items()}
 
     @cached_property
     def arrays(self) -> dict[str, Document]:
@@ -89,7 +89,7 @@ class Root:
         """Values of coordinates and inputs by name, which follow from the root."""
         made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
         values: dict[str, Any] = self.axes | made
-        if arrays := files_of(self.sweep):
+        if arrays := file_contents(self.sweep):
             values[INPUTS] = np.concatenate([array.ravel() for array in arrays.values()])
         return values
 
@@ -196,7 +196,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         version = facts["format"]
         if version == FORMAT and facts["digest"] == _digest(attributes, facts, metadata):
             root = Root(
-                sweep=text_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
+                sweep=parse_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
                 axes=facts["axes"],
                 ids=json.loads(attributes[SCENE_ID]),
                 block=facts["points_per_chunk"],

@@ -5,8 +5,8 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.scene.kept import files_of, sweep_text
 from pipeline.scene.reading import SceneReader
+from pipeline.scene.stored_text import file_contents, sweep_text
 from pipeline.store.inputs import split_arrays
 from pipeline.store.schema import INPUTS, PLANE
 from pipeline.sweep.model import Sweep
@@ -43,7 +43,7 @@ def attributes_of(sweep, held=frozenset()):
 
     Arrays of the sweep lie beside its text, in the dataset, which must hold them by these digests.
     """
-    assert files_of(sweep).keys() <= held, "arrays of a scene lie beside its text"
+    assert file_contents(sweep).keys() <= held, "arrays of a scene lie beside its text"
     return {"title": sweep.title, "sweep": sweep_text(sweep)}
 
 

@@ -20,7 +20,7 @@ LINES = {
 USE = "        return self_affine(pixels, ", "        return self.waviness + self_affine(pixels, "
 ASKED = """
 import json, pipeline
-from pipeline.scene.kept import sweep_text, text_sweep
+from pipeline.scene.stored_text import sweep_text, parse_sweep
 from pipeline.scene.reference import all_keys
 from pipeline.scene.resume import misfits
 from pipeline.sweep.identity import scene_ids
@@ -44,7 +44,7 @@ print(json.dumps({
     "is told": PATH in dict(all_keys()) and "#waviness" in open("full.toml").read(),
     "fault": fault(),
     "doubt": str(load("20 um").notes[0]),
-    "is kept": text_sweep(sweep_text(one), {}) == one != other,
+    "is kept": parse_sweep(sweep_text(one), {}) == one != other,
     "is another scene": scene_ids(one, {}) != scene_ids(other, {}),
     "misfits": [*misfits(one, other)],
     "rows": [over.variant(name).scene.roughness.waviness for name in over.variants.names],

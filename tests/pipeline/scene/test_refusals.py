@@ -9,9 +9,9 @@ import numpy as np
 import tribo
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.kept import sweep_text, text_sweep
 from pipeline.scene.reference import new_scene
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.stored_text import parse_sweep, sweep_text
 from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
 from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
@@ -269,7 +269,7 @@ def scanned(factor=None):
     heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
     sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
     beside = {sweep.scene.roughness.digest: factor * heights} if factor else {}
-    read = text_sweep(sweep_text(sweep), beside)
+    read = parse_sweep(sweep_text(sweep), beside)
     return read.scene.roughness.heights(read.scene.pixels)
 
 
@@ -282,7 +282,7 @@ def unkept():
 
 
 KEPT = {
-    "text": (lambda: text_sweep("3", {}), "is not the text of a sweep"),
+    "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
     "no array": (scanned, "is not beside the sweep"),
     "exchanged": (lambda: scanned(3.0), "is another one"),
     "law": (unkept, "other fields are numbers or text"),

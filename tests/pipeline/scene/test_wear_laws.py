@@ -4,7 +4,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.scene.kept import sweep_text, text_sweep
+from pipeline.scene.stored_text import parse_sweep, sweep_text
 from pipeline.sweep.laws import given_laws
 
 RUNNING_IN = {
@@ -26,7 +26,7 @@ def test_a_law_that_ships_is_named_and_no_code_of_the_user_s():
     sweep = named(pattern="local")
     assert sweep.scene.wear == tribo.RunningIn(6e-15, 1e-15, 2.0, "local")
     assert given_laws(sweep.scene) == []
-    assert text_sweep(sweep_text(sweep), {}) == sweep
+    assert parse_sweep(sweep_text(sweep), {}) == sweep
 
 
 @pytest.mark.parametrize(

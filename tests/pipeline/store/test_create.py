@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
-from pipeline.scene.kept import text_sweep
+from pipeline.scene.stored_text import parse_sweep
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
@@ -62,7 +62,7 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
     assert ds.attrs.keys() == {
         *("Conventions", "title", "source", "history", "license", "sweep", "scene_id")
     }
-    kept = text_sweep(ds.attrs["sweep"], {})
+    kept = parse_sweep(ds.attrs["sweep"], {})
     assert kept == sweep
     assert zarr.open_group(path)["about"].attrs["history"] == [ds.attrs["history"]]
     assert f"numpy {np.__version__}" in ds.attrs["history"]

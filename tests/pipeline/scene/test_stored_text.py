@@ -15,8 +15,8 @@ import tribo
 from pipeline.scene import library
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import RandomSurface
-from pipeline.scene.kept import SweepTextError, files_of, sweep_text, text_sweep
 from pipeline.scene.shipped import shipped_scenes
+from pipeline.scene.stored_text import SweepTextError, file_contents, parse_sweep, sweep_text
 from pipeline.store.create import writing
 from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
@@ -32,7 +32,7 @@ def back(sweep):
     """The sweep after a way through text."""
     text = sweep_text(sweep)
     assert json.loads(text)["entries"] == sweep.entries
-    return text_sweep(text, files_of(sweep))
+    return parse_sweep(text, file_contents(sweep))
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
@@ -96,7 +96,7 @@ def test_a_forged_text_is_an_error_or_another_sweep(data):
         inner = inner[key]
     inner[path[-1]] = data.draw(FORGED)
     try:
-        sweep = text_sweep(json.dumps(document[0]), {})
+        sweep = parse_sweep(json.dumps(document[0]), {})
     except SweepTextError:
         return
     assert repr(sweep)
@@ -195,7 +195,7 @@ def test_sweeps_are_equal_if_their_entries_mean_the_same():
 
 
 def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
-    stored = text_sweep(sweep_text(pipeline.load_scene("first_try")), {})
+    stored = parse_sweep(sweep_text(pipeline.load_scene("first_try")), {})
     assert stored.preset == "draft"
     for path, value in (("pixels_per_element", 16), ("increments", 2), ("fewest_elements", 1)):
         assert stored.changed(f"fidelity.{path}", value).preset is None
@@ -207,7 +207,7 @@ def test_a_store_is_read_from_no_file(tmp_path):
     rough = told["entries"]["disk"]["roughness"]
     for file in ("/dev/zero", "surface.npy"):
         rough["file"] = file
-        sweep = text_sweep(json.dumps(told), {})
+        sweep = parse_sweep(json.dumps(told), {})
         with pytest.raises(tribo.InputError, match="is not beside the sweep"):
             sweep.scene.roughness.heights(sweep.scene.pixels)
     assert sweep.conditions == tiny.full().conditions

@@ -28,7 +28,7 @@ class SweepTextError(InputError):
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """JSON text of a sweep, which `text_sweep` reads."""
+    """JSON text of a sweep, which `parse_sweep` reads."""
     table, selection = sweep.variants, sweep.selection
     values = [row.values for row in table.rows]
     text = {
@@ -46,12 +46,12 @@ def sweep_text(sweep: Sweep) -> str:
     return json.dumps({key: one for key, one in text.items() if one}, ensure_ascii=False)
 
 
-def files_of(sweep: Sweep) -> dict[str, Array]:
+def file_contents(sweep: Sweep) -> dict[str, Array]:
     """Contents of files that a sweep has read, by digest."""
     return dict(sweep.reader.contents.arrays)
 
 
-def text_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
+def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
     """Read a sweep from its JSON, and from no file; raise a `SweepTextError` for any other text."""
     try:
         read = json.loads(text)
