@@ -10,7 +10,7 @@ from pipeline import interrupts
 
 
 def run() -> None:
-    """Run the command of this process, and exit."""
+    """Run the command line of this process, and exit with its code."""
     sys.unraisablehook = _report
     interrupts.handle(lambda number, frame: _leave(130, "irg: interrupted\n"))
     from pipeline.cli import main  # takes 0.3 s
@@ -21,7 +21,7 @@ def run() -> None:
 
 
 def _leave(code: int, line: str = "") -> None:
-    """End the process at once: no work is under way that has to be kept."""
+    """Print a line as an error, and end the process at once, without cleaning up."""
     os.write(2, line.encode())
     os._exit(code)
 

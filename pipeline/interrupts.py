@@ -14,7 +14,7 @@ SIGNALS: tuple[int, ...] = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
-    """Let a function handle `SIGNALS`, except ignored ones (nohup); return the handlers before."""
+    """Set a handler for `SIGNALS`, except ignored ones (nohup); return the former handlers."""
     if threading.current_thread() is not threading.main_thread():
         return {}
     before = {number: signal.getsignal(number) for number in SIGNALS}
@@ -26,7 +26,7 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
 
 @contextmanager
 def raised() -> Iterator[None]:
-    """Raise `KeyboardInterrupt` at a signal within the block, even if another error follows."""
+    """Context manager: raise `KeyboardInterrupt` at a signal, even if another error follows."""
     came: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:

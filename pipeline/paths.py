@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def user_path(path: str | PathLike[str]) -> Path:
-    """The path, with a home folder in place of ``~`` or ``~name`` at its beginning.
+    """Expand ``~`` or ``~name`` at the beginning of a path to a home folder.
 
     Examples
     --------
@@ -21,7 +21,7 @@ def user_path(path: str | PathLike[str]) -> Path:
 
 
 def require_file(path: Path) -> None:
-    """Raise `InputError` for what has no end, such as a device or a FIFO that nobody writes to."""
+    """Raise `InputError` for a path that exists but is no file, such as a device or a FIFO."""
     with suppress(OSError):  # opening it reports the reason better
         if path.exists() and not path.is_file():
             from tribo.errors import InputError  # with NumPy, which --help does not need
@@ -30,13 +30,13 @@ def require_file(path: Path) -> None:
 
 
 def reason_of(error: OSError, path: Path) -> str:
-    """Reason why a file cannot be read; for a missing one with a path that may be meant."""
+    """Reason why a file cannot be read; if it is missing, also a similar path that exists."""
     reason = error.strerror or str(error)
     return f"{reason}{near_path(path)}" if isinstance(error, FileNotFoundError) else reason
 
 
 def near_path(path: Path) -> str:
-    """Ask whether a path with a similar name was meant; empty if there is none."""
+    """Question whether an existing path of similar name was meant; empty if there is none."""
     wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
     with suppress(OSError):
         names = sorted(entry.name for entry in wrong.parent.iterdir())
@@ -48,7 +48,7 @@ def near_path(path: Path) -> str:
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Text of a file in UTF-8, UTF-16 or Latin-1, and a list that names Latin-1 if it is that."""
+    """Decode a file in UTF-8, UTF-16 or Latin-1; also a list of words, empty unless Latin-1."""
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
     with suppress(UnicodeDecodeError):
         return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 
 class Dimension(NamedTuple):
-    """Name, smallest and largest value in a scene, and sizes of units in SI, the SI unit first."""
+    """A dimension: its name, its limits in a scene, and its units by size, the SI unit first."""
 
     name: str
     limits: tuple[str, str]
@@ -78,18 +78,18 @@ _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in on
 
 
 def column_heads(*names: str) -> dict[str, str]:
-    """Heads of columns by the names of quantities, such as ``critical temperature [°C]``."""
+    """Headings of columns with their units, such as ``critical temperature [°C]``, by quantity."""
     units = {name: f" [{UNITS[name]}]" if UNITS.get(name) else "" for name in names}
     return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 
 
 def is_unit_of_head(unit: str) -> bool:
-    """True if a unit in the head of a column is known here, so that values are shown in it."""
+    """True if values can be converted to the unit in a column's heading."""
     return unit in SIZES or unit in DIMENSIONS
 
 
 def units_in_si(*names: str) -> dict[str, str]:
-    """SI units of quantities by name, as scenes write them; empty for a plain number."""
+    """SI units by name of the quantity, as written in scene files; empty for a plain number."""
     return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}
 
 
@@ -111,7 +111,7 @@ def si_of(value: float, unit: str) -> float:
 
 
 def as_written(value: Any, unit: str | None) -> Any:
-    """A number [SI] as a scene file has it, in the unit given; it reads back as the same number.
+    """Write a number in SI as a scene file would, with this SI unit; it reads back exactly.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def as_written(value: Any, unit: str | None) -> Any:
 
 
 def snap(value: float, low: float, high: float) -> float:
-    """A value, or the end of a range if it exceeds the end by rounding alone.
+    """Return a value, or the end of the range if the value exceeds it by rounding alone.
 
     Examples
     --------

@@ -65,9 +65,9 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class OperatingPoints:
-    """Operating points of a table, and its further columns by their headings.
+    """Operating points read from a table, and its other columns by their headings.
 
-    Conditions are those that a row sets: friction, bulk and critical temperature [K].
+    `conditions` are friction, bulk and critical temperature [K], for each row that gives them.
     """
 
     places: tuple[Place, ...]
@@ -106,7 +106,7 @@ class OperatingPoints:
             for k, heading in enumerate(sheet.headings)
             if heading.text and k not in used
         }
-        for head in others.keys() & listed.keys():  # with their types, and not as text
+        for head in others.keys() & listed.keys():  # as given by the caller, not as text
             others[head] = [listed[head][row.number - 1] for row in sheet.rows]
         conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
@@ -116,7 +116,7 @@ class OperatingPoints:
 
 
 def columns_of(columns: Any) -> dict[str, list[Any]]:
-    """Columns of a mapping or a data frame by their headings."""
+    """Convert a mapping or a data frame of columns to lists by heading."""
     if not hasattr(columns, "keys"):
         raise InputError(
             f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
@@ -130,7 +130,7 @@ def columns_of(columns: Any) -> dict[str, list[Any]]:
 
 
 def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
-    """Columns by heading as lines of a file, with bare numbers in SI."""
+    """Turn columns by heading into the lines of a table; numbers without a unit are in SI."""
     heads = []
     for head, cells in listed.items():
         heading = Heading.of(head)
@@ -143,7 +143,7 @@ def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Faults of columns: one that appears twice, and one that would need a simulation."""
+    """Faults of columns in words: given twice, or an entry that would need a new simulation."""
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
@@ -157,7 +157,10 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Add first row, loads and velocities as defaults; return also the function that adds rows."""
+    """Make the first row of ``sweep.along`` and all its loads and velocities the defaults.
+
+    Returns the document and the function that adds the rows to a sweep; None without rows.
+    """
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()
     for number, row in enumerate(rows):
@@ -174,12 +177,12 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
         "sweep.loads": [f"{load!r} N" for load in sorted(loads)],
         "sweep.velocities": [f"{velocity!r} m/s" for velocity in sorted(velocities)],
     }
-    first = {path: value for path, value in rows[0].items() if "." in path}  # others are labels
+    first = {path: value for path, value in rows[0].items() if "." in path}  # no labels
     return document.above(places | first), partial(_extend, rows)
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of ``sweep.along`` as they are written; none if not given or if faulty."""
+    """Rows of ``sweep.along`` as they are written, as entries by path; none if absent or faulty."""
     written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
     if isinstance(written, str) and written:
@@ -190,7 +193,7 @@ def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
 
 
 def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
-    """The sweep with one variant for each row; `InputError` for a faulty row."""
+    """The sweep with a variant for each row of ``sweep.along``; `InputError` if one is faulty."""
     if entry_at(sweep.plane, "samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
@@ -217,7 +220,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of a file as tables of a scene; faults are named by row and column."""
+    """Read rows of a file as entries by heading; none if any is faulty, with all faults noted."""
     try:
         sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
     except InputError as error:

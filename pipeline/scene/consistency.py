@@ -25,7 +25,7 @@ _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[[Any], Misfits]]] 
 
 
 def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], Misfits]]:
-    """Register a function that checks the entries at some paths; it runs if all have no fault."""
+    """Decorator: register a check of the entries at some paths; it runs if they have no fault."""
 
     def add(find: Callable[[Any], Misfits]) -> Callable[[Any], Misfits]:
         _CHECKS.append((paths, frozenset(path.partition(".")[0] for path in paths), find))
@@ -35,14 +35,14 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 
 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
-    """Note every conflict between the tables of a scene, given which of them have changed."""
+    """Add a fault for each conflict between tables of a scene, one of which at least `changed`."""
     for paths, names, find in _CHECKS:
         if not names.isdisjoint(changed) and not (faults and any(map(faults.touches, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))
 
 
 def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
-    """Reason why a body cannot have a material; empty if there is a table for it."""
+    """Reason why `name` is no known material; empty if it is in `materials`, or if not given."""
     if not name or name in materials:
         return ""
     known = {**materials, **library()["materials"]}
@@ -121,7 +121,7 @@ def _turning_rod(scene: Any) -> Misfits:
 
 @_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in (*DISC, *_PLATE)))
 def _unfit_bodies(scene: Any) -> Misfits:
-    """Find a disc that lacks a size, and a body that is both a disc and a plate."""
+    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         plate, disc = (

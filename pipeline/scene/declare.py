@@ -50,20 +50,19 @@ _Class = TypeVar("_Class")
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def declared(table: type[_Class]) -> type[_Class]:
-    """Declare a table: its entries are the fields of the class.
+    """Class decorator: declare a table of a scene file, whose entries are the fields of the class.
 
-    Messages name a form of a table by its class, such as "random surface", unless it has a
-    `form_name`.
+    Messages name the table by its class, such as "random surface", or by its `form_name`.
     """
     return dataclass(frozen=True, kw_only=True)(table)
 
 
 class StoreOnly(NamedTuple):
-    """Mark of an entry that only stores have, and no scene file."""
+    """Annotation of an entry that only a store may have, and no scene file."""
 
 
 class Example(NamedTuple):
-    """Value of an entry in the template, if its kind has no example."""
+    """Annotation of an entry: its value in a new scene file, if its kind has no example."""
 
     value: Any
 
@@ -81,7 +80,7 @@ class Entry(NamedTuple):
 
 @functools.cache
 def table_of(table: type[Any]) -> Table:
-    """The kind of a declared table."""
+    """The `Table` of a class that is `declared`: what a reader needs to know of it."""
     hints = get_type_hints(table, include_extras=True)
     keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
     words = re.sub("(?<=.)(?=[A-Z])", " ", table.__name__).lower()
@@ -97,7 +96,7 @@ def _entry(hint: Any, field: Field[Any]) -> Entry:
 
 
 def kind_of(hint: Any) -> Kind:
-    """Kind for a type hint: the kind with which it is annotated, else one that fits the type."""
+    """Kind of an entry from its type hint: the `Kind` in its annotation, else one for its type."""
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
         annotated = (note for note in args[1:] if isinstance(note, Kind))
@@ -183,9 +182,10 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """Kind of an entry: one of several kinds; the first one, unless another fits the value.
+    """Kind of an entry: one of several kinds, the first one unless another fits the value better.
 
-    A table is read as the form that has most of its keys, not counting keys of the first form.
+    Of several tables, the one with most of the value's keys is taken. Keys of the first table do
+    not count; it is taken if the value has no others.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
@@ -195,7 +195,7 @@ class Either(Kind):
         return "; or ".join(map(str, self.kinds))
 
     def kind_for(self, value: Any) -> Kind:
-        """Which of the kinds a value is read as."""
+        """The kind as which a value is read."""
         usual, *others = self.kinds
         if not isinstance(usual, Table):
             fits = (isinstance(value, other.holds) for other in others)
@@ -218,7 +218,7 @@ class Either(Kind):
 
 
 class Axis(Either):
-    """Values in a list or a range, kept in rising order and each once."""
+    """Kind of an entry: values in a list or a range, read in ascending order and each once."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
         values = super()._read(value, place, faults)
@@ -227,7 +227,7 @@ class Axis(Either):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """Kind of an entry: a table of fixed keys, passed to `make`, with None for a faulty entry."""
+    """Kind of an entry: a table of fixed keys; `make` gets their values, None for a faulty one."""
 
     holds = dict
     keys: Mapping[str, Entry]
@@ -283,7 +283,7 @@ class Tables(Kind):
 
 @dataclass(frozen=True)
 class ByPath(Kind):
-    """Kind of an entry: values of one kind by the paths of entries, quoted or as nested tables."""
+    """Kind of an entry: a table from paths of other entries, such as "pin.radius", to values."""
 
     holds = dict
     of: Kind
@@ -301,5 +301,5 @@ class ByPath(Kind):
         return {path: leaf for path, leaf in read.items() if leaf is not None}
 
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        """Paths of entries, and the value at each."""
+        """Pairs of a path and its value, also where the path is written as nested tables."""
         return flat(value, "", self.of.leaf_keys)

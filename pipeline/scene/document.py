@@ -35,14 +35,14 @@ _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 
 
 class FileEntries(NamedTuple):
-    """Entries of one file, as TOML reads them."""
+    """A file and its entries, as TOML reads them."""
 
     file: Path
     entries: dict[str, Any]
 
 
 class Document(NamedTuple):
-    """Entries of a scene in layers: an earlier layer overrides those after it."""
+    """Entries of a scene in layers, one for each file: an earlier layer overrides a later one."""
 
     layers: tuple[FileEntries, ...]
 
@@ -56,11 +56,11 @@ class Document(NamedTuple):
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def above(self, entries: Mapping[str, Any]) -> Document:
-        """The document with further entries, by path, as its lowest layer: its defaults."""
+        """The document with `entries`, by path, as defaults: its last layer."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
-        """The document with an entry replaced everywhere, or removed if the value is None."""
+        """The document with an entry replaced in all layers, or removed if the value is None."""
         return Document(
             tuple(
                 layer
@@ -71,7 +71,7 @@ class Document(NamedTuple):
         )
 
     def file_of(self, key: str) -> Path:
-        """The file that has an entry or, if none has it, the table around it."""
+        """The file that sets an entry, or else the file that sets the table around it."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
         paths = [*itertools.accumulate(parts, "{}.{}".format)]
         held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]
@@ -87,9 +87,10 @@ class Document(NamedTuple):
 
 
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
-    """Read a scene file and those that it extends; the files `above` extend this one.
+    """Read a scene file and the files that it extends.
 
-    Wrong keys in ``without`` are noted; `SceneFileError` is raised if a file cannot be read.
+    `above` are the files that extend this one. Wrong paths in ``without`` are added to `faults`.
+    `SceneFileError` is raised if a file cannot be read.
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
@@ -118,7 +119,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Override entries of a document by key path; the paths under ``without`` are left out."""
+    """Set entries of a document by key path, after leaving out those listed as ``without``."""
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
@@ -137,7 +138,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
-    """The document without the entries whose paths a file lists under ``without``."""
+    """The document without the entries whose paths are in `value`, as ``without`` of `file`."""
     wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):

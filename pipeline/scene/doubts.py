@@ -25,7 +25,7 @@ _Doubt = tuple[str, str]
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
-    """Warnings of probable slips and of limits of the model, before the simulation."""
+    """Warnings of probable mistakes in a scene, and of limits of the model, before simulating."""
     found = [
         *_unusual(sweep, facts),
         *_test_doubts(sweep),
@@ -40,7 +40,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
-    """Warnings of values that follow from several entries and are outside their usual range."""
+    """Warnings of values outside their usual range, where several entries determine the value."""
     for name, material in (sweep.parts.declared.materials or {}).items():
         yield joined(joined("materials", name), "hardness"), soft_or_hard(material)
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
@@ -54,14 +54,14 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def soft_or_hard(material: Any) -> str:
-    """Warning that hardness and modulus of a material do not fit; empty if they do."""
+    """Warning that hardness over elastic modulus of a material is unusual; empty if it is usual."""
     share = material.hardness / material.elastic_modulus
     usual = USUAL_HARDNESS if math.isfinite(share) else None
     return unusual(share, usual, "times the elastic modulus")
 
 
 def _narrow_window(sweep: Sweep, facts: Facts) -> str:
-    """Warning that the window is narrower than the contact, for a ball also along y; else empty."""
+    """Warning that the window is narrower than the expected contact; empty if it is not."""
     side, pin = facts.window[0], sweep.scene.pin
     if pin.length is None:
         side = min(side, facts.window[1] / pin.hertz(1.0, 1e11).aspect)
@@ -75,7 +75,7 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Warnings of conditions of a test or operating point whose unit is probably wrong."""
+    """Warnings of friction or bulk temperature of a row, if its unit is probably wrong."""
     for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
         value = own.get(name)
         if value is not None and (words := unusual(value, kind.usual, kind.unit)):
@@ -83,7 +83,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
-    """Tests so far outside the sweep that their units are in doubt."""
+    """Warning of the first test so far outside the sweep that its units are in doubt."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
     for test in sweep.tests:
         places = (test.normal_load, loads), (test.velocity, velocities)

@@ -20,9 +20,10 @@ _ROUGH_RISE = 3.0  # root mean square heights by which peaks reach beyond the sm
 def expect_contacts(
     scene: Scene, loads: Sequence[float], velocities: Sequence[float], rms_height: float = 0.0
 ) -> dict[str, Array]:
-    """Contacts expected at the end of points; `rms_height` is that of the disk [m].
+    """Estimate contact and wear at the end of each point, in closed form.
 
-    Arrays are by load, or by load and velocity, and have the names and units of `Facts`.
+    Returns arrays with the names and units of `Facts`, by load or by load and velocity.
+    `rms_height` is the Rq of the disk [m].
 
     Examples
     --------
@@ -63,9 +64,12 @@ def _course(scene: Scene, load: float) -> tuple[float, float]:
 def _worn(
     scene: Scene, fastest: float, half_widths: Array, worn_volumes: Array
 ) -> tuple[Array, Array]:
-    """Width of the smooth, worn contact and depth of the wear [m]."""
+    """Width of the contact of a smooth, worn pin, and greatest depth of its wear [m].
+
+    `half_widths` are those of the unworn contact [m], `worn_volumes` are in m³.
+    """
     pin, hertz = scene.pin, 2 * half_widths
-    if scene.velocities_at(fastest).pin:  # wears all around, and stays round
+    if scene.velocities_at(fastest).pin:  # the pin rolls: it wears all around, and stays round
         along_y = hertz / 1.5 if pin.length is None else pin.length
         return hertz + 0 * worn_volumes, worn_volumes / (scene.track_length * along_y)
     width, depth = np.vectorize(pin.worn, otypes=[float, float])(half_widths, worn_volumes)

@@ -21,7 +21,10 @@ Extend = Callable[[Sweep], Sweep]
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
-    """Let extensions add entries to the document; return also the functions that add variants."""
+    """Let extensions add their entries to a document.
+
+    Returns the document, and the functions that later add variants to the sweep.
+    """
     extensions, entries = list[Extend](), document.entries()
     named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
     named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]

@@ -27,7 +27,7 @@ class Span(NamedTuple):
 
     @classmethod
     def of(cls, values: Iterable[float] | Array) -> Span:
-        """Span of some values."""
+        """Span from the lowest to the highest of some values."""
         array = np.array(list(values))
         return cls(float(array.min()), float(array.max()))
 
@@ -77,7 +77,7 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
 
 
 def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Paths of tracks that are too short, and why: a pass must be short compared with a turn."""
+    """Paths of entries that give too short a track, and why: a turn must be long beside a pass."""
     corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     width, plane = 0.0, parts.declared.sweep

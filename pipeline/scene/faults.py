@@ -20,10 +20,10 @@ _SHOWN = 100  # faults that are shown, where there are thousands
 
 
 class Fault(NamedTuple):
-    """A fault of an entry: its key path, and a line on the value, what is allowed and what to do.
+    """A fault in an entry of a scene: its key path, and what is wrong and what to do instead.
 
-    `file` is given if the key is not enough to find it. In a table, `row` is the number of the row
-    and `key` the column.
+    `file` is given if the key is not enough to find the entry. For a fault in a table file, `row`
+    is the number of the row and `key` the column.
     """
 
     key: str
@@ -42,7 +42,7 @@ class Faults(list[Fault]):
         self.allows_store_only = allows_store_only  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str) -> None:
-        """Add a fault of the entry at a key path."""
+        """Add a fault in the entry at a key path."""
         self.append(Fault(key, problem))
 
     def note(self, place: str, words: str, grade: Grade = "note") -> None:
@@ -52,14 +52,14 @@ class Faults(list[Fault]):
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
-        """Turn an error within the block into a fault of the entry at a key path."""
+        """Turn an error within the block into a fault in the entry at a key path."""
         try:
             yield
         except (InputError, UnitError) as error:
             self.refuse(key, " ".join(str(error).split()))
 
     def touches(self, path: str) -> bool:
-        """True if the entry at a path, one within it, or a table around it is faulty."""
+        """True if the entry at a path is faulty, or an entry within it, or the table around it."""
         within = f"{path}.", f"{path}["
         return any(
             key == path or key.startswith(within) or path.startswith(f"{key}.") for key, *_ in self
@@ -100,7 +100,7 @@ class SceneFileError(TriboError):
 
 
 def fault_lines(name: str, faults: Sequence[str]) -> str:
-    """Write the faults of a file: one on its line, several below each other."""
+    """Join faults to a message that names the file; several faults are lines below each other."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
     lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
@@ -110,7 +110,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Faults of rows as lines; faults of one kind share a line."""
+    """Write faults in rows as lines; rows with the same kind of fault share a line."""
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
@@ -122,7 +122,7 @@ def listed_faults(faults: Iterable[Fault]) -> list[str]:
 
 
 def row_text(numbers: Sequence[int]) -> str:
-    """Rows in words, such as "rows 2, 3 and 5"."""
+    """Numbers of rows in words, such as "rows 2, 3 and 5"."""
     if len(numbers) == 1:
         return f"row {numbers[0]}"
     shown = [str(number) for number in numbers[:_SHOWN_ROWS]]
@@ -148,7 +148,7 @@ def quoted(value: object) -> str:
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """Ask whether the nearest known word was meant; empty if none is near."""
+    """Question whether the most similar of `words` was meant; empty if none is similar."""
     word, known = word[:80].lower(), {other.lower(): other for other in words}
     ends = [other for other in known if other.endswith(f".{word}")]
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
@@ -157,6 +157,6 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
 
 
 def joined(place: str, key: str) -> str:
-    """Path of a key of the table `place`, as TOML writes it."""
+    """Path of a key within the table `place`, quoted as TOML needs it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
     return f"{place}.{bare}" if place else bare

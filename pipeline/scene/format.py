@@ -56,24 +56,24 @@ LATER = "Acts after the simulation."
 
 
 def one_or_two(kind: Kind) -> Either:
-    """Kind of a quantity: one value along x and one along y, or one for both."""
+    """Kind of an entry: a pair of values along x and y, or one value for both."""
     return Either(kind, List(kind, length=2))
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """A declared table with the entries of other tables, and with further entries."""
+    """Make a declared table of the entries of several tables, and of further `entries`."""
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
 
 def _brought_entries(path: str) -> tuple[type, ...]:
-    """Entries of a table that extras bring, each by ``ENTRIES`` of its module ``format``."""
+    """Tables whose entries extras add to the table at a path: ``ENTRIES`` of their ``format``."""
     listed = (brought.ENTRIES for brought in extras.modules("format"))
     return tuple(entries[path] for entries in listed if path in entries)
 
 
 def _forms_of_tests(*own: type) -> List:
-    """Kind of a list of tests, with the forms that extras bring as ``FORMS`` of ``format``."""
+    """Kind of a list of tests; extras add forms of a test by ``FORMS`` of their ``format``."""
     first, *others = own
     brought = (form for one in extras.modules("format") for form in one.FORMS)
     return List(Either(*map(table_of, (first, *brought, *others))))

@@ -31,13 +31,13 @@ class UnfitError(Exception):
 
 
 def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
-    """Raise `UnfitError` unless a value is of a type; true and false are no numbers."""
+    """Raise `UnfitError` unless a value is of a type; true and false are not numbers."""
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         raise UnfitError(f"{quoted(value)} {problem}")
 
 
 class Kind(ABC):
-    """Values allowed at one place of a file, and the words that say which."""
+    """Base of all kinds: reads the value of an entry, and says in words what is allowed."""
 
     words: ClassVar[str] = ""
     holds: ClassVar[type | tuple[type, ...]] = ()
@@ -45,7 +45,7 @@ class Kind(ABC):
 
     @property
     def leaf_keys(self) -> Collection[str]:
-        """Keys that make a table one value, and not a table of further paths."""
+        """Keys by which a table is recognised as one value, and not as nested entries."""
         return ()
 
     def __str__(self) -> str:
@@ -61,7 +61,7 @@ class Kind(ABC):
 
     @abstractmethod
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Read a value, noting faults of its parts; `UnfitError` if it is wrong as a whole."""
+        """Read a value; add faults in its parts, `UnfitError` if it is wrong as a whole."""
 
 
 class Text(Kind):
@@ -130,7 +130,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` for a value beyond its bounds, or too small or large for a number."""
+        """Raise `UnfitError` for a value beyond the kind's bounds, or beyond the given range."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
@@ -163,7 +163,7 @@ class Whole(Number):
 
 
 class Scalar(Kind):
-    """A number, or text with a quantity, whose dimension is checked where it replaces an entry."""
+    """Kind of an entry: a number or a quantity of any dimension, as value of another entry."""
 
     words = "a number, or a quantity in quotes"
 
@@ -174,7 +174,10 @@ class Scalar(Kind):
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number with a unit, above 0 or from 0 on, read in SI; its example fixes the dimension."""
+    """Kind of an entry: a number with a unit, read in SI; its example fixes the dimension.
+
+    It must be above 0, or at least 0 if `zero` is true.
+    """
 
     example: str
     zero: bool = False
@@ -221,7 +224,7 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
 
 @dataclass(frozen=True)
 class UnitText(Kind):
-    """Kind of an entry: a unit alone, read as its value in SI."""
+    """Kind of an entry: a unit alone, such as "um", read as its size in SI."""
 
     name: str
     example: str

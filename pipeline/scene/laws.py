@@ -38,7 +38,7 @@ _SOURCE = "source_sha256"
 
 
 def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
-    """The document without the entries that laws replace; an `InputError` for an unfit law."""
+    """The document without the entries that laws replace; `InputError` if a law does not fit."""
     for kind, law in laws.items():
         if kind not in _REPLACED:
             raise tribo.InputError(f"laws: {kind!r} is unknown; give {', '.join(_REPLACED)}")
@@ -52,7 +52,7 @@ def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
 
 
 def _require_law(kind: str, law: Any) -> None:
-    """Raise an `InputError` for an object that is no law, or that no store tells from others."""
+    """Raise an `InputError` unless `law` has what its kind needs, and can be hashed and stored."""
     if kind == "criterion":
         if not isinstance(law, tribo.Rule):
             raise tribo.InputError(f"{law!r:.60} is not a tribo.Rule; give one")
@@ -76,10 +76,10 @@ def _require_law(kind: str, law: Any) -> None:
 def take_laws(
     laws: Mapping[str, Any], entries: dict[str, Any], faults: Faults
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Laws with the values that entries give their fields, and the other entries.
+    """Move laws out of the entries of a scene; return the laws by kind, and the other entries.
 
-    A law that is known from a store alone is a `Law`. A pin that is a law is replaced in the
-    entries by a ball or a cylinder of its sizes.
+    Entries may change fields of a law. A law that is not given, but named in a store, is read as a
+    `Law`. A pin that is a law is replaced in the entries by a ball or a cylinder of its sizes.
     """
     taken = dict(laws)
     for kind, path in _NAMES.items():
@@ -136,7 +136,7 @@ def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -
 
 
 def _plain(value: Any) -> Any:
-    """A parameter of a law as JSON can hold it."""
+    """Convert a parameter of a law to values that JSON can hold."""
     if isinstance(value, tribo.Material):
         return asdict(value)
     return [*map(_plain, value)] if isinstance(value, tuple) else value
@@ -149,7 +149,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """A law with other values of some fields: numbers in SI, and text only for a field of text."""
+    """The law with other values of some fields; a value that does not fit is added to faults."""
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

@@ -24,7 +24,7 @@ _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 
 @functools.cache
 def library() -> dict[str, Any]:
-    """Tables ``materials`` and ``oils``, each value with the key of its source, and ``sources``."""
+    """Read the library: ``materials`` and ``oils``, pairs of value and source, and ``sources``."""
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     materials = tables["materials"]
@@ -33,7 +33,7 @@ def library() -> dict[str, Any]:
 
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
-    """Fill the entries of a scene from the library; return them, and what was taken."""
+    """Add values of the library to the entries of a scene; return all entries, and those added."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
     if (oil := entries.get("oil")) is not None:
@@ -59,8 +59,8 @@ def _filled(
 ) -> Any:
     """Add to a table the entries that it lacks, from a material or an oil of the library.
 
-    The table names that entry as ``like``; without it, an incomplete table takes the entry of its
-    own name.
+    The table names the material or oil as ``like``. Without ``like``, an incomplete table takes
+    the material of its own name. Added entries are appended to `taken`.
     """
     known = library()[kind]
     if not isinstance(table, dict):

@@ -33,7 +33,7 @@ _WITH_UNIT = (
 
 
 class Heading(NamedTuple):
-    """A heading: its text in the file, its title without the unit, and the unit."""
+    """Heading of a column: its text in the file, its title without the unit, and the unit."""
 
     text: str
     title: str
@@ -58,32 +58,35 @@ class Heading(NamedTuple):
 
     @property
     def name(self) -> str:
-        """The quantity that the title names exactly, else the title in snake case."""
+        """Name of the quantity that is the heading's title, else the title in snake case."""
         name = self.title.lower().replace(" ", "_")
         return _EXACT.get(name, name)
 
 
 @dataclass(frozen=True)
 class Names:
-    """Quantities that a reader looks for, with SI units (None for text), and their headings."""
+    """Quantities that a reader of tables looks for, with SI units; None is text.
+
+    It finds the columns of these quantities by their headings.
+    """
 
     units: Mapping[str, str | None]
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """How surely a heading names a quantity, as a rank; 0 if it does not name the quantity."""
+        """Rank of how surely a heading names the quantity `name`; 0 if it does not."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:
-        """True if the unit of a heading does not contradict a quantity; text has none."""
+        """True if the unit of a heading fits a quantity, or is missing; text has no unit."""
         unit, like = heading.unit, self.units[name]
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 
     def count(self, headings: Sequence[Heading]) -> int:
-        """Number of quantities that some heading names."""
+        """Number of quantities that the headings name."""
         return len({*self.columns(headings)[0].values()})
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Column that names each quantity most surely, and faults where several are as sure."""
+        """Column of each quantity by index, and a fault for each that several columns fit alike."""
         places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:
             sure = [self.sureness(name, heading) for heading in headings]

@@ -30,14 +30,17 @@ _FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested"
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """Add each entry's first value as default; return also the function that adds the variants."""
+    """Make the first value of each entry in ``sweep.over`` its default.
+
+    Returns the document, and the function that adds the variants to a sweep.
+    """
     over = entry_at(document.entries(), "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
     return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
 
 
 def _extend(sweep: Sweep) -> Sweep:
-    """The sweep with one variant for each combination; `InputError` for the first unfit one."""
+    """The sweep with a variant for each combination of values; `InputError` for the first fault."""
     over = sweep.plane.over
     if not over:
         return sweep
@@ -54,7 +57,7 @@ def _extend(sweep: Sweep) -> Sweep:
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """Variants of one entry: its values in SI in rising order, or as text in the order given."""
+    """Variants of one entry: quantities in ascending order, or texts in the order given."""
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
@@ -65,14 +68,14 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Paths and values of entries that one value sets; an oil's name sets all of its table."""
+    """Pairs of path and value that one value sets; the name of an oil clears the other entries."""
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Values in SI and their unit; the values as words and None if their dimensions differ."""
+    """Convert values to numbers in SI and their unit; to texts and None if that fails."""
     first = values[0]
     try:
         if isinstance(first, str):
@@ -83,7 +86,7 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
-    """Notes of a command that uses one variant alone, for each entry with several values."""
+    """Note for each entry with several values, of which a command uses only the first."""
     for column in table.chosen:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:
@@ -92,9 +95,9 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
-    """The sweep with further variants as outer axis; `InputError` for the first faulty one.
+    """The sweep with further variants as outer axis; `InputError` for the first faulty variant.
 
-    Each row is completed with values of the library and the digests of its files.
+    Each row of `table` is completed with values of the library and the SHA-256 of its files.
     """
     for path in table.rows[0].values:
         if path.partition(".")[0] in _FIXED:
@@ -115,7 +118,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         full = reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
-        # Digests of files that this row names.
+        # SHA-256 of the files that this row names.
         files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
         rows.append(row._replace(values=given | added | files))
         read.append(parts)
@@ -126,7 +129,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 
 def _require_alike(row: Parts, base: Parts) -> None:
-    """Raise an `InputError` if a row of a sweep has other variables or fields."""
+    """Raise an `InputError` if a variant would have other variables or fields than the sweep."""
     has_fields = base.declared.sweep.fields
     for name, is_other in (
         ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),

@@ -46,31 +46,31 @@ _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number i
 
 
 def material_of(table: Material) -> tribo.Material:
-    """A material of sound entries."""
+    """The `tribo.Material` of a table without faults."""
     return tribo.Material(**{k: v for k, v in vars(table).items() if v is not None and k != "like"})
 
 
 @dataclass
 class Contents:
-    """Contents of files as arrays by digest, and the folders of files by the entries' paths."""
+    """Contents of files as arrays by SHA-256; and by entry, the folder of the file it names."""
 
     arrays: dict[str, Array] = field(default_factory=dict)
     folders: Mapping[str, Path] = field(default_factory=dict)
 
     def keep(self, array: Array) -> str:
-        """Keep an array that was read from a file; return its digest."""
+        """Keep an array that was read from a file; return its SHA-256."""
         self.arrays[key := array_digest(array)] = array
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """Return the array with a digest; raise an `InputError` if its content is another one."""
+        """Return the array with the SHA-256 `key`; `InputError` if its content is another one."""
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
             raise tribo.InputError(f"the array {key} is another one")
         return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
-        """Path of the file of a table; None if its content is known, as from a store."""
+        """Path of the file that a table names; None if its content is known, as from a store."""
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:
@@ -84,9 +84,10 @@ class Contents:
 def loading_of(
     table: Ramp | Record, contents: Contents, faults: Faults, stops: tuple[float, ...]
 ) -> tuple[Loading, str | None]:
-    """The ramp or the recorded load, and the digest of a record; a fitted line is noted.
+    """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
-    `stops` are times in a hold at which steps end [s]; those after its end are dropped.
+    `stops` are times in a hold at which steps end [s]. A line fitted to a record is noted in
+    `faults`.
     """
     if isinstance(table, Ramp):
         stops = tuple(s for s in stops if s < table.hold)
@@ -129,7 +130,7 @@ def wear_of(table: Any) -> Any:
 
 
 def oil_of(table: Oil) -> tribo.Oil:
-    """The lubricant; the equation of ASTM D341 is applied to a dynamic viscosity in mPa s, too."""
+    """The `tribo.Oil` of a table; a dynamic viscosity counts as kinematic at 1000 kg/m³."""
     kinematic = table.kinematic_viscosity
     dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
     if bool(kinematic) == bool(dynamic) or (kinematic and table.density is None):
@@ -144,7 +145,7 @@ def oil_of(table: Oil) -> tribo.Oil:
 
 
 def _pair(value: Any) -> tuple[float, float]:
-    """A pair as it is, or a single value twice."""
+    """Return a pair unchanged, and a single value twice."""
     return value if isinstance(value, tuple) else (value, value)
 
 
@@ -178,29 +179,29 @@ def corrections_of(
 
 
 def motion_of(table: Motion, pin: Body) -> tribo.Motion:
-    """The motion of both bodies; the pin's wear spreads over the track around it."""
+    """The `tribo.Motion` of a table; the track around the pin is taken from `pin` if not given."""
     return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
 
 
 def track_length(body: Body) -> float | None:
-    """Length of the track around a body [m]: the rim of a disc, or as given."""
+    """Length of the track around a body [m]: the rim of a disc, or as given; None without one."""
     return math.pi * body.diameter if body.diameter else body.track_length
 
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
-    """The track around a body of a material; None if its table gives none."""
+    """The `tribo.Track` around a body, under a pin; None if the table gives no track."""
     track = disc_of(body) or track_length(body)
     return tribo.Track.under(pin, material, track) if track else None
 
 
 def disc_of(body: Body) -> tribo.Disc | None:
-    """The disc that a body is; None if the body is no disc, or lacks a size."""
+    """The `tribo.Disc` of a body; None if the body is no disc, or lacks a size."""
     sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
     return tribo.Disc(**sizes) if body.diameter and body.width else None
 
 
 def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
-    """The heat capacity and the loss of a body; None if its table has neither."""
+    """The `tribo.Bulk` of a body: its heat capacity and loss; None if its table has neither."""
     capacity, loss = body.capacity, body.loss
     if capacity is None and loss is None:
         return None
@@ -213,7 +214,7 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 def roughness_of(
     table: Any, window: Window, contents: Contents, faults: Faults
 ) -> Roughness | None:
-    """The disk's roughness; None for a faulty scan."""
+    """Roughness of the disk, made from a seed or read from a scan; None for a faulty scan."""
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):
             raise tribo.InputError(

@@ -40,16 +40,17 @@ from tribo.simulation.pins import sizes_of
 
 @dataclass
 class SceneReader:
-    """Reader of entries into the parts of a scene, which reads each file only once.
+    """Converts the entries of a scene to the objects that are simulated; reads each file once.
 
     Attributes
     ----------
     contents : Contents
         Contents of files that were read.
     laws : mapping
-        The user's own objects, which replace entries.
+        The user's own objects by kind, which replace entries.
     is_stored : bool
-        True for complete entries: one that is missing has no value, whatever its default.
+        True for entries of a store, which are complete: a missing entry has no value, whatever
+        its default.
     """
 
     contents: Contents = field(default_factory=Contents)
@@ -59,11 +60,11 @@ class SceneReader:
     first: tuple[Entries, Any] = ({}, None)  # entries without faults, and as they were read
 
     def __getstate__(self) -> dict[str, Any]:
-        """State to pickle, without the parts that are cached."""
+        """State to pickle, without the cached objects."""
         return vars(self) | {"parts": {}, "first": ({}, None)}
 
     def read(self, entries: Entries) -> Parts:
-        """Read entries; raise an `InputError` with the first fault."""
+        """Convert entries to `Parts`; raise an `InputError` with the first fault."""
         faults = Faults(self.is_stored, allows_store_only=True)
         parts = self.read_all(entries, faults)
         if parts is None or faults:
@@ -71,7 +72,7 @@ class SceneReader:
         return parts
 
     def read_all(self, entries: Entries, faults: Faults) -> Parts | None:
-        """Parts of a scene, None if it is faulty; adds its faults to `faults`."""
+        """Convert entries to `Parts`; None if one is faulty, with all faults added to `faults`."""
         laws, tables = take_laws(self.laws, dict(entries), faults)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
@@ -98,7 +99,7 @@ class SceneReader:
         }
         oil = part(oil_of, "oil")
         for body in ("pin", "disk"):
-            part(disc_of, body)  # which notes faults of its sizes
+            part(disc_of, body)  # called for the faults that it notes
         check_tables(replace(scene, fidelity=fidelity), changed, faults)
         if faults:
             return None
@@ -121,9 +122,9 @@ class SceneReader:
         return parts
 
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
-        """The entries in full; if `like` is given, only the tables in which the parts differ.
+        """Entries with all defaults, values of the library and choices of the preset written out.
 
-        In full: with defaults, values of the library and the choices of the preset.
+        With `like`, only the tables are returned in which `parts` differ from `like`.
         """
         fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)
@@ -135,7 +136,10 @@ class SceneReader:
         return add_laws(completed(tables, entries), parts, like)
 
     def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
-        """The entries read into their classes, and the tables that differ from those of `first`."""
+        """Read entries into their declared classes; return them, and the tables that have changed.
+
+        Only tables that differ from the last entries without faults are read anew.
+        """
         kind = table_of(SceneFile)
         before, scene = self.first
         other = {key for key, value in entries.items() if value != before.get(key)}
@@ -150,7 +154,10 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """Make a part from tables, cached; None if the first table is missing, or one is faulty."""
+        """Call `make` with the tables at `paths`, and cache the result.
+
+        None if the first table is missing, or one is faulty.
+        """
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):
             return None
@@ -161,7 +168,7 @@ class SceneReader:
         return self.parts.get(made_of)
 
     def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
-        """Fidelity of a table, and the name of the preset that it equals, if any."""
+        """Fidelity from the table ``[fidelity]``, and the name of the preset that equals it."""
         name = (table and table.preset) or USUAL_PRESET
         fidelity = tribo.PRESETS[name]
         listed = (vars(table) if table else {}).items()
@@ -177,7 +184,7 @@ class SceneReader:
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """The scene to simulate, from declared tables and parts, or a pin of the user's own."""
+    """Make the `tribo.Scene` from declared tables and made `parts`; `own_pin` is a user's law."""
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
@@ -191,7 +198,7 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """The conditions of a declared scene; `rule` is a criterion of the user's own."""
+    """Make the `Conditions` of a declared scene; `rule` is a criterion of the user's own."""
     temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,

@@ -24,14 +24,14 @@ from tribo import InputError
 
 
 class Section(NamedTuple):
-    """A table of the format: its path, empty for the file itself, and its entry."""
+    """A table of the format of scenes: its path, empty for the file itself, and its entry."""
 
     path: str
     entry: Entry
 
     @property
     def is_list(self) -> bool:
-        """True if there may be several of the table, each in double brackets."""
+        """True if a file may have several of this table, each under double brackets."""
         return isinstance(self.entry.kind, List)
 
     @property
@@ -40,7 +40,10 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Keys that hold a value: entry, and the name of its form if not all forms have the key."""
+        """Entry of each key that holds a value, and the only form of the table that has the key.
+
+        The name of the form is empty if all forms have the key.
+        """
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
@@ -51,7 +54,7 @@ class Section(NamedTuple):
         return keys
 
     def path_of(self, key: str) -> str:
-        """Path of a key of the table."""
+        """Path of a key of the table from the top of the file."""
         return f"{self.path}.{key}" if self.path else key
 
 
@@ -71,7 +74,7 @@ def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
-    """The tables that a kind allows, the usual one first; none if it is a kind of values."""
+    """Tables that a kind allows, the usual one first; empty for a kind that is no table."""
     match kind:
         case Table():
             return (kind,)
@@ -83,7 +86,7 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
 
 
 def all_keys() -> Iterator[tuple[str, Entry]]:
-    """Each key by its path; NAME stands for a name of the user's choice."""
+    """Path and entry of every key that holds a value; NAME is a name of the user's choice."""
     for section in sections():
         for key, (entry, _) in section.keys().items():
             yield section.path_of(key), entry
@@ -98,7 +101,7 @@ def find_entry(path: str) -> Entry | None:
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
-    """The kind of number or quantity as which a value, or each part of it, is read; or None."""
+    """The kind of number within a kind, such as that of a list's items; None if it has none."""
     match kind:
         case Quantity() | Number():
             return kind
@@ -111,7 +114,7 @@ def number_in(kind: Kind) -> Quantity | Number | None:
 
 
 def number_at(path: str) -> Quantity | Number:
-    """Kind of the number or quantity at the path of an entry; any number if there is none."""
+    """Kind of the number or quantity at an entry's path; any number if the entry has none."""
     entry = find_entry(path)
     return (entry and number_in(entry.kind)) or Number()
 
@@ -121,7 +124,10 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a section that no earlier list of tables has, and the header of one with others."""
+    """Keys of a table that no earlier list of tables has, and the header of one with the others.
+
+    `listed` has the header of an earlier list for each of its keys; the new keys are added.
+    """
     keys = section.keys()
     if "." in section.path or not section.is_list:
         return keys, ""
@@ -132,7 +138,7 @@ def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, s
 
 
 FILES = ("disk.roughness.file", "loading.file")
-_MEANT, _LONGEST = 40, 80  # column in which meanings begin, and their most characters
+_MEANT, _LONGEST = 40, 80  # column in which comments begin, and their greatest length
 
 
 def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
@@ -202,7 +208,7 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """A line for every entry of the format, as a comment if the scene lacks it."""
+    """Lines of a scene file with every entry of the format, as a comment if the scene lacks it."""
     listed: Listed = {}
     for section in sections():
         table, _, name = section.path.partition(".")
@@ -222,14 +228,14 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
             if key in (values or {}):
                 mark, value = "", values[key]
             elif isinstance(entry.kind, ByPath) and entry.kind.of.leaf_keys:
-                # One of its entries, since the table with all is long.
+                # Show a single entry of the table, since all of them would be long.
                 ((inner, value),) = value.items()
                 key = f"{key}.{inner}"
             yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
 
 
 def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """A line with its meaning behind it; a long meaning is cut to its first clause."""
+    """Write a line, and its meaning behind it as a comment; a long one is cut after a clause."""
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]
     clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]
@@ -237,7 +243,7 @@ def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
 
 
 def example(entry: Entry, default: Any = None) -> Any:
-    """Value of an entry for TOML: its example, its default, or an allowed value."""
+    """A value of an entry to show in a file: its example, its default, or any allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 
 

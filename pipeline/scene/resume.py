@@ -16,14 +16,14 @@ from tribo import InputError, TriboError
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
-    """The sweep of a store after a further run: rows of both runs, all else from `sweep`.
+    """The sweep of a store after a further run: variants of both runs, all else from `sweep`.
 
-    Which steps and fields are stored, and the reasons for a fidelity, stay as in the first run. If
-    points were chosen, `chosen` is empty: the store has them.
+    The choice of stored steps and fields, and of the fidelity, stays as in the first run. If points
+    were chosen, `chosen` is empty, since the store has them.
     """
     first = before or sweep
     written = dict(sweep.written)
-    if before:  # materials and surfaces that its rows have
+    if before:  # materials and surfaces that variants of the first run need
         written["materials"] = before.entries["materials"] | sweep.entries["materials"]
         for digest_of_file, array in before.reader.contents.arrays.items():
             sweep.reader.contents.arrays.setdefault(digest_of_file, array)
@@ -41,7 +41,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
 
 
 def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Reasons why a sweep cannot continue the store of another one; none if it can."""
+    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can."""
     old, new = stored.variants, sweep.variants
     if [*old.axes] != [*new.axes]:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
@@ -74,7 +74,7 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Entries that differ in the first common row with another scene, in words."""
+    """Entries, in words, that differ in the first common variant whose simulation differs."""
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*effective_changes(old, new, lambda one: one.scene)]:
@@ -84,7 +84,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Entries that differ and thereby change a part of the sweep, in words."""
+    """Differences between entries, in words, that change what `part` returns of a sweep."""
     present = digest(part(old))
     if present == digest(part(new)):
         return
@@ -92,7 +92,7 @@ def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> I
         whole = re.split(r"\.\d+(?=\.|$)", path)[0]  # without the number in a list
         try:
             is_same = digest(part(old.changed(whole, entry_at(new.entries, whole)))) == present
-        except TriboError:  # the entry needs others to change, too
+        except TriboError:  # the entry cannot change without others
             is_same = False
         if not is_same:
             yield _differs(path, before or "none", after or "none")

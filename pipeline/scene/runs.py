@@ -17,7 +17,7 @@ _KINDS = {"load": LOAD, "velocity": VELOCITY}
 
 
 def expand_tests(scene: Any, faults: Faults) -> Any:
-    """The scene with its tests numbered, and each run by stages replaced by its tests."""
+    """Number the tests of a scene, and replace each run of several stages by a test per stage."""
     number, expanded = itertools.count(1), dict[str, Any]()
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
@@ -31,7 +31,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
 
 def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
-    """Tests at the stages of a run, with their outcomes."""
+    """Tests at the last mild and at the first severe stage of a run."""
     if faults.touches(place):
         return
     varied = [name for name in _KINDS if getattr(entry, name) is None]
@@ -56,14 +56,14 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Holds of the tests with which samples are compared, ascending [s]; none without samples."""
+    """Durations of hold in the tests of a sweep with samples, ascending [s]; else empty."""
     if not entry_at(scene, "sweep.samples"):
         return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
 
 
 def tests_of(scene: Any) -> tuple[Any, ...]:
-    """Transitions and tests of a scene."""
+    """Measured transitions and tests of a scene."""
     return (*(scene.measured or ()), *(scene.tested or ()))
 
 

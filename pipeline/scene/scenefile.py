@@ -105,7 +105,7 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Put the paths of an entry before a message that begins with the entry's name."""
+    """Put the path of an entry before a message that begins with the entry's name."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
@@ -126,14 +126,14 @@ SceneLike = Sweep | str | PathLike[str]
 
 
 def sweep_of(scene: SceneLike) -> Sweep:
-    """Return a scene that was read, or read one from its path; raise as `load_scene` does."""
+    """Return a sweep unchanged, and read one from a path; raises as `load_scene` does."""
     return scene if isinstance(scene, Sweep) else load_scene(scene)
 
 
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides by the paths of entries; an entry of the fidelity may be given by its key alone."""
+    """Overrides by full key path; a key of the fidelity may be given without its table."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

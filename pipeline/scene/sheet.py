@@ -52,14 +52,14 @@ _DAY = 86400.0  # [s]
 
 
 class Row(NamedTuple):
-    """Cells of a row, and its number in the file."""
+    """Row of a table: its number in the file, and its cells."""
 
     number: int
     cells: list[str]
 
 
 class Lines(NamedTuple):
-    """Filled rows of a text or of a sheet, and words on how they are written."""
+    """Rows of a text or of a sheet that are not empty, and words on how they are written."""
 
     rows: list[Row]
     form: list[str]
@@ -67,7 +67,7 @@ class Lines(NamedTuple):
 
 @dataclass(slots=True)
 class Sheet:
-    """Rows of a table, the columns of its quantities, and what became of all other rows."""
+    """A table that was read: its rows, the columns of its quantities, and rows left out."""
 
     name: str  # of the file, in messages
     units: Mapping[str, str | None]  # SI units of quantities, None for text
@@ -105,27 +105,30 @@ class Sheet:
 
     @property
     def other_sheets(self) -> str:
-        """Words on the sheet that was read and on others that were not; empty without others."""
+        """Names of the sheet that was read and of those that were not; empty for a single sheet."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
-        """Heading of a quantity."""
+        """Heading of the column of a quantity."""
         return self.headings[self.places[name]]
 
     def add(self, name: str, unit: str, cells: Iterable[str]) -> None:
-        """Append the column of a quantity that is given, or derived from others."""
+        """Append a column for a quantity."""
         self.places[name] = len(self.headings)
         self.headings.append(Heading(name, name, unit))
         for row, cell in zip(self.rows, cells, strict=True):
             row.cells.append(cell)
 
     def leave_out(self, reasons: Mapping[int, str]) -> None:
-        """Leave out rows, given the reason for each by its number."""
+        """Leave out the rows with these numbers, each for its reason."""
         self.left_out |= reasons
         self.rows = [row for row in self.rows if row.number not in reasons]
 
     def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
-        """Add a fault for a needed column that is missing; leave out rows without it or at rest."""
+        """Add a fault for each needed column that is missing; leave out rows without a value there.
+
+        Rows in which a quantity of `moving` is 0 are left out, too.
+        """
         missing = {name: self.units[name] for name in needed if name not in self.places}
         if missing and not self.faults:
             wanted = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
@@ -142,7 +145,7 @@ class Sheet:
         self.leave_out(reasons)
 
     def numbers(self, name: str) -> Array:
-        """Values of a quantity in SI, shape (rows,), NaN in empty cells; notes faulty cells."""
+        """Values of a quantity in SI, shape (rows,), NaN in empty cells; adds faults of cells."""
         place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
         zero, one = 0.0, 0.01 if unit == "%" else 1.0
         if like and unit:
@@ -167,9 +170,10 @@ class Sheet:
     def entries(
         self, declared: type, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
     ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        """Rows without faults: as tables of a scene, and the same in SI.
+        """Rows without faults as entries of a table that is `declared`, and the same in SI.
 
-        `words` translates cells into outcomes. An empty cell is a fault, except in `may_lack`.
+        `words` translates cells into allowed words. An empty cell is a fault, except in the
+        columns `may_lack`.
         """
         row_of = table_of(declared)
         tables, read, faults = [], [], list[Fault]()
@@ -206,18 +210,18 @@ class Sheet:
 
 
 def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
-    """Number and cells of each line; separators within quotes do not count."""
+    """Split lines into rows of cells; separators within quotes do not count."""
     if separator == "  ":
         yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
         return
-    if separator == " ":  # the blank before a unit separates nothing
+    if separator == " ":  # a blank before a unit separates no cells
         lines = (re.sub(r"\s+(?=[\[(])", "", line.strip()) for line in lines)
     reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """The separator that gives most numbers, in rows as long as the row of headings."""
+    """Find the separator that gives most cells with numbers, in rows as long as the headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
@@ -235,7 +239,7 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
 
 
 def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines]:
-    """Rows of a text, or of each sheet of a workbook unless one is named."""
+    """Read the rows of a text file, or of one or all sheets of a workbook."""
     require_file(path)
     try:
         content = path.read_bytes()
@@ -254,7 +258,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 
 
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
-    """Headings of a row, with units that stand below them, and the number of rows they take."""
+    """Read row `k` as headings, with units from the rows below; also the number of rows used."""
     first, *others = rows[k].cells
     is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
     heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
@@ -273,7 +277,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """Number of quantities that the row of headings names, and its index; the first of equals."""
+    """Find the row whose headings name most quantities; return their number, and its index."""
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
@@ -284,7 +288,7 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
-    """The sheet below the row of headings that names most of the quantities that are sought."""
+    """Make a `Sheet` from the table, and the rows below the headings, that name most quantities."""
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
     (rows, form), (_, start) = tables[best], tops[best]
@@ -323,7 +327,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Write numbers with a decimal point; an ambiguous one is replaced by both readings."""
+    """Rewrite numbers with a decimal point; an ambiguous one becomes a text of both readings."""
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas such numbers are quoted; a comma before three digits may mark thousands.
@@ -347,9 +351,10 @@ def read_sheet(
     source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
     moving: Collection[str] = (), sheet: str | None = None,
 ) -> Sheet:  # fmt: skip
-    """Read a file, or lines of another origin, for quantities by their SI units.
+    """Read a table from a file or from lines, and find the columns of quantities.
 
-    Rows that lack a needed quantity, or in which a moving one is 0, are left out and counted.
+    `units` are the quantities that are sought, with SI units. Rows that lack a `needed` quantity,
+    or in which a quantity of `moving` is 0, are left out and counted.
     """
     words: Any = next(extras.modules("tables"), None)
     names = words.WordNames(units) if words else Names(units)

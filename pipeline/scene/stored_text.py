@@ -24,11 +24,11 @@ from tribo.types import Array
 
 
 class SweepTextError(InputError):
-    """Text that does not describe a sweep."""
+    """A text in a store that does not describe a sweep."""
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """JSON text of a sweep, which `parse_sweep` reads."""
+    """Write a sweep as JSON text, which `parse_sweep` reads."""
     table, selection = sweep.variants, sweep.selection
     values = [row.values for row in table.rows]
     text = {
@@ -47,12 +47,15 @@ def sweep_text(sweep: Sweep) -> str:
 
 
 def file_contents(sweep: Sweep) -> dict[str, Array]:
-    """Contents of files that a sweep has read, by digest."""
+    """Contents of the files that a scene names, as arrays by their SHA-256."""
     return dict(sweep.reader.contents.arrays)
 
 
 def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
-    """Read a sweep from its JSON, and from no file; raise a `SweepTextError` for any other text."""
+    """Read a sweep from its JSON text, without any file; `SweepTextError` for any other text.
+
+    `arrays` are the contents of the files that the scene names, by SHA-256.
+    """
     try:
         read = json.loads(text)
         sweep = Sweep(
@@ -73,7 +76,7 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
 
 def _variants(text: Any) -> Variants:
-    """The table of rows: labels by column, and the entries that each row replaces."""
+    """Variants of a sweep from its JSON: columns of labels, and the entries that each replaces."""
     labels = {one["name"]: one["values"] for one in text.get("columns", ())}
     if not labels:
         return Variants()

@@ -96,7 +96,7 @@ def exact_decimals() -> Iterator[None]:
 
 
 class Unit(NamedTuple):
-    """A unit: the SI unit of its dimension as CF writes it, and its size and zero point in SI."""
+    """A unit: the SI unit of its dimension in CF's notation, its size and its zero point in SI."""
 
     dimension: str
     size: Decimal
@@ -159,18 +159,18 @@ def difference_in_si(text: str, like: str) -> float:
 @functools.lru_cache(maxsize=256)
 @exact_decimals()
 def si_unit(text: str) -> str:
-    """SI unit of the dimension of a quantity, as CF writes units, such as ``"W m-1 K-1"``."""
+    """SI unit of a quantity's dimension, in the notation of CF conventions: ``"W m-1 K-1"``."""
     return _read(text)[1].dimension
 
 
 def unit_of_table(unit: str) -> str:
-    """Normalise the unit of a column, such as C to degC or kg to kgf; empty for a number."""
+    """Rewrite the unit of a column, such as C as degC or kg as kgf; empty for a plain number."""
     unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
     return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
 
 
 def as_entry(cell: str, unit: str = "") -> str | float:
-    """A cell as a scene file has it: a number, or text with a unit."""
+    """Convert a cell to the value of an entry: a number, or text with the column's unit."""
     for number in (int, float) if not unit else ():
         with suppress(ValueError):
             return number(cell)
@@ -179,7 +179,7 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 
 @functools.cache
 def is_unit(unit: str, like: str | None = None) -> bool:
-    """True for a unit, of the dimension of `like` if that is given; % counts without `like`."""
+    """True for a unit, with `like` only for one of that dimension; % is a unit without `like`."""
     try:
         found = si_unit(f"1 {unit}")
     except UnitError:
@@ -190,7 +190,7 @@ def is_unit(unit: str, like: str | None = None) -> bool:
 
 
 def clock_time(text: str) -> float:
-    """Seconds since midnight of a clock time, perhaps behind a date [s].
+    """Convert a clock time, also with a date before it, to seconds since midnight [s].
 
     Examples
     --------
@@ -207,7 +207,7 @@ def clock_time(text: str) -> float:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Any]:
-    """All known units, made when first needed, since that takes 0.3 s."""
+    """The units known to pint, loaded when first needed, since that takes 0.3 s."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
@@ -227,7 +227,7 @@ def _parts(text: str) -> tuple[str, str]:
 
 
 def _read(text: str) -> tuple[Decimal, Unit]:
-    """Number and unit of a quantity; a hardness number is a pressure."""
+    """Read a quantity as number and unit; a hardness number becomes a pressure."""
     number, unit = _parts(text)
     try:
         scale = _SCALE.fullmatch(unit) if unit.startswith("H") else None
@@ -241,7 +241,7 @@ def _read(text: str) -> tuple[Decimal, Unit]:
 @functools.lru_cache(maxsize=1024)
 @exact_decimals()
 def _unit(unit: str) -> Unit:
-    """A unit as data sheets print it; an `InputError` if it is unknown."""
+    """Find a unit that is written as in data sheets; `InputError` if it is unknown."""
     for pattern, read in _PRINTED:
         unit = pattern.sub(read, unit)
     for cf, one in DIMENSIONS.items():  # known without pint
@@ -285,7 +285,7 @@ def middle_of_range(text: str) -> str | None:
 
 
 def _misfit(text: str, unit: Unit, like: str) -> str:
-    """Reason why a quantity of another dimension does not fit, and what to write instead."""
+    """Reason why a quantity does not have the dimension of `like`, and what to write instead."""
     (number, typed), needed = _parts(text), _parts(like)[1]
     if unit.dimension == "1":
         return "has no unit"
@@ -309,7 +309,7 @@ _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 @functools.cache
 def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
-    """Rockwell C and Brinell numbers of steel, each scale with the Vickers numbers beside it."""
+    """Hardness numbers of steel on the scales HRC and HB, each with the equal Vickers numbers."""
     file = resources.files("pipeline.scene").joinpath("hardness.toml")
     vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
     return {"HR": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
@@ -330,7 +330,7 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Return a number, which is in SI, unchanged; convert text with a unit that fits `like`."""
+    """Return a number unchanged; convert text with a unit of the dimension of `like` to SI."""
     if not isinstance(value, str):
         return float(value)
     try:

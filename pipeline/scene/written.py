@@ -22,7 +22,7 @@ _FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Convert a value back to entries that its kind would read; None if there is no value."""
+    """Convert a value in SI back to an entry that its kind would read; None for no value."""
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
@@ -35,7 +35,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
             return [entries_of(of, one) for one in value]
         case Tables(of):
             return {key: entries_of(of, one) for key, one in value.items()}
-        case ByPath():  # which stand for rows, or are not completed
+        case ByPath():  # such tables are stored as rows, or as the user wrote them
             return None
         case Quantity():
             return _quantity_text(kind, value)
@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Complete entries; those that the user wrote keep the words in which they were written."""
+    """Complete entries, but in the user's own words where the user wrote an entry."""
     match tables, written:
         case dict(), dict():
             full = {key: completed(value, written.get(key)) for key, value in tables.items()}
@@ -56,20 +56,20 @@ def completed(tables: Any, written: Any) -> Any:
 
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """Table ``[fidelity]`` with every numerical choice, and the preset's name beside them."""
+    """Table ``[fidelity]`` with every numerical choice, and the name of their preset."""
     return Fidelity(preset=preset, **asdict(made))
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """The sweep with other numerical choices; `preset` is their name if they equal a preset."""
+    """The sweep with other numerical choices; `preset` is the name of the preset they equal."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 
 
 def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
-    """Entries of a sweep in words, by path, without the title; conditions are those that judge it.
+    """Entries of a sweep in words, by path, with the conditions by which it is judged.
 
-    `entries` may give other entries with the same meaning.
+    The title is left out. `entries` may be another way to write the same scene.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}
@@ -83,7 +83,7 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
 
 
 def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
-    """Paths of entries that differ in meaning between two sweeps, and both values in words."""
+    """Yield path and both values, in words, of each entry whose meaning differs between sweeps."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
     plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts)) for sweep in sweeps]
@@ -93,7 +93,7 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
 
 
 def _judged(sweep: Sweep) -> dict[str, str]:
-    """Conditions by which a sweep is judged, in words, by the paths of the entries they replace."""
+    """Conditions by which a sweep is judged, in words, by the path of the entry each replaces."""
     named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
     return {
         path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
@@ -102,7 +102,7 @@ def _judged(sweep: Sweep) -> dict[str, str]:
 
 
 def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; tables of a list by their numbers, from 1 on."""
+    """Pairs of path and value in nested tables; the tables of a list are numbered from 1 on."""
     for path, value in flat(tables):
         if isinstance(value, list) and value and isinstance(value[0], dict):
             inner = {str(number): one for number, one in enumerate(value, 1)}
@@ -112,7 +112,7 @@ def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
 
 
 def in_words(value: Any) -> str:
-    """Value of an entry in words."""
+    """Write the value of an entry as text for people."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, dict):
@@ -127,7 +127,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """Which of several kinds a value was read as."""
+    """The kind as which a value was read."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):
