@@ -47,12 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     try:
         options = parse(arguments)
-        return carried_out(options, _begun)
+        return carried_out(options, _run_command)
     except KeyboardInterrupt:  # before a command began
         return 130
 
 
-def _begun(options: argparse.Namespace) -> Any:
+def _run_command(options: argparse.Namespace) -> Any:
     """Import the command's module, run the command and return its result."""
     if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
         forkserver.start()  # it imports modules for the workers while this process goes on

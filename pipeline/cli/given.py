@@ -26,7 +26,7 @@ PLACE = ("load", "velocity", "realization")
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Values by name of those options in `names` that the command has and the user gave."""
+    """Values, by name, of those options `names` that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {
         name: value
@@ -36,24 +36,24 @@ def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
 
 
 def flags_of(names: Iterable[str]) -> str:
-    """Options as typed, such as "--load, --velocity"."""
+    """Names of options as typed on the command line, such as "--load, --velocity"."""
     typed = ("store" if name == "kept" else name.replace("_", "-") for name in names)
     return ", ".join(f"--{name}" for name in typed)
 
 
 def path_beside(store: Path | str, ending: str) -> Path:
-    """Path next to a store; in the working directory if the store is in a bucket."""
+    """Path next to a store with another ending; in the working directory if it is in a bucket."""
     path = Path(store) if "://" not in str(store) else Path(Path(store).name)
     return path.with_name(f"{path.stem}{ending}")
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Values of --set by path, without the prefix `fidelity.` of numerical choices."""
+    """Values of the option --set by path of their entry, without the prefix `fidelity.`."""
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions that the user gave, by name; several values of a condition as a tuple."""
+    """Conditions given as options, such as --friction, by name; several values as a tuple."""
     given = values_in(options, *CONDITIONS).items()
     conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
     criterion = conditions.get("criterion", "share")
@@ -77,7 +77,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
 
 
 def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
-    """The scene with the fidelity and conditions that the user asked for."""
+    """Load the command's scene, with the numerical choices and conditions of its options."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):
@@ -97,14 +97,14 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:
-    """The scene, with the first value of each entry; a note is printed if an entry has more."""
+    """Load the command's scene with the first value of each varied entry; a note says so."""
     sweep = scene_in(options)
     tell(*notes_on_first_values(sweep.variants))
     return sweep
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """The dataset of `store`, or of the command's store, under the user's conditions."""
+    """Dataset of `store`, by default the command's store, under the conditions of its options."""
     ds = pipeline.open_sweep(store or options.store)
     weighing = values_in(options, "given_measured", "scatter", "oil")
     return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))

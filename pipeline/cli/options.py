@@ -40,7 +40,7 @@ class Command(NamedTuple):
 
 
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
-    """Option with a value: `words` are its names and the value's name, `read` converts the text."""
+    """Option with a value: `words` has its names and the value's name, `read` converts the text."""
     *names, metavar = words.split()
     return Option(*names, metavar=metavar, type=read, help=use, **more)
 

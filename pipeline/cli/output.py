@@ -34,7 +34,7 @@ _LONGEST, _COLUMNS = 2000, 100  # most characters of a line; of a line of wrappe
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Result of a command: frames, a JSON document, and text to print."""
+    """Result of a command: data frames, a JSON document, and text to print."""
 
     document: dict[str, Any] | None = None  # for --json; None: the frames are the document
     text: Iterable[str | pd.DataFrame] = ()
@@ -73,7 +73,7 @@ def show(options: argparse.Namespace, result: Result) -> None:
 
 
 def show_text(text: Iterable[str | pd.DataFrame]) -> None:
-    """Print lines, and frames as aligned columns, in one write; control characters are escaped."""
+    """Print lines of text, and data frames as aligned columns; control characters are escaped."""
     lines = list[str]()
     for part in text:
         if isinstance(part, str):
@@ -166,7 +166,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
 
 @contextmanager
 def working(task: str) -> Iterator[Report]:
-    """Report after two seconds that a task is running, then its progress."""
+    """Context that says after two seconds that a task is running; yields a progress function."""
     timer = threading.Timer(_SOON, tell, [f"{task} …"])
     timer.daemon = True
     timer.start()

@@ -89,12 +89,12 @@ COMMANDS = (
 
 @cache
 def commands() -> tuple[Command, ...]:
-    """All commands; those of extras come last."""
+    """All commands of ``irg``; those of optional parts, such as gears, come last."""
     return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
 
 
 class _Parser(argparse.ArgumentParser):
-    """Parser that takes words such as -5% for values, as Python 3.14 does."""
+    """Argument parser that takes words such as -5% for values, as Python 3.14 does."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
@@ -111,7 +111,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Version(argparse.Action):
-    """Print the version, which is looked up only on request."""
+    """Action of --version: print the version, which is looked up only now, and exit."""
 
     def __call__(self, parser: Any, *_: Any) -> None:
         from importlib.metadata import PackageNotFoundError, version

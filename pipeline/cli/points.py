@@ -45,7 +45,7 @@ def point(options: argparse.Namespace) -> Result:
 
 
 def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
-    """Simulate points, the wanted one first; yield records, also of other points that fail."""
+    """Simulate points and yield their records, `wanted` first; only its own failure is raised."""
     for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
             (result,) = run_points(sweep, (point,), progress=progress)
@@ -57,7 +57,7 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
 
 
 def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
-    """Result for a place: its margin, and its contact."""
+    """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])

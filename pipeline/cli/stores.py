@@ -64,7 +64,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _row(path: Path | str, name: str) -> list[object]:
-    """Row of the table of stores: name, state, numbers of points, preset and title."""
+    """Cells of a store in the table of stores: name, state, numbers of points, preset, title."""
     try:
         state, preset = summary(path), opened(path).sweep.preset
     except StoreError as error:

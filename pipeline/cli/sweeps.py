@@ -114,7 +114,7 @@ _Row = tuple[str, str]
 
 
 def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
-    """Rows on the meaning of a scene: contact, surface, motion, film, wear and heat."""
+    """Yield rows that say what a scene means: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
@@ -138,7 +138,7 @@ def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
 
 
 def _film_rows(sweep: Sweep) -> Iterator[_Row]:
-    """Rows on the oil film, or on the entry that is missing to compute it."""
+    """Yield rows on the oil film, or on the entry that is missing to compute it."""
     if sweep.lubricant is None:
         return
     bulk = sweep.conditions.mean_bulk_temperature
@@ -162,13 +162,13 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """A span in words, such as "1.2 to 3 µm", or one value if both ends agree."""
+    """Range of values in words, such as "1.2 to 3 µm", or one value if both ends agree."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 
 
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
-    """Rows on the cost of a sweep: points, steps, time and disk."""
+    """Yield rows on the cost of a sweep: points, steps, time and disk."""
     velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
     counts = [
         counted(len(sweep.plane.loads), "load", "loads"),

@@ -16,7 +16,11 @@ from pipeline.paths import user_path
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Return a reader of text such as `like` to SI, above 0 unless signed; K is for differences."""
+    """Return a function that reads text such as `like` to SI.
+
+    It refuses values that are not above 0, unless `is_signed`. A unit K is read as a difference of
+    temperatures.
+    """
 
     def read(text: str) -> float:
         from pipeline.scene.units import difference_in_si, to_si
@@ -73,13 +77,13 @@ def share(text: str) -> float:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE``, each value as in `setting`."""
+    """Read ``KEY=VALUE,VALUE`` to a key and its values, each as in `setting`."""
     key, values = pair(text, like="friction.coefficient=0.08,0.12")
     return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
 
 
 def setting(text: str) -> tuple[str, Any]:
-    """Read ``KEY=VALUE`` with a value as in a scene file; text needs no quotes."""
+    """Read ``KEY=VALUE``, the value as in a scene file, to a pair; text needs no quotes."""
     key, value = pair(text, like="increments=50")
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
@@ -90,7 +94,7 @@ def setting(text: str) -> tuple[str, Any]:
 
 
 def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
-    """Read ``NAME=TEXT``; `like` is the example in the error message."""
+    """Read ``NAME=TEXT`` to a pair; `like` is the example in the error message."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):
         raise Refused(f'"{text}" has no name and value; give both, like {like}')

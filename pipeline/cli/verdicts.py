@@ -53,7 +53,7 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """Lines with the verdict on one place in each scene; raises if the only scene has none."""
+    """Verdict on an operating point in each scene, in lines; raises if the only scene has none."""
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()

@@ -49,8 +49,8 @@ _MANY = 1500  # points from which marks are small
 def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
     """Draw the transition diagram; for samples, the probability of severe wear.
 
-    Each place is coloured by the verdict of its margin. With several surfaces the boundary is that
-    of the median surface, in a band from the 10 % to the 90 % quantile.
+    The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
+    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
@@ -219,5 +219,5 @@ def _mark_points(axes: Axes, data: Results) -> list[Artist]:
 
 
 def _any_surface(holds: Mask) -> Mask:
-    """Mask (load, velocity) of points at which `holds` is true on any surface."""
+    """Mask (load, velocity) that is True where `holds` is true on at least one surface."""
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))

@@ -27,7 +27,7 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Find the points nearest to the loads and velocities, or to the transition if None."""
+    """Find indices of points nearest to loads and velocities; if None, nearest to transition."""
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))

@@ -31,7 +31,7 @@ _LEVELS = ((BOUNDARY, "mixed", ":"), (FULL_FILM, "full film", "-."))
 def zero_line(
     axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
 ) -> bool:
-    """Draw the line where a plane (load, velocity) is 0; return False if there is none."""
+    """Draw the contour at which values `plane` (load, velocity) are 0; return False if none."""
     if not ((plane < 0).any() and (plane > 0).any()):
         return False
     axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
@@ -70,7 +70,7 @@ def mark_test(
 ) -> Line2D:
     """Mark a test with its number: open if wear stayed mild, filled if severe.
 
-    With `beside`, a remark added to its name, the mark is faint.
+    With a remark `beside` in its legend entry, the mark is faint.
     """
     name, gid, marker, mfc, mec = TESTS[test.outcome]
     label, present = name + beside, axes.get_legend_handles_labels()[1]
@@ -99,14 +99,14 @@ def mark_tests(
 
 
 def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
-    """Tests by number; a test without a number has its position in the scene."""
+    """Tests by number; a test without a number gets its position in the scene."""
     return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 
 
 def reachable_tests(
     data: Results, tests: Mapping[str, Measurement]
 ) -> tuple[dict[str, Measurement], list[Artist]]:
-    """Tests near the sweep's range, and a legend line that lists the others."""
+    """Tests in or near the sweep's range, by number, and a legend line that lists the others."""
     ends = {"load": data.loads[[0, -1]], "velocity": data.velocities[[0, -1]]}
 
     def is_near(test: Measurement) -> bool:
@@ -128,7 +128,7 @@ _LEAST_ROOM = 0.1  # least room around a name, as a share of the figure's width
 
 
 def name_regions(axes: Axes, x: Array, y: Array, mild: Mask, severe: Mask) -> None:
-    """Write the names of mild and severe wear where each region is widest."""
+    """Write "mild" and "severe" where the regions of these masks (load, velocity) are widest."""
     for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
         padded = np.pad(inside, 1)  # the edges of the diagram bound the region, too
         room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]

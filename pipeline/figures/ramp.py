@@ -88,7 +88,7 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw values (load, velocity, step) of points over time, with marks at their ends."""
+    """Draw values (load, velocity, step) of some points over time, with marks at their ends."""
     for number, point in enumerate(points):
         time, own = (data.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
@@ -113,7 +113,7 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _judged_looks(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Conditions for the highest and the deciding temperature, with their line styles."""
+    """Pairs of conditions and line style, for the highest and for the deciding temperature."""
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]

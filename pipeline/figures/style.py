@@ -64,7 +64,7 @@ _PLAIN = ContextVar("plain", default=False)
 
 @contextmanager
 def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
-    """Context in which figures have a width [m] and, if `plain`, no titles and captions.
+    """Context manager: figures have a width [m] and, if `plain`, no titles and captions.
 
     Text and marks shrink less than the figure, at most to two thirds. So a narrow figure is higher
     in proportion to its width.
@@ -93,7 +93,7 @@ class Picture(Figure):
         super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
 
     def _repr_png_(self) -> bytes:
-        """The figure as PNG, with which a notebook shows it; no plotting backend shows it again."""
+        """The figure as PNG bytes, by which a notebook displays it."""
         written = io.BytesIO()
         self.savefig(written, format="png")
         return written.getvalue()

@@ -96,13 +96,13 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
 
 
 def _simulate(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
-    """Call `simulate` with the preset, the workers and a progress line."""
+    """Call `simulate` with the preset and workers that the user gave, and a progress line."""
     with output.run_line() as progress:
         return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)
 
 
 def _facts(one: Mesh) -> pd.DataFrame:
-    """Quantities of the whole mesh, as a frame of one row."""
+    """Quantities of the whole mesh, as a data frame of one row."""
     pair, gears, duty, rule = one.pair, one.pair.gears, one.duty, one.integral
     angle = gears.working_angle
     pitch = next(place for place in one.places if place.position == 0)

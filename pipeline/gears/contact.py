@@ -47,7 +47,7 @@ class MeshPlace:
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """Places along the path of contact of a pair of gears at one duty."""
+    """Contact at places along the path of contact of a pair of gears, at one duty."""
 
     pair: Pair
     duty: Duty

@@ -182,7 +182,7 @@ class Involutes:
         return (first + place) / cosine, (second - place) / cosine
 
     def _faults(self) -> Iterator[str]:
-        """Reasons why the gears cannot run; each assumes that those before it do not hold."""
+        """Yield reasons why the gears cannot run; each check assumes that earlier ones passed."""
         distance, tolerance = self.centre_distance, _MISFIT * self.module
         fitting = fitting_distance(
             self.module, self.pressure_angle, self.helix_angle, self.teeth, self.profile_shifts

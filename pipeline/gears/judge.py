@@ -40,7 +40,7 @@ def judge(
     workers: int | None = None,
     progress: Report = silent,
 ) -> pd.DataFrame:
-    """Simulate the places that may be the worst of each mesh, and return the worst margin.
+    """Simulate the places of each mesh that may be the worst, and return the worst verdict.
 
     A mesh is severe without a simulation if its bulk temperature is above the critical one.
 
@@ -67,7 +67,7 @@ def judge(
     """
     warm = [one for one in meshes if not _is_too_hot(one)]
     found = iter(_worst_margins(warm, preset, workers, progress) if warm else ())
-    rows = [_severe(one) if _is_too_hot(one) else next(found) for one in meshes]
+    rows = [_severe_margin(one) if _is_too_hot(one) else next(found) for one in meshes]
     duties = (
         (one.duty.torque, one.duty.turns, one.duty.bulk, one.integral and one.integral.integral)
         for one in meshes
@@ -77,7 +77,7 @@ def judge(
 
 
 def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, Any]]:
-    """Margin of the worst place of each mesh, as columns and values."""
+    """Columns of `pipeline.margin` by name, at the worst place of each mesh."""
     preset, workers, progress = choices
     chosen = [decisive_places(one) for one in meshes]
     numbers = [k for k, one in enumerate(chosen) for _ in one.places]
@@ -102,14 +102,14 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
 
 
 def worst(table: pd.DataFrame) -> pd.Series[Any]:
-    """The row with the worst verdict; among equal verdicts the most probably severe, or hottest."""
+    """Row with the worst verdict; among equal verdicts the most probably severe, or hottest."""
     temperatures = table["decisive temperature [°C]"].astype(float).fillna(math.inf)
     keys = zip(map(_WORSE.index, table["verdict"]), table["probability"], temperatures, strict=True)
     return table.iloc[-max((key, -k) for k, key in enumerate(keys))[1]]
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """The mesh at places that may be the worst: A to E if they slide, and local maxima of heat.
+    """Mesh reduced to places that may be worst: A to E if they slide, and local maxima of heat.
 
     Rough flanks are hotter than smooth ones by a factor that changes slowly along the path.
     """
@@ -127,8 +127,8 @@ def _is_too_hot(one: Mesh) -> bool:
     return one.pair.critical is not None and one.duty.bulk >= one.pair.critical
 
 
-def _severe(one: Mesh) -> dict[str, Any]:
-    """Margin of a mesh whose bulk temperature alone is too high."""
+def _severe_margin(one: Mesh) -> dict[str, Any]:
+    """Columns of `pipeline.margin` for a mesh whose bulk temperature alone is too high."""
     severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
     return severe | {"notes": _notes(one, _TOO_HOT)}
 

@@ -102,7 +102,7 @@ def _make_pair(
     written: Mapping[str, Any],
     sources: tuple[FromLibrary, ...],
 ) -> Pair:
-    """The pair described by valid tables; raises an `InputError` for gears that cannot run."""
+    """Pair of gears made from valid tables; raises an `InputError` if the gears cannot run."""
     mesh, (first, second) = tables.mesh, (tables.pinion, tables.wheel)
     toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle
     teeth, shifts = (first.teeth, second.teeth), (first.profile_shift, second.profile_shift)

@@ -48,9 +48,10 @@ def stage_torque(stage: int) -> float:
 
 
 def stage_bulk(stage: int, lubricant_factor: float = 1.0) -> float:
-    """Bulk temperature of the test gears in a load stage [K]: 80 °C + 0.23 T1 XL, Eq. (95).
+    """Bulk temperature of FZG's test gears in a load stage [K], ISO/TR 13989-2, Eq. (95).
 
-    T1 is the torque [N m]; XL is the lubricant factor, 1 for mineral oils.
+    It is 80 °C + 0.23 T1 XL with the torque T1 [N m] and the lubricant factor XL, 1 for mineral
+    oils.
 
     Examples
     --------
@@ -66,9 +67,10 @@ def scuffing_integral(
     lubricant_factor: float = 1.0,
     welding_factor: float = 1.0,
 ) -> float:
-    """Scuffing integral temperature of an oil that fails in a load stage [K], Eq. (94).
+    """Scuffing integral temperature [K] of an oil that fails in a load stage of FZG's test.
 
-    θ = θM + 1.5 XW θfl with θM of `stage_bulk` and θfl = 0.2 T1 (100/ν40)^0.02 XL, Eq. (96).
+    ISO/TR 13989-2, Eq. (94): θ = θM + 1.5 XW θfl with θM of `stage_bulk` and, by Eq. (96), θfl =
+    0.2 T1 (100/ν40)^0.02 XL.
 
     Parameters
     ----------
@@ -92,7 +94,7 @@ def scuffing_integral(
 
 
 def friction_coefficient(pair: Pair, duty: Duty) -> float:
-    """Mean coefficient of friction of a mesh: that of the file, else by Eq. (1).
+    """Mean coefficient of friction of a mesh: the file's, else by ISO/TR 13989-2, Eq. (1).
 
     µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load per face width w [N/mm], at least
     150; the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point; the oil's
@@ -120,9 +122,10 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
 
 
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
-    """Integral temperature of a pair at a duty, Eqs. (17) to (45), without tip relief.
+    """Integral temperature of a pair at a duty, by ISO/TR 13989-2, Eqs. (17) to (45).
 
-    The bulk temperature is that of the duty; `warm_duty` finds it from that of the oil.
+    The teeth have no tip relief. The bulk temperature is that of the duty; `warm_duty` computes it
+    from that of the oil.
     """
     gears = pair.gears
     friction = friction_coefficient(pair, duty)
@@ -162,11 +165,12 @@ def warm_duty(
     load_factor: float | None = None,
     oil: float | None = None,
 ) -> Duty:
-    """A duty of a pair, with its bulk temperature given or computed.
+    """Duty of a pair, with its bulk temperature given or computed.
 
-    In oil at the temperature θ the bulk temperature is θ + 0.7 × mean flash, Eq. (20). It is found
-    by iteration with the friction, which depends on the viscosity at it. Without θ the pair's bulk
-    temperature is taken, which holds only for the pair's own duty.
+    In oil at the temperature θ the bulk temperature is θ + 0.7 × mean flash temperature (ISO/TR
+    13989-2, Eq. 20). It is found by iteration, as friction depends on the viscosity at the bulk
+    temperature. Without θ the pair's bulk temperature is taken, which holds only for the pair's own
+    duty.
 
     Parameters
     ----------
@@ -203,7 +207,7 @@ def warm_duty(
 
 
 def _unit_load(pair: Pair, duty: Duty) -> float:
-    """Tangential load on the reference circle per face width [N/m], Eq. (4)."""
+    """Tangential load on the reference circle per face width [N/m], ISO/TR 13989-2, Eq. (4)."""
     radius = pair.gears.reference_radii[0]
     return duty.load_factor * duty.torque / radius / pair.gears.face_width
 
@@ -213,7 +217,7 @@ def _line_velocity(pair: Pair, duty: Duty) -> float:
 
 
 def _helical_load(ratio: float) -> float:
-    """Helical load factor KBγ from the total contact ratio, Eq. (5).
+    """Helical load factor KBγ from the total contact ratio, ISO/TR 13989-2, Eq. (5).
 
     >>> [round(_helical_load(ratio), 4) for ratio in (1.5, 2.0, 2.5, 3.5, 4.0)]
     [1.0, 1.0, 1.2236, 1.3, 1.3]
@@ -224,7 +228,10 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε: mean flash temperature over that at the tip, Eqs. (39) to (44)."""
+    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over that at the tip.
+
+    `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
+    """
     total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)
     if total < 2 and long < 1:
         value = 0.70 * (eps1**2 + eps2**2) - 0.22 * total + 0.52 - 0.60 * eps1 * eps2

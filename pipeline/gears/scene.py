@@ -114,7 +114,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
 
 
 def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
-    """A row of the scene's table of places; with friction and temperature if duties differ."""
+    """Row of the scene's table of places; with friction and temperature if duties differ."""
     track = 2 * math.pi * place.radius_1 * math.cos(mesh.pair.gears.base_helix_angle)
     row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}
     if number:

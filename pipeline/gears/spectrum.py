@@ -45,7 +45,7 @@ _OPENINGS = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "sev
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
 ) -> tuple[list[tuple[float | None, Duty]], Sheet]:
-    """Read a table of duties: hours and duty of each row, and the sheet with notes on unused parts.
+    """Read a table of duties: (hours, duty) of each row, and the sheet that lists unused parts.
 
     Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
     temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`.
@@ -106,7 +106,7 @@ def judge_spectrum(
 
 
 def conclusion(table: pd.DataFrame) -> str:
-    """Sentence on a spectrum: scuffing has no memory here, so the worst row decides."""
+    """Sentence with the worst row of a spectrum, which decides: damage does not accumulate."""
     decisive = worst(table)
     is_same = table["verdict"] == decisive["verdict"]
     sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"

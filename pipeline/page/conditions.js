@@ -1,6 +1,6 @@
 /* The form of conditions: sliders, fields, and faults of typed values. */
 
-/** Fault of a changed condition, or "". @param {Conditions} conditions @param {Control} control */
+/** Why a changed condition is invalid; else "". @param {Conditions} conditions @param {Control} control */
 function faultOf(conditions, { name, least, most, fault }) {
   const value = conditions[name] ?? NaN;
   if (!Number.isFinite(value)) return "give a number such as 0.12";
@@ -30,15 +30,15 @@ function listenToConditions() {
   });
 }
 
-/** Number in a typed text, with a decimal comma or point, or NaN. It is not a field of type number, as some
- * browsers silently drop a comma. @param {string} text */
+/** Number typed as text, with a decimal comma or point; NaN if it is none. The field is not of type number,
+ * as some browsers silently drop a comma. @param {string} text */
 function typed(text) {
   const isThousands = /^[+-]?[1-9]\d{0,2},\d{3}$/.test(text.trim());
   const plain = text.trim().replace("−", "-").replace(",", isThousands ? "," : ".");
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
-/** Take a value that was typed or moved. @param {Control} control @param {HTMLInputElement} source */
+/** Take a value from a field or slider. @param {Control} control @param {HTMLInputElement} source */
 function change(control, source) {
   const value = (typed(source.value) - control.offset) / control.factor;
   const conditions = { ...chosen.conditions, [control.name]: value };
@@ -65,7 +65,7 @@ function showControl(control) {
 }
 
 /** How conditions act on rises at friction 1: coldest bulk temperature [K], factor on the rise, difference
- * of the bulk temperatures over that factor [K], function of the rise that reaches a temperature, and rise
+ * of bulk temperatures over that factor [K], function from temperature to the rise that reaches it, and rise
  * above which wear is severe [K]. Without friction different bulk temperatures still warm one body; their
  * ratio is then the largest one stored. @param {Conditions} conditions */
 function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, ...others }) {

@@ -64,7 +64,10 @@ _NUMBERS = (
 
 
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
-    """Data of a page for a plane of points, with fields of the points nearest to the transition."""
+    """Data of the page of a plane of points, as JSON values.
+
+    Contact fields are included for points nearest to the transition.
+    """
     data = results(ds).take_moving()
     data.require_plane()
     sweep, conditions = data.sweep, data.conditions
@@ -118,13 +121,13 @@ def _page_facts(data: Results) -> dict[str, Any]:
 
 
 def _test_facts(test: Measurement) -> dict[str, Any]:
-    """A test as plain data, with its place by the names of the axes, and its mark in the legend."""
+    """A test as a dictionary, with its load by axis name and the name of its legend symbol."""
     sign = f"test-{test.outcome}" if test.outcome else "transition"
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
-    """Tests with their nearest node, and the friction and bulk temperatures each is judged at."""
+    """Tests as dictionaries: nearest grid node, and friction and bulk temperature that judge it."""
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
     for test in tests:
@@ -201,7 +204,10 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares to tabulate, as the rise is linear between them; one if none decides."""
+    """Failing shares at which rises are tabulated, for linear interpolation between them.
+
+    It is a single one if the criterion does not use a share.
+    """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
         return [failing_share]
@@ -225,16 +231,17 @@ def _tables(
 
 
 def _step_values(values: Array, steps: Indices) -> Array:
-    """Values at one step of each point; the last axis is that of steps."""
+    """Values of each point at its own step `steps`; the last axis of `values` is steps."""
     chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
     return chosen
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of the deciding rise: on a fine grid, and on lines of the sweep with missing points.
+    """Tables of deciding rises: on a fine grid, and along lines on which points are missing.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). Along velocity it extends
-    beyond the points, with its outermost nodes far beyond.
+    beyond the points, with its outermost nodes far beyond. Lines are at a load or velocity of the
+    sweep.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -286,7 +293,10 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Offset of each line in a table, by surface and node; each line has `width` values."""
+    """Index in a table at which each line begins, by text "surface node".
+
+    The first begins at `begin`; each has `width` values.
+    """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}
 
@@ -300,9 +310,9 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 
 
 def _model_facts(data: Results) -> dict[str, Any]:
-    """Distribution of the model's own error, and the limits of a decided verdict.
+    """Distribution of the model's own error, and the probabilities that decide a verdict.
 
-    Cumulative probabilities are given for each number of transitions, at distances over scale.
+    The standardised Student's t distribution is tabulated for each number of transitions.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
@@ -325,7 +335,7 @@ def _model_facts(data: Results) -> dict[str, Any]:
 
 
 def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Conditions as plain data, with the disk's bulk temperature if the pin's may differ."""
+    """Conditions as a dictionary, with the disk's bulk temperature if it may be different."""
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
     if "bulk_rise_quantile" in data.columns:
@@ -351,7 +361,7 @@ def digit_string(values: Any) -> str:
 
 
 def packed_array(values: Any, dtype: str) -> str:
-    """Base64 of an array's bytes."""
+    """Bytes of an array of type `dtype`, as base64 text."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
 
 
@@ -375,13 +385,13 @@ def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
 
 
 def divided(places: Array, parts: int) -> Array:
-    """Places of an axis with each interval divided into `parts` equal parts."""
+    """Values of an axis, with each interval divided into `parts` equal parts."""
     index = np.arange((len(places) - 1) * parts + 1) / parts
     return np.interp(index, np.arange(len(places)), places)
 
 
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
-    """Interpolate values along an axis from places `x` to `places`; see `Curve`.
+    """Interpolate values along an axis from abscissae `x` to `places`; see `Curve`.
 
     Values that are not finite are left out. If `continued`, values beyond the known ones are
     extrapolated by the power laws of `Curve`.
@@ -395,8 +405,8 @@ def rows_along(
 ) -> tuple[Array, Array]:
     """Rises along velocity at each load [K], and the velocities of their nodes [m/s].
 
-    Beyond the sweep's velocities heat is extrapolated by power laws, with the friction stated
-    there. The outermost nodes are far beyond.
+    Beyond the sweep's velocities rises per friction are power laws, times friction there. The
+    outermost nodes are far beyond.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -410,10 +420,10 @@ def rows_along(
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
-    """State of each node (surface, load, velocity), from the mask of points that are done.
+    """State of each grid node (surface, load, velocity): computed, interpolated or extrapolated.
 
-    `parts` are the parts of each interval of loads and of velocities. `places` numbers the nodes
-    along velocity, from 0 at the sweep's first velocity.
+    `done` is the mask of computed points, `parts` how the grid divides each interval of loads and
+    of velocities. `places` numbers the nodes along velocity, from 0 at the sweep's first velocity.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

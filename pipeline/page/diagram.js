@@ -10,7 +10,7 @@ function ends(values) {
   return { low: low - room, high: high + room };
 }
 
-/** Axes that contain all. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
+/** Axes that hold all values. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));

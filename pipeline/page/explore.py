@@ -153,14 +153,14 @@ def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequ
 
 
 class _Main(NamedTuple):
-    """Main part of a page: its HTML, and data for its scripts."""
+    """Main part of a page: its HTML, and the data for its scripts."""
 
     html: str
     data: dict[str, Any]
 
 
 def _plane(scene: Results, most_fields: int) -> _Main:
-    """Main part for a plane of points: diagram, conditions, critical values."""
+    """Main part of the page for a plane of points: diagram, conditions, critical values."""
     held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),
@@ -186,7 +186,7 @@ def _samples(scene: Results, _: int) -> _Main:
 
 
 def _places(held: Results, _: int) -> _Main:
-    """Main part for rows with their own places: a figure."""
+    """Main part of the page for rows that have their own load and velocity: a figure."""
     with fitted(0.17, plain=True):
         drawn = svg_of(diagram(held))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
@@ -197,7 +197,7 @@ _MAIN = {Kind.PLANE: _plane, Kind.SAMPLES: _samples, Kind.PLACES: _places}
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:
-    """Text of a file of this folder with its placeholders replaced."""
+    """Text of the file `name` in this folder, with its placeholders replaced by `parts`."""
     return Template(_text(name)).substitute(parts)
 
 

@@ -1,28 +1,28 @@
 /* The deciding rise on a fine grid, tabulated by Python, and where it crosses a limit. */
 
 const [POINT_DONE, POINT_FAILED] = ["1", "2"];
-/** State of nodes between two loads, only one of which has points on both sides; states below are inside. */
+/** State of nodes between two loads, only one of which has points on both sides. Lower states: both have. */
 const NODE_BETWEEN = "3";
 const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
 
-/** Index of a node in a table. @param {number} surface @param {number} k of the load @param {number} j */
+/** Index in a table, by load k, velocity j. @param {number} surface @param {number} k @param {number} j */
 function indexOf(surface, k, j) {
   return (surface * content.fine.load.length + k) * content.fine.velocity.length + j;
 }
 
-/** Node of load and velocity nearest to a place. @param {Place} place @returns {[number, number]} */
+/** Indices of the load and velocity nearest to a place. @param {Place} place @returns {[number, number]} */
 function nearestNode({ load, velocity }) {
   return [nearest(content.fine.load, load), content.first + nearest(content.inner, velocity)];
 }
 
-/** Indices of a node's values by bulk ratio and a last axis, with weights to interpolate. @param {Conditions}
- * conditions @param {number} width @param {[number, number][]} last */
+/** Pairs of index and weight that interpolate a node's values between bulk ratios. @param {Conditions}
+ * conditions @param {number} width values by ratio @param {[number, number][]} last pairs within them */
 function picksOf(conditions, width, last) {
   return weights(content.bulk_ratios, heatOf(conditions).ratio).flatMap(([b, share]) =>
     last.map(([k, weight]) => [b * width + k, share * weight]));
 }
 
-/** Deciding rise along velocity at a node of load [K]. At a load of the sweep that lacks points, only its
+/** Deciding rise [K] along velocity at load number k. At a load of the sweep that lacks points, only its
  * own points are used. @param {number} surface @param {number} k @param {Conditions} conditions */
 function lineOf(surface, k, conditions) {
   const begin = content.lines[`${surface} ${k}`] ?? indexOf(surface, k, 0);
@@ -41,8 +41,8 @@ function planeOf(conditions) {
   }));
 }
 
-/** The same, but NaN beyond the computed points. Between two loads it is also NaN if wear does not turn
- * inside the points of both. @param {Conditions} conditions */
+/** `planeOf`, but NaN beyond the computed points. Between two loads it is also NaN unless wear changes
+ * within the points of both. @param {Conditions} conditions */
 function knownPlane(conditions) {
   const [{ state, beside, fine }, plane, limit] = [content, planeOf(conditions), heatOf(conditions).limit];
   const across = fine.velocity.length;
@@ -73,7 +73,7 @@ function rangesAbove(x, y, limit) {
   return all.flatMap((begin, k) => (k % 2 ? [] : [[begin, all[k + 1] ?? Infinity]]));
 }
 
-/** Transitions of each surface along velocity at a node of load, or the reverse. @param
+/** Transitions of each surface along velocity at a load of the grid, or the reverse. @param
  * {AxisName} axis @param {number} node @param {Conditions} conditions @returns {Transition[]} */
 function transitions(axis, node, conditions) {
   const [known, { limit }] = [knownPlane(conditions), heatOf(conditions)];
@@ -96,7 +96,7 @@ function transitions(axis, node, conditions) {
   });
 }
 
-/** Lowest and highest possible place of a transition. @param {Transition} transition @returns {Ends} */
+/** Lowest and highest possible value of a transition. @param {Transition} transition @returns {Ends} */
 function endsOf({ severe, outcome, computed: [from, to] }) {
   if (outcome === UNKNOWN) return [NaN, NaN];
   if (outcome === MILD || outcome === ABOVE) return [outcome === MILD ? Infinity : to, Infinity];
@@ -105,13 +105,13 @@ function endsOf({ severe, outcome, computed: [from, to] }) {
   return [-Infinity, outcome === SEVERE ? -Infinity : from]; // severe at the lowest computed place
 }
 
-/** First turn to severe wear; -Infinity if wear is severe from the lowest place on, Infinity if never.
+/** Lowest value at which wear turns severe; -Infinity if it is severe at the lowest, Infinity if never.
  * @param {Transition} transition */
 function firstTurn({ severe }) {
   return severe.length ? severe[0][0] || -Infinity : Infinity;
 }
 
-/** The turn nearest to `here` by ratio, only to severe wear if `toSevere`; without one as `firstTurn`.
+/** Change of wear nearest to `here` by ratio, only to severe if `toSevere`; without one as `firstTurn`.
  * @param {Transition} transition @param {number} here @param {boolean} toSevere */
 function nearestTurn(transition, here, toSevere) {
   const first = firstTurn(transition);
@@ -120,7 +120,7 @@ function nearestTurn(transition, here, toSevere) {
   return counted.sort((a, b) => away(a) - away(b))[0] ?? first;
 }
 
-/** Median over surfaces of one turn each; Infinity or 0 if half of the surfaces have none.
+/** Median over surfaces of the value that `pick` finds; Infinity or 0 if half have none.
  * @param {Transition[]} all @param {(transition: Transition) => number} pick */
 function medianTurn(all, pick) {
   if (all.some(({ outcome }) => outcome === UNKNOWN)) return NaN;

@@ -1,6 +1,6 @@
 /* Probability that the next run is severe at a node: severe ranges weighed by the model's own error. */
 
-/** Each test compared at its own conditions, as in Python; distance NaN if velocities beyond may agree. */
+/** Compare tests under their own conditions, as Python does; distance NaN if they may agree elsewhere. */
 function judgedTests() {
   return content.measured.map((test) => {
     const [own, [k]] = [{ ...chosen.conditions, ...test.own }, test.node];
@@ -24,8 +24,8 @@ function judgedTests() {
   });
 }
 
-/** A transition without a turn, with turns beyond the points. @param {Transition} one @param {number} surface
- * @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
+/** Add extrapolated changes of wear to a transition without any. @param {Transition} one @param
+ * {number} surface @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
 function goneOn(one, surface, k, conditions) {
   const { velocity } = content.fine;
   const severe = rangesAbove(velocity, lineOf(surface, k, conditions), heatOf(conditions).limit);
@@ -33,8 +33,8 @@ function goneOn(one, surface, k, conditions) {
   return places.length ? { ...one, severe, places } : one;
 }
 
-/** Distances of transitions, and of wrong outcomes below and above the computed velocity: the farthest of
- * each run. */
+/** ln(measured/computed velocity) of transitions, and of wrong outcomes on either side: the farthest of each
+ * run. */
 function residuals() {
   const known = judgedTests().filter(({ distance }) => !Number.isNaN(distance));
   const farthest = (/** @type {string} */ side) => {

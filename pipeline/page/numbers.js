@@ -2,7 +2,7 @@
 
 const BAND = [0.1, 0.5, 0.9];
 
-/** Indices next to a place, with weights to interpolate linearly; beyond the ends the end alone. @param
+/** Pairs of index and weight for linear interpolation; beyond the ends the end alone. @param
  * {number[]} x ascending @param {number} place @returns {[number, number][]} */
 function weights(x, place) {
   const k = x.findIndex((value) => value > place);
@@ -16,7 +16,7 @@ function linear(x, y, place) {
   return sum(weights(x, place).map(([k, weight]) => weight * y[k]));
 }
 
-/** @param {number[]} values */
+/** Sum of the values. @param {number[]} values */
 function sum(values) {
   return values.reduce((total, value) => total + value, 0);
 }
@@ -33,7 +33,7 @@ function quantileOf(values, share) {
   return linear([...ranked.keys()], ranked, share * (ranked.length - 1));
 }
 
-/** Quantile of values between two ends; NaN if these differ. @param {Ends[]} ends @param {number} share */
+/** Quantile of values with bounds; NaN if it depends on them. @param {Ends[]} ends @param {number} share */
 function quantileOfEnds(ends, share) {
   const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
   return low === high ? low : NaN;

@@ -6,7 +6,7 @@ function isInside({ load, velocity }, { loads, velocities }) {
     velocity >= velocities[0] && velocity <= velocities[velocities.length - 1];
 }
 
-/** Take each operating point that is typed. @param {(load: number, velocity: number) => void} take */
+/** Call `take` with each operating point typed. @param {(load: number, velocity: number) => void} take */
 function listenToOperatingPoint(take) {
   const read = (/** @type {string} */ id) => {
     const value = typed(input(id).value);

@@ -27,7 +27,7 @@ _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear
 def packed_fields(
     ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
 ) -> dict[str, Any]:
-    """Draw pressure, rise and wear depth of points chosen by (surface, load, velocity).
+    """Draw pressure, rise and wear depth of points, given by indices (surface, load, velocity).
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
     the number of the point. Each has the highest pressure [Pa], the lowest and highest rise above
@@ -51,7 +51,7 @@ def packed_fields(
 
 
 def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
-    """Highest pressure, extreme rises, depth and pictures of a point; see `packed_fields`."""
+    """Extremes and pictures of a point's pressure, rise and wear depth; see `packed_fields`."""
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
     touching = _summed(contact.astype(float), block)
@@ -80,7 +80,7 @@ def png_of(image: Image.Image) -> str:
 
 
 def coloured(probability: Array) -> str:
-    """Probabilities as a base64 .png, the first row on top, in the colours of the figure."""
+    """Probabilities as base64 text of a .png in the figure's colours, the first row on top."""
     low, high = PALE
     shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
     return png_of(Image.fromarray(np.ascontiguousarray(shades)))
@@ -94,7 +94,10 @@ def risk_scale() -> str:
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:
-    """Lowest and highest block mean over elements in contact, and colour levels of the blocks."""
+    """Lowest and highest mean of a field over blocks in contact, and colour levels of blocks.
+
+    Elements out of contact do not count. `touching` is the number of elements in contact by block.
+    """
     means = _summed(np.where(contact, field, 0.0), block) / np.maximum(touching, 1.0)
     finite = means[touching > 0]
     if not (finite.size and np.isfinite(finite).all()):

@@ -10,7 +10,7 @@ function filled(made, attributes, children) {
   return made;
 }
 
-/** @param {string} name @param {Attributes} [attributes] @param {(Node | string)[]} children */
+/** SVG element. @param {string} name @param {Attributes} [attributes] @param {(Node | string)[]} children */
 function svg(name, attributes = {}, ...children) {
   return filled(/** @type {SVGElement} */ (document.createElementNS(SVG, name)), attributes, children);
 }
@@ -20,12 +20,12 @@ function html(name, attributes = {}, ...children) {
   return filled(document.createElement(name), attributes, children);
 }
 
-/** @param {string} id @returns {HTMLElement} */
+/** Element of the page by id. @param {string} id @returns {HTMLElement} */
 function element(id) {
   return /** @type {HTMLElement} */ (document.getElementById(id));
 }
 
-/** @param {string} id @returns {HTMLInputElement} */
+/** Input element of the page by id. @param {string} id @returns {HTMLInputElement} */
 function input(id) {
   return /** @type {HTMLInputElement} */ (element(id));
 }

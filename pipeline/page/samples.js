@@ -13,7 +13,7 @@ function probabilityAt(load, velocity) {
   return linear(loads, rows, load);
 }
 
-/** Where a probability is passed. @param {number} share @param {number} load @returns {[string, string]} */
+/** Velocities at a probability. @param {number} share @param {number} load @returns {[string, string]} */
 function turnsRow(share, load) {
   const { velocities } = samples;
   const over = velocities.map((velocity) => probabilityAt(load, velocity) - share);

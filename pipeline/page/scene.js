@@ -11,7 +11,7 @@ for (const { rows: [heads, ...rows] } of document.querySelectorAll("table")) {
   }
 }
 
-/** Let readers choose another scene; return conditions brought along. @param {() => object} changes */
+/** Let readers choose a scene; return conditions kept from the last one. @param {() => object} changes */
 function takeScene(changes) {
   const choice = input("scene");
   if (!choice) return {};

@@ -51,7 +51,10 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
 
 
 def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:
-    """A section with its heading; a part that raises an `InputError` ends it with the reason."""
+    """HTML of a section with its heading; empty without parts.
+
+    If a part raises an `InputError`, the section ends with the reason.
+    """
     body = list[str]()
     try:
         body.extend(map(_html, parts))
@@ -72,7 +75,7 @@ def _html(part: str | pd.DataFrame) -> str:
 
 
 def _answer(data: Results) -> Iterator[str]:
-    """Sentences on the criterion of severe wear and the next run, then warnings."""
+    """Yield sentences on the criterion of severe wear and the next run, then warnings."""
     yield judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     if data.kind is Kind.PLACES:
         yield counts_in_words(margin(data))
@@ -85,7 +88,7 @@ def _answer(data: Results) -> Iterator[str]:
 
 
 def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd.DataFrame]:
-    """Table of the margins of operating points, and notes on its rows."""
+    """Yield the table of margins of operating points, and notes on its rows."""
     table = margin(data, points)
     yield short(table, LONG)
     yield from notes_of(table, caveats_of(data))
@@ -101,7 +104,7 @@ def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
 
 
 def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
-    """Tables of the scene's entries and library values, and the numerical choices."""
+    """Yield tables of the scene's entries and library values, and the numerical choices."""
     sweep = data.sweep
     entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
     if surface := surface_words(sweep):
@@ -133,7 +136,7 @@ def _first_sentence(meaning: str) -> str:
 
 
 def _origin(data: Results) -> Iterator[str]:
-    """Sentences on the model, program and scene behind the answers, and how to cite them."""
+    """Yield sentences on model, program and scene behind the answers, and how to cite them."""
     sweep = data.sweep
     yield _MODEL
     if sweep.selection:

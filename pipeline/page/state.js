@@ -20,7 +20,7 @@ function surfaces() {
   return chosen.surface === null ? content.missing.map((_, surface) => surface) : [chosen.surface];
 }
 
-/** A plane from the cache, made on first use. @param {string} key @param {() => Float64Array} make */
+/** Plane from the cache; `make` computes it first. @param {string} key @param {() => Float64Array} make */
 function kept(key, make) {
   const made = planes.get(key) ?? make();
   if (planes.size > 50) planes.clear();
@@ -28,7 +28,7 @@ function kept(key, make) {
   return made;
 }
 
-/** Contact temperature of a rise at friction 1, the lowest of its friction [K]. @param {number} rise */
+/** Lowest contact temperature [K] that a rise at friction 1 makes. @param {number} rise */
 function temperature(rise) {
   const [, factors] = content.friction_by_temperature;
   const { coldest, factor, limitOf } = heatOf(chosen.conditions);

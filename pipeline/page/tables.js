@@ -10,7 +10,7 @@ function boundaries() {
   };
 }
 
-/** Quantiles over surfaces; of one, its transition. @param {Transition[]} all @returns {Summary} */
+/** Quantiles over surfaces of their transitions. @param {Transition[]} all @returns {Summary} */
 function summaryOf(all) {
   const [low, middle, high] = BAND.map((share) => quantileOfEnds(all.map(endsOf), share));
   return { low, middle, high, transitions: all };

@@ -22,7 +22,7 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """The sweep with the cheapest fidelity within error `accuracy`, or its store's fidelity."""
+    """Sweep with the cheapest fidelity whose error is within `accuracy`, or its store's."""
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)
     selection = stored and stored.selection
@@ -43,7 +43,7 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """The sweep with the measured error of its own fidelity, read from the store if it is there."""
+    """Sweep with the measured error of its own fidelity, from the store if it is known there."""
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)

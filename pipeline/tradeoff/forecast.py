@@ -104,7 +104,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _Work:
-    """Time that tasks of a sweep need, with a count of the contacts and heat partitions solved."""
+    """Estimate of the time of a sweep's tasks; it counts contacts and heat partitions to solve."""
 
     sweep: Sweep
     contact_time: float  # [s]
@@ -115,7 +115,7 @@ class _Work:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task [s] on a worker that keeps the increments and contacts in `has`."""
+        """Time of a task [s] on a worker; `has` is what the worker keeps from earlier tasks."""
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
             self._steps[load] = _steps(self.sweep, load)
@@ -148,7 +148,10 @@ def worker_bytes(sweep: Sweep) -> float:
 
 
 def as_computed(sweep: Sweep) -> Scene:
-    """The scene with elements chosen for its lowest load; one a pixel if pixels are very many."""
+    """Scene with the elements chosen for its lowest load.
+
+    If pixels are very many, elements are single pixels.
+    """
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
         return fit_elements(scene, min(sweep.plane.loads))
@@ -178,7 +181,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of steps to a load: shared with other loads, not shared, and with temperatures."""
+    """Numbers of steps up to a load [N]: shared with higher loads, own, and with temperatures."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

@@ -33,7 +33,7 @@ _STEP = 0.05  # step of ln(velocity) to either side, to find the exponent
 
 
 class Probe(NamedTuple):
-    """Cost of a fidelity, and its temperature rises at some points."""
+    """Cost of simulating points with a fidelity, and their temperature rises."""
 
     fidelity: Fidelity
     rises: tuple[float, ...]  # decisive rise at friction 1, by point [K]
@@ -79,7 +79,7 @@ def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 
 def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
-    """Up to `number` targets: loads spread over the sweep, with variants in turn."""
+    """Up to `number` targets: loads spread evenly over the sweep, its variants taking turns."""
     loads, variants = sweep.plane.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))

@@ -84,7 +84,7 @@ class Trade:
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """The fidelity of least work with at most `error` at any load; else the reference."""
+        """Fidelity of least work with at most `error` at any load; else the reference."""
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
     @property
@@ -177,7 +177,7 @@ def trade(
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Approximate work of simulating some places: number of steps × elements per pixel."""
+    """Approximate work of simulating up to the targets: number of steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -203,7 +203,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Errors and time of a fidelity, against the reference."""
+    """Errors and processor time of a fidelity, compared with the reference."""
     pairs = zip(measured.rises, reference.rises, exponents, strict=True)
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
     largest = max(map(abs, errors))

@@ -147,7 +147,10 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
-    """The sweep with a variant for each scene, made of the entries in which the scene differs."""
+    """One sweep with a variant for each of `scenes`, labelled by `variations`.
+
+    A variant has the entries in which its scene differs.
+    """
     words = (" = ".join(filter(None, variation)) for variation in variations)
     reader: Any = sweep.reader
     arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
