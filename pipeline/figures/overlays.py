@@ -95,7 +95,7 @@ def mark_tests(
         is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK
         beside = ", at another bulk temperature" * is_other
         marks.append(mark_test(axes, number, test, (test.velocity, test.normal_load), beside))
-    return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # one a kind
+    return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # one of each kind
 
 
 def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:

@@ -101,7 +101,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
 
 
 def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """Lines on the form of a file, rows left out, and a shipped scene that fits the rig."""
+    """Yield lines on a file: its format, rows left out, and a shipped scene that fits the rig."""
     form = [f"form of {export.title}"] if export.title else []
     yield f"{path}: {', '.join([*form, *sheet.form])}"
     if sheet.counted:
@@ -112,7 +112,7 @@ def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """Plain data on how a file was read: form, columns, rows left out, fitting scene."""
+    """How a file was read, as plain data: format, columns, rows left out, fitting scene."""
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
         "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
@@ -121,7 +121,7 @@ def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
 
 
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
-    """Counts in words: tests, runs, oils and outcomes."""
+    """Numbers of tests, runs, oils and outcomes in words."""
     kinds = Counter(test["outcome"] for test in found if "outcome" in test)
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
@@ -134,14 +134,14 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Warnings on tests whose load, velocity or temperature is probably in another unit."""
+    """Yield warnings on tests whose load, velocity or temperature is probably in another unit."""
     for row in in_si:
         for doubt in doubts_of_row(row):
             yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
 def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
-    """Frame with a row for each column: heading, quantity read, first cell."""
+    """Yield a table with a row for each column of the file: heading, quantity, first cell."""
     names = {place: name for name, place in sheet.places.items()}
     rows = []
     for place, heading in enumerate(sheet.headings):
@@ -154,7 +154,7 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Scene lines that name the log, with options for what the log itself does not state."""
+    """Yield scene lines that name the log file, with options for what the log does not state."""
     yield f"[[{log.key}]]"
     columns = log.renamed | named["columns"]
     entries = {"file": path.name, "words": log.words, **named, "columns": columns}
@@ -164,7 +164,7 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
 def _trace_toml(
     tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: object
 ) -> Iterator[str]:
-    """Scene lines for the tests of a trace, with comments where a value is missing."""
+    """Yield scene lines for the tests of a trace, with comments where a value is missing."""
     for test in tests:
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
         yield "[[measured]]" if is_transition else "[[tested]]"

@@ -14,7 +14,7 @@ from pipeline.scene.faults import Faults
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, None]:
-    """Replace each entry that names a log file by the tests of the log; report its faults."""
+    """Replace each entry that names a log file by the tests in it; report faults of the log."""
     for key in ("measured", "tested"):
         listed, folder = document.entries().get(key), document.file_of(key).parent
         if not isinstance(listed, list) or not listed:
@@ -24,7 +24,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
         for number, entry in enumerate(listed):
             if isinstance(entry, dict) and isinstance(entry.get("file"), str):
                 found = _read_tests(entry, key, number, folder, faults)
-                rows += found if count == 1 else [_name_log(one, entry) for one in found]
+                rows += found if count == 1 else [_prefix_file(one, entry) for one in found]
             else:
                 rows.append(entry)
         # No row is left only if all are faulty, and that is reported already.
@@ -32,15 +32,15 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
     return document, None
 
 
-def _name_log(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """A test with the file's name before its number and run, as each log counts from 1."""
+def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
+    """Copy of a test whose number and run begin with the file's name, as each log counts from 1."""
     return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
 
 
 def _read_tests(
     entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults
 ) -> list[dict[str, Any]]:
-    """Tests of a log file as tables of a scene; faults name row and column."""
+    """Read the tests of a log file as tables of a scene; faults name row and column."""
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(Log).read(entry, place, faults)
     if len(faults) > before:

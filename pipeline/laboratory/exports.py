@@ -23,7 +23,7 @@ _MOST_ROWS = 60  # rows searched for signs
 
 @dataclass(frozen=True)
 class Export:
-    """Format of a machine's files: signs to recognise it, its columns, and their meaning."""
+    """Format of the files that a machine exports: how to recognise it, and its columns."""
 
     title: str = ""
     signs: tuple[str, ...] = ()  # patterns of cells that identify it
@@ -47,7 +47,7 @@ def exports() -> Mapping[str, Export]:
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """The format of a file: `named` if given, else recognised; an empty one if none matches."""
+    """Format of a file: `named` if given, else the recognised one; an empty one if none matches."""
     if named is not None:
         if named not in exports():
             near = did_you_mean(named, exports())

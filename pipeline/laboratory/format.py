@@ -47,7 +47,7 @@ FORMS = (Log,)
 
 
 def find(entries: Entries) -> list[str]:
-    """Paths of the scene's lists of tests that name a log file."""
+    """Paths of the scene's lists of tests in which an entry names a log file."""
     lists = ((path, entries.get(path)) for path in ("measured", "tested"))
     listed = ((path, tests) for path, tests in lists if isinstance(tests, list))
     return [

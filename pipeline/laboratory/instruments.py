@@ -34,7 +34,7 @@ _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights in the unit of the file; pixel size and unit are None if the file states none."""
+    """Heights in the unit of their file; pixel size and unit are None if the file states none."""
 
     heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
     pixel: tuple[float, float] | None = None  # sides [m]
@@ -134,7 +134,7 @@ def _gwy_unit(unit: Any) -> float | None:
 
 
 def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
-    """Name, components and end offset of the Gwyddion object that begins at `place`."""
+    """Read the Gwyddion object that begins at byte `place`: its name, components and end."""
 
     def text(begin: int) -> tuple[str, int]:
         end = content.index(b"\0", begin)
@@ -195,7 +195,7 @@ def _read_by_library(path: Path) -> Raw:
 
 
 def _why_not(formats: Any, path: Path, error: Exception) -> str:
-    """Why SurfaceTopography cannot read a file: its reader's error, or that it has no reader."""
+    """Why SurfaceTopography cannot read a file: the error of its reader, or that it has none."""
     if type(error).__name__ != "CannotDetectFileFormat":
         return (str(error).strip().splitlines() or [type(error).__name__])[0]
     for reader in formats.readers:

@@ -35,7 +35,7 @@ _DISTINGUISHING = "number", "run", "friction"  # entries that tell a repeated te
 
 @functools.cache
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome that a cell's word means under a heading, such as "mild"; None if unknown."""
+    """Outcome that a word means in a column with this heading, such as "mild"; None if unknown."""
     listed = vocabulary()
     words = {name: {*listed[name].split()} for name in ("mild", "severe", "yes", "no")}
     if re.search(listed["asks_severe"], heading.lower()):
@@ -53,7 +53,7 @@ def outcome_of(word: str, heading: str) -> str | None:
 
 @dataclass(slots=True)
 class Log:
-    """Tests of a log, and how its columns and words were read."""
+    """Tests of a log file, and how its columns and words were read."""
 
     sheet: Sheet
     export: Export
@@ -69,7 +69,7 @@ class Log:
 
     @property
     def renamed(self) -> dict[str, str]:
-        """Headings by entry, where the heading is not simply the name of the entry."""
+        """Headings by entry of the scene, where the heading is not the name of the entry."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
         known = table_of(self.row_of).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
@@ -97,7 +97,7 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
-    """The tests of a sheet, with outcomes from `words`, the user's meanings, or known words."""
+    """Tests of a table; words of outcomes have the user's meanings `words`, or known meanings."""
     sheet, export, missing = read
     row_of = Transition if key == "measured" else _row_of(sheet)
     if row_of is None or (key == "tested" and row_of is Transition):
@@ -124,7 +124,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
     _leave_out_repeats(sheet)
     if export.stages and row_of is Test and "run" not in sheet.places:
-        _part_runs(sheet, log.words)
+        _number_runs(sheet, log.words)
     log.tests, log.in_si = sheet.entries(row_of, log.words, MAY_LACK)
     add_hints(sheet)
     sheet.faults += _double_transitions(log)
@@ -135,7 +135,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
 
 
 def _row_of(sheet: Sheet) -> type | None:
-    """What a row of the sheet is, by its columns: `Test`, `Stages` or `Transition`; else None."""
+    """Class of a table's rows, by its columns: `Test`, `Stages` or `Transition`; or None."""
     if "outcome" in sheet.places:
         return Test
     if "mild_up_to" in sheet.places:
@@ -147,7 +147,7 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
     """Read the outcomes of a log's rows; `words` has the user's meanings of words.
 
     The word "" stands for empty cells. Rows without an outcome are left out. If all other rows have
-    the same outcome, an empty cell may mean the other one; then a fault asks the user.
+    the same outcome, an empty cell may mean the opposite; then a fault asks the user.
     """
     sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]
@@ -188,8 +188,11 @@ def _leave_out_repeats(sheet: Sheet) -> None:
     sheet.leave_out(twice)
 
 
-def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
-    """Number the runs; a run ends if load does not rise, wear was severe or the oil changes."""
+def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
+    """Number the runs of a log.
+
+    A run ends if load does not rise, wear was severe or the oil changes.
+    """
     loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
     labels, run, last, before = list[str](), 0, 0.0, ""
     for (_, cells), load in zip(sheet.rows, loads, strict=True):
@@ -202,7 +205,7 @@ def _part_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 
 
 def _double_transitions(log: Log) -> list[str]:
-    """Faults for specimens with more than one transition, which is impossible."""
+    """Faults in words for specimens with more than one transition, which is impossible."""
     place = log.sheet.places.get("run")
     if log.row_of is not Transition or place is None:
         return []

@@ -35,7 +35,7 @@ _OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak
 
 
 class Read(NamedTuple):
-    """A table, its export format, and faults on quantities that lack an input to compute them."""
+    """A table, its export format, and by quantity why it cannot be computed."""
 
     sheet: Sheet
     export: Export
@@ -43,7 +43,7 @@ class Read(NamedTuple):
 
 
 def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
-    """Read a table for the quantities `wanted`, with the options of a scene's log.
+    """Read a table file for the quantities `wanted`, with the options of a scene's log.
 
     The options are columns, given, skip, where, form, sheet and decimal.
     """
@@ -76,7 +76,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
     _add_given(sheet, options.get("given") or {})
     if export.sine and "velocity" in sheet.places and has_cell(heads, export.sine):
         _take_mean_of_sine(sheet)
-    _mend_ends(sheet, export.step)
+    _read_levels(sheet, export.step)
     return Read(sheet, export, derive(sheet))
 
 
@@ -90,7 +90,7 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings, from a row above them whose first cell is `first`."""
+    """Append units to the headings, from a row of units above whose first cell is `first`."""
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
     for k, unit in enumerate(units[: len(heads)]):
@@ -99,7 +99,7 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 
 
 def _count_time(sheet: Sheet, first: str) -> None:
-    """Fill in the time column if empty, with the time step in the cell after the cell `first`."""
+    """Fill an empty time column by the time step, which stands after the cell `first`."""
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
         step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
@@ -115,7 +115,7 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault, with options that mend it, for missing quantities; drop rows that lack them."""
+    """Add a fault for missing quantities, with options that supply them; drop rows without them."""
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
     missing = [name for name in needed if name not in sheet.places]
@@ -125,7 +125,7 @@ def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> 
 
 
 def add_hints(sheet: Sheet) -> None:
-    """Add to faults the option that gives a missing unit or the outcome of a word."""
+    """Add to each fault the option by which the user gives a missing unit, or a word's outcome."""
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
             unit = {"K": "degC"}.get(unit := sheet.units[match[1]] or "", unit)
@@ -137,7 +137,7 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep (`is_kept`) or leave out rows with `values`, by heading or quantity of columns."""
+    """Keep (`is_kept`) or leave out rows with `values` in columns, by heading or quantity."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:
@@ -170,8 +170,11 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
         sheet.add(name, "", [str(value)] * len(sheet.rows))
 
 
-def _mend_ends(sheet: Sheet, step: str) -> None:
-    """Read the last mild and first severe level, such as "> 12"; a missing one is a step away."""
+def _read_levels(sheet: Sheet, step: str) -> None:
+    """Read the last mild and the first severe level of stepwise tests, with cells such as "> 12".
+
+    If a row lacks one of both, it is `step` away from the other.
+    """
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
     for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
@@ -205,7 +208,10 @@ def _mend_ends(sheet: Sheet, step: str) -> None:
 
 
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
-    """Row numbers whose cell says "more than"; the cell becomes its number, else empty."""
+    """Numbers of rows whose cell says "more than".
+
+    A cell becomes its number, or empty without one.
+    """
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():
         if match := _BEYOND.fullmatch(cells[place]):
@@ -217,7 +223,7 @@ def _read_beyond(sheet: Sheet, name: str) -> set[int]:
 
 
 def _take_mean_of_sine(sheet: Sheet) -> None:
-    """Replace the peak velocity of a sine by its mean."""
+    """Replace velocities that are peaks of a sine by the sine's mean."""
     place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
     sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
     sheet.sources.add(place)
@@ -225,13 +231,13 @@ def _take_mean_of_sine(sheet: Sheet) -> None:
 
 
 def is_trace(sheet: Sheet) -> bool:
-    """True if the sheet has time, friction and enough rows for a record of friction."""
+    """True if the table can be a trace: it has time, friction and enough rows."""
     has_friction = {"friction", "friction_force", "friction_torque"} & sheet.places.keys()
     return "time" in sheet.places and bool(has_friction) and len(sheet.rows) >= LEAST_ROWS
 
 
 def goes_on(sheet: Sheet) -> bool:
-    """True if the sheet is a trace of one run: a record of friction whose time keeps rising."""
+    """True if the table is a trace of one run: a record of friction whose time keeps rising."""
     before = len(sheet.faults)
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
     del sheet.faults[before:]  # a log needs no time
@@ -239,7 +245,7 @@ def goes_on(sheet: Sheet) -> bool:
 
 
 def read_trace(read: Read) -> Trace:
-    """The trace of a sheet; raises an `InputError` that names all its faults."""
+    """Trace of friction in a table; raises an `InputError` that names all faults."""
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]
@@ -282,7 +288,7 @@ def read_trace(read: Read) -> Trace:
 
 
 def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
-    """Leave out the rows marked in `rows` from the sheet and from all columns."""
+    """Leave out marked rows, for a reason, from the table and from the arrays in `columns`."""
     numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
     sheet.leave_out(dict.fromkeys(numbers, reason))
     columns |= {name: values[~rows] for name, values in columns.items()}

@@ -32,7 +32,7 @@ _FINEST, _COARSEST = 1e-9, 1e-3  # plausible range of pixel sides [m]
 _HIGHEST = 1.0  # height [m] above which the unit must be wrong
 _LIKENESSES = 8  # random surfaces compared with a scan
 _NEAR = 0.15  # relative difference below which two values are alike
-_SCATTERS = 2.0  # or they are alike within this many standard deviations of single surfaces
+_SCATTERS = 2.0  # two values are also alike within this many standard deviations of surfaces
 _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
@@ -83,7 +83,7 @@ class SurfaceStatistics:
 
     @property
     def toml(self) -> str:
-        """Table ``[disk.roughness]`` of a scene for similar random surfaces; else empty."""
+        """Lines ``[disk.roughness]`` of a scene for similar random surfaces; else empty."""
         if self.fit is None or not self.is_like:
             return ""
         lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
@@ -140,7 +140,7 @@ class SurfaceStatistics:
         }  # fmt: skip
 
     def lines(self) -> Iterator[str]:
-        """Describe the scan in lines, then the scene table for similar random surfaces."""
+        """Yield lines that describe the scan, then scene lines for similar random surfaces."""
         sides = (n * side for n, side in zip(self.shape, self.pixel_size, strict=True))
         yield (
             f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {display_sides(sides)}, "
@@ -159,7 +159,7 @@ class SurfaceStatistics:
             )
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
-        """Yield names and values of the scan's quantities, in words."""
+        """Yield pairs of name and value of the scan's quantities, in words."""
         rough, curved = self.roughness, form_words(self.roughness.radii)
         yield "Ra", display(self.ra, "µm", 4)
         yield "Rq", display(self.rq, "µm", 4)
@@ -258,7 +258,10 @@ def surface_statistics(
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
-    """Fitted spectrum, why its surfaces differ from the scan (empty if not), and the comparison."""
+    """Compare a scan with random surfaces that have its fitted spectrum.
+
+    Returns the fit, the reason why they differ (empty if they do not), and the compared quantities.
+    """
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)
     try:
@@ -285,7 +288,10 @@ def _compare(
 
 
 def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
-    """Correlation lengths along x and y [m]; their geometric mean for both if they are alike."""
+    """Correlation lengths along x and y [m].
+
+    If they are nearly equal, both are their geometric mean.
+    """
     x, y = fit.correlation_length
     mean = math.sqrt(x * y)
     return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)

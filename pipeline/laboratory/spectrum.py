@@ -98,7 +98,7 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Periodogram:
-    """Power of the modes in half the wavenumber plane, and their wavenumbers."""
+    """Power of the modes of a surface in half the wavenumber plane, and their wavenumbers."""
 
     power: Array  # (n_compared,), relative to its mean
     q_x: Array  # wavenumbers along x [1/m], (nx, 1)

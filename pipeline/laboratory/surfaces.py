@@ -93,7 +93,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     infinite = np.count_nonzero(np.isinf(heights))
     heights[np.isinf(heights)] = np.nan
     notes += [f"{infinite} infinite heights are taken for holes"] if infinite else []
-    notes += _lone_values(heights, unit)
+    notes += _remove_outliers(heights, unit)
     if min(heights.shape) < 2:
         _refuse_profile(path, heights[np.isfinite(heights)])
     return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), raw.steps)
@@ -115,7 +115,7 @@ def _read_array(path: Path) -> Array:
     return heights
 
 
-def _lone_values(heights: Array, unit: float) -> list[str]:
+def _remove_outliers(heights: Array, unit: float) -> list[str]:
     """Turn isolated outliers such as −9999 into holes, in place; return a note on each value."""
     notes = list[str]()
     values = heights[np.isfinite(heights)]
@@ -192,7 +192,10 @@ def filled(heights: Array) -> Array:
 def window_heights(
     table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
 ) -> Array | None:
-    """Heights of a measured surface for the scene's window; None if a fault was reported."""
+    """Heights of a measured surface [m] for the scene's window; None if a fault was reported.
+
+    `table` and `window` are the entries ``disk.roughness`` and ``window`` of the scene.
+    """
     surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
     if table["pixel_size"]:
         surface = surface.replace_pixels(table["pixel_size"])
@@ -231,7 +234,7 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Part of the heights that the window needs, or can repeat; None if a fault was reported."""
+    """Part of the heights that the window needs, or repeats; None if a fault was reported."""
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
         left = np.subtract(heights.shape, table["crop"])

@@ -26,7 +26,7 @@ _STEEPEST = 2.0  # largest slide-roll ratio: one surface at rest
 
 
 class Derived(NamedTuple):
-    """Rule that computes a quantity from others, in SI."""
+    """Rule that computes the quantity `name` from `inputs`, in SI."""
 
     name: str
     inputs: tuple[str, ...]
@@ -62,7 +62,7 @@ INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
 
 
 class Words(NamedTuple):
-    """SI unit of a quantity (None for text), and patterns of titles that name it or exclude it."""
+    """SI unit of a quantity (None for text), and patterns of headings that name or exclude it."""
 
     unit: str | None
     named: re.Pattern[str]
@@ -102,7 +102,7 @@ class WordNames(Names):
         object.__setattr__(self, "units", {**units_of(INGREDIENTS), **self.units})
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """How surely a heading names a quantity, from 0 (not at all) to 4."""
+        """How surely a heading names the quantity `name`, from 0 (not at all) to 4."""
         if name in self.chosen:
             head = self.chosen[name]
             return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))
@@ -129,7 +129,10 @@ class WordNames(Names):
         return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Columns by quantity, and faults; faults on quantities that are not needed are dropped."""
+        """Column number of each quantity, and by quantity its fault.
+
+        Faults of quantities that are not needed are dropped.
+        """
         places, faults = super().columns(headings)
         made = {x for rule in RULES if rule.name in places for x in rule.inputs}
         wanted = {x for rule in RULES if rule.name not in places for x in rule.inputs}
@@ -138,9 +141,9 @@ class WordNames(Names):
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
-    """Add columns computed from others; return, by quantity, what is missing to compute it.
+    """Add columns computed from others. Return, by quantity, what is missing to compute it.
 
-    For quantities in `needed` the missing input is also a fault.
+    For quantities in `needed` the missing input is also a fault of the sheet.
     """
     missing = dict[str, str]()
     for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:

@@ -92,7 +92,7 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a leading column, or column and row, of x and y; their steps, or None."""
+    """Heights without a first column and row that hold y and x; steps of x and y, or None."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -106,7 +106,7 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Header lines, the table (NaN in holes), x in the row above it, and number of blocks."""
+    """Header lines, table of numbers (NaN in holes), x in the row above it, number of blocks."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -156,7 +156,7 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
 
 
 def _is_comment(line: str, row: list[float | None]) -> bool:
-    """True for a line that begins like a comment, and is no row that begins with a hole."""
+    """True for a line that begins like a comment, unless it is a row that begins with a hole."""
     return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 
@@ -196,7 +196,7 @@ def _length(text: str) -> float | None:
 
 
 def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
-    """Heights (nx, ny) from rows of x, y, z on a regular grid; places without a row are holes."""
+    """Heights (nx, ny) from rows of x, y, z on a regular grid; holes where a row is missing."""
     axes, places = [], []
     for column in table.T[:2]:
         values = np.unique(column[np.isfinite(column)])

@@ -26,7 +26,7 @@ _START = 0.1  # share of the first stage in which friction still settles
 _LEAST_RISE = 0.3  # relative rise of friction; less is running-in or a change of film
 _SURE_RISE = 1.0  # relative rise above which it need not be sudden
 _SUDDEN = 0.05  # half of a sudden rise comes within this share of the stage
-_STANDARD_DEVIATIONS = 4.0  # of friction's noise; a smaller rise is scatter
+_STANDARD_DEVIATIONS = 4.0  # a rise below this multiple of friction's noise is scatter
 _OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a rectified sine over its rms
 _SINE_TOLERANCE = 0.02  # relative deviation of mean/rms from that ratio, for a sine
 _SWING = 0.25  # amplitude of an oscillating signal, at least, over its mean
@@ -35,7 +35,7 @@ _COMMANDS = "load", "velocity"
 
 
 class Stage(NamedTuple):
-    """Rows of a stage, and its load [N] and velocity [m/s], held or, on a ramp, on average."""
+    """Rows of a stage, and its load [N] and velocity [m/s]; on a ramp they are means."""
 
     rows: slice
     load: float | None
@@ -44,7 +44,11 @@ class Stage(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A rise of friction: row, stage (from 1), levels before and after, and why it is no scuff."""
+    """A rise of friction that may be scuffing: where it is, and why it is none.
+
+    `row` and `stage`, which counts from 1, say where; `low` and `high` are friction before and
+    after. `why_not` is empty for scuffing.
+    """
 
     row: int
     stage: int
@@ -55,7 +59,7 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True)
 class Trace:
-    """A record of friction over time, without rows at rest; all arrays have shape (n,)."""
+    """Record of friction over time, without rows at rest; all arrays have shape (n,)."""
 
     time: Array  # [s]
     friction: Array
@@ -71,7 +75,7 @@ class Trace:
         ramps = [False]
         if columns:
             commands = np.stack([_setpoint(x) / max(x.max(), 1e-300) for x in columns], axis=1)
-            ends, ramps = _cut(commands, self.time)
+            ends, ramps = _cut_stages(commands, self.time)
         return [
             Stage(rows, _level(self.load, rows), _level(self.velocity, rows), is_ramp)
             for rows, is_ramp in zip(ends, ramps, strict=True)
@@ -82,7 +86,7 @@ class Trace:
         """Rises of friction up to and including the first that counts as scuffing."""
         found, end, last = list[Candidate](), math.inf, None
         for number, stage in enumerate(self.stages, 1):
-            friction, noise = self._course(stage.rows)
+            friction, noise = self._smoothed_friction(stage.rows)
             is_first = last is None
             slowest = (1 - _APART) * (last.velocity or 0) if last else 0
             is_slower = (stage.velocity or 0) < slowest
@@ -104,18 +108,18 @@ class Trace:
         """The rise of friction that counts as scuffing; None if there is none."""
         return next((one for one in self.candidates if not one.why_not), None)
 
-    def _course(self, rows: slice) -> tuple[Array, float]:
-        """Median-filtered friction of a stage, and the standard deviation of its noise."""
+    def _smoothed_friction(self, rows: slice) -> tuple[Array, float]:
+        """Median-filtered friction of a stage (n,), and the standard deviation of its noise."""
         friction = self.friction[rows]
         size = max(3, len(friction) // 20)
         size += 1 - size % 2
         course: Array = median_filter(friction, size=size, mode="reflect")
         steps = np.abs(np.diff(friction)) if len(friction) > 1 else np.zeros(1)
-        # The scatter of a step is √2 × that of a reading; that of a median of n is 1.25/√n × it.
+        # A difference of readings scatters √2 as much as a reading, a median of n 1.25/√n as much.
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
-        """Describe the stages, each rise of friction, and why a rise is or is no scuffing."""
+        """Yield lines on the stages, and on each rise of friction: why it is or is no scuffing."""
         spans = (
             _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
         )
@@ -139,8 +143,8 @@ class Trace:
     def tests(self) -> list[dict[str, str | float]]:
         """Tests found in the trace, as tables of a scene file.
 
-        This is one table with the ends of a stepwise run, one for each stage, a single test, or a
-        transition on a ramp.
+        They are one table with the ends of a stepwise run, or a table for each stage, or a single
+        test, or a transition on a ramp.
         """
         severe = self.scuff
         number = severe.stage if severe else len(self.stages)
@@ -150,15 +154,15 @@ class Trace:
         mild = [one for one in mild if _span(self.time, one.rows) >= _SHORT * longest] or mild[-1:]
         # The hardest stage represents a mild run.
         last = stages[-1] if severe else max(mild, key=lambda x: (x.load or 1) * (x.velocity or 1))
-        common = self._common(last.rows, severe)
+        common = self._shared_values(last.rows, severe)
         if last.is_ramp:
             row = severe.row if severe else last.rows.stop - 1
             place = {name: getattr(self, name) for name in _COMMANDS}
             values = {name: None if x is None else float(x[row]) for name, x in place.items()}
-            return [_place(values) | common | ({} if severe else {"outcome": "mild"})]
+            return [_written_place(values) | common | ({} if severe else {"outcome": "mild"})]
         outcomes = [(one, "mild") for one in mild] + ([(last, "severe")] if severe else [])
         if len(outcomes) == 1:
-            return [_place(last._asdict()) | common | {"outcome": outcomes[0][1]}]
+            return [_written_place(last._asdict()) | common | {"outcome": outcomes[0][1]}]
         varied = [
             name for name in _COMMANDS if _is_varied([getattr(one, name) for one, _ in outcomes])
         ]
@@ -169,16 +173,16 @@ class Trace:
             held = [value for value in ends[: len(mild)] if value < top]
             run = {"mild_up_to": _text(name, max(held))} if held else {}
             run |= {"severe_at": _text(name, top)} if severe else {}
-            return [run | _place(last._asdict(), without=name) | common]
+            return [run | _written_place(last._asdict(), without=name) | common]
         return [
-            _place(one._asdict())
-            | self._common(one.rows, severe if outcome == "severe" else None)
+            _written_place(one._asdict())
+            | self._shared_values(one.rows, severe if outcome == "severe" else None)
             | {"outcome": outcome, "run": 1}
             for one, outcome in outcomes
         ]
 
-    def _common(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Friction of a stage before scuffing, and bulk temperature of the run up to it."""
+    def _shared_values(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
+        """Median friction of a stage before scuffing, and bulk temperature until then."""
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
         values: dict[str, str | float] = {
@@ -191,7 +195,7 @@ class Trace:
 
 
 def _span_text(name: str, levels: Sequence[float | None]) -> str:
-    """Lowest to highest level of the stages in words, such as "100 N to 600 N"."""
+    """Lowest to highest load or velocity of the stages in words, such as "100 N to 600 N"."""
     known = [level for level in levels if level is not None]
     ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
     return " to ".join(ends)
@@ -201,8 +205,8 @@ def _text(name: str, value: float) -> str:
     return f"{value:.4g} {UNITS[name]}"
 
 
-def _place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Load and velocity of a test as text; "..." for a quantity that was not recorded."""
+def _written_place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
+    """Load and velocity of a test as text, by name; "..." for a quantity that was not recorded."""
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
         for name in _COMMANDS
@@ -211,7 +215,7 @@ def _place(values: dict[str, float | None], without: str = "") -> dict[str, str 
 
 
 def _is_varied(levels: Sequence[float | None]) -> bool:
-    """True if the load or velocity differs between stages."""
+    """True if stages differ in these `levels` of load or velocity."""
     known = [level for level in levels if level is not None]
     return bool(known) and max(known) - min(known) > _APART * max(known)
 
@@ -236,7 +240,10 @@ def at_rest(column: Array) -> Array:
 
 
 def _setpoint(column: Array) -> Array:
-    """Commanded load or velocity (n,): mean over many strokes if it oscillates, else the median."""
+    """Estimate the commanded load or velocity (n,) from the measured one.
+
+    It is a mean over many strokes if the signal oscillates, else a running median.
+    """
     off = column / max(column.mean(), 1e-300) - 1
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
     is_held = np.mean(np.abs(column - np.median(column)) <= 2 * _NEAR * np.median(column)) > 0.5
@@ -252,8 +259,11 @@ def _setpoint(column: Array) -> Array:
     return mean
 
 
-def _cut(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
-    """Cut a trace into stages: rows, and if a ramp, by commands (n, n_command) over maxima."""
+def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
+    """Cut a trace into stages: rows of each, and whether it is a ramp.
+
+    `commands` (n, n_command) are load and velocity over their maxima.
+    """
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):
         if np.abs(now - level).max() > _APART:
@@ -311,7 +321,7 @@ def _span(time: Array, rows: slice) -> float:
 
 
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
-    """True if the command drifts within a piece by over a third of the step to its neighbours."""
+    """True if a command drifts within piece `k` by over a third of the step to its neighbours."""
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)
     drift = np.abs(np.median(rows[-quarter:], axis=0) - np.median(rows[:quarter], axis=0)).max()
@@ -322,7 +332,7 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Rises of friction in a stage: row, level before, level after, and why it is no scuff.
+    """Yield rises of friction in a stage: row, level before and after, and why it is no scuffing.
 
     The level before is the lowest so far, beginning with `before`, the end of the previous stage.
     If `before` is infinite, the first `skipped` rows are left out, and friction that rises in them
@@ -355,7 +365,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if half of a rise comes within a small share of the stage."""
+    """True if half of a rise happens within a small share of the stage."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

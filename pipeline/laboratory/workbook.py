@@ -13,13 +13,16 @@ from tribo import InputError
 
 
 def unpacked_size(path: Path) -> int:
-    """Bytes that a zip archive unpacks to, as its directory states."""
+    """Number of bytes that a zip archive unpacks to, as its directory states."""
     with zipfile.ZipFile(path) as archive:
         return sum(entry.file_size for entry in archive.infolist())
 
 
 def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
-    """Rows of each sheet, or of the sheet `wanted`; formulas without a stored value stay text."""
+    """Rows of each sheet of a workbook, or of the sheet `wanted`.
+
+    Formulas without a stored value stay text.
+    """
     if path.suffix.lower() not in (".xlsx", ".xlsm"):
         what = f'has no sheet "{wanted}"' if wanted else "is no text"
         raise InputError(f"{path} {what}; save the table as .xlsx or CSV")
@@ -34,7 +37,7 @@ def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
 
 
 def _open_book(path: Path) -> tuple[Any, Any]:
-    """The workbook opened twice: with values, and with formulas."""
+    """The workbook opened twice, by openpyxl: with values, and with formulas."""
     try:
         import openpyxl  # here, as few tables are workbooks
 

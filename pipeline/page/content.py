@@ -372,7 +372,7 @@ _PARTS_BEYOND = 16  # parts of an interval of the friction curve beyond the swee
 _STEPS, _WIDEST = 241, 7.0  # number of tabulated distances, up to sinh of the second number
 COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
 """States of nodes. BETWEEN: between two loads, only one of which has points on both sides."""
-_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # of states
+_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:

@@ -43,7 +43,10 @@ def infer(options: argparse.Namespace) -> Result:
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Answer for a scene: wear rate from a contact width, else critical temperature from tests."""
+    """Answer of ``irg infer`` for a scene without samples.
+
+    It is the wear rate from a contact width, else the critical temperature from tests.
+    """
     if given := values_in(options, "scatter", "at"):
         raise InputError(
             f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
@@ -111,7 +114,7 @@ def _bounds_result(
 
 
 def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
-    """Frame of load, velocity, friction and critical temperature, a row for each transition."""
+    """Data frame of transitions: load, velocity, friction and critical temperature."""
     seeds = inferred.surfaces if inferred.spreads[0] else ()
     heads = (
         *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
@@ -130,10 +133,10 @@ def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Answer for ``--contact-width``: the specific wear rate that wears the contact this wide."""
+    """Answer for ``--contact-width``: the specific wear rate that makes the contact so wide."""
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs a load and a velocity; give --load and --velocity")
-    sweep = _slid_for(sweep, options.load, options.duration)
+    sweep = _hold_for(sweep, options.load, options.duration)
     *_, end = sweep.scene.all_stations(options.load)
     with working("seeking the wear rate, one simulation after the other"):
         rate = specific_wear_rate(
@@ -157,8 +160,8 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     return Result(document, text, frames=[frame_of(heads, [tuple(document.values())])])
 
 
-def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
-    """The sweep with a hold at `load` [N] that makes the whole test last `duration` [s]."""
+def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
+    """Sweep with a hold after the ramp to `load` [N], so that a test lasts `duration` [s]."""
     if duration is None:
         return sweep
     if not isinstance(sweep.scene.loading, Ramp):

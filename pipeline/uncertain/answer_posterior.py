@@ -39,7 +39,7 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
 
 
 def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
-    """Lines and tables on each input, before and after the tests, and on each test."""
+    """Yield lines and tables on each input, before and after the tests, and on each test."""
     samples = len(weighed.ensemble.inputs)
     yield f"{weighed.evidence}, {weighed.scatter_words}; {samples} samples"
     yield from (f"  {one}" for one in weighed.ensemble.fixed)
@@ -59,7 +59,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
     if not weighed.fits:
         yield from remarks("warning", f"{weighed.draws.misfit}; no test is named")
     contradicting = (
-        f"{_place(weighed, judged)}: by the other tests its probability is "
+        f"{_describe_test(weighed, judged)}: by the other tests its probability is "
         f"{judged.probability:.1g}; only one sound log in {1 / FALSE_ALARMS:.0f} has a test below "
         f"{judged.limit:.1g}; look at the test, or leave it out"
         for judged in weighed.judged
@@ -88,7 +88,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_contrast(one: Contrast) -> str:
-    """Difference between two oils as a line of text."""
+    """Line of text on the difference between two oils."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
@@ -111,8 +111,8 @@ def _summary_frame(weighed: Posterior) -> pd.DataFrame:
     return frame_of(("input", "unit", "before mean", "before sd", "after mean", "after sd"), rows)
 
 
-def _place(weighed: Posterior, judged: Judged) -> str:
-    """Describe a test: its number, oil, load, temperature, outcome and velocity."""
+def _describe_test(weighed: Posterior, judged: Judged) -> str:
+    """Name a test in words: its number, oil, load, temperature, outcome and velocity."""
     test = judged.test
     oil = f"{test['oil']} " if weighed.oils and "oil" in test else ""
     bulk = ""

@@ -54,7 +54,7 @@ def _indices(indices: Sensitivity) -> pd.DataFrame:
 
 
 def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """The frame, then notes on missing total indices and on a large emulator error."""
+    """Yield the table of indices, then notes on missing total indices and large emulator errors."""
     yield short(frame)
     if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"

@@ -17,18 +17,18 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """`draws` without the rig's columns at the end; draws of the prior if None."""
+    """Draws of the sweep's inputs: `draws` without the rig's columns, or the prior if None."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
-    """First place along an axis where the excess ln(rise/limit) (..., m) rises through 0.
+    """Find where the excess ln(rise/limit) (..., m) first rises through 0 along an axis.
 
     The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
-    a power law. Returns the logarithm of the place, the slope of the excess over the logarithm of
-    the axis, and the index of the axis value above the place, each (...).
+    a power law. Returns the logarithm of that velocity or load, the slope of the excess over the
+    logarithm of the axis, and the index of the next axis value, each (...).
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)
@@ -41,7 +41,11 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 
 
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Turns of wear between nodes `x` (1 to severe, −1 to mild, 0 none), places; (n, m - 1)."""
+    """Find changes of wear on each line (n, m) of excess over nodes `x` (m,).
+
+    Returns, for each interval (n, m - 1), 1 if wear turns severe, −1 if mild, 0 if it does not
+    change; and where it changes.
+    """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]
     rises = lines[:, 1:] - lines[:, :-1]

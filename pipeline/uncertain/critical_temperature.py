@@ -57,7 +57,7 @@ class CriticalTemperatures:
 
     @property
     def spreads(self) -> tuple[float | None, ...]:
-        """Standard deviation over surfaces [K], by transition; None if one surface."""
+        """Standard deviation over surfaces [K] of each transition; None for a single surface."""
         return tuple(_spread(row) for row in self.temperatures)
 
     @property
@@ -94,7 +94,7 @@ def critical_temperatures(
     client: Client | None = None,
     progress: Report | None = None,
 ) -> CriticalTemperatures:
-    """Find the temperature that the failing share exceeds at each measured transition.
+    """Find the temperature that the failing share of the contact exceeds at transitions.
 
     A good model gives the same temperature at all transitions: the critical temperature of the
     lubricant, which no rig can measure (Bosman & de Rooij, Table 6).
@@ -162,7 +162,7 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """The sweep with its tests at `key` as measured transitions; only the first oil's are kept."""
+    """Sweep with only the first oil's tests at `key`, which become its measured transitions."""
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [
@@ -174,7 +174,7 @@ def take_own_tests(sweep: Sweep, key: str) -> Sweep:
 
 
 def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
-    """The sweep with one variant for each transition, at its load, velocity and conditions."""
+    """Sweep with one variant for each transition, at its load, velocity and conditions."""
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.measured):
         row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}

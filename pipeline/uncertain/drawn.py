@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Rule of the samples, which compares equal if only correlations or shown units differ."""
+    """Rule that draws the samples; rules that differ only in correlations or units are equal."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
@@ -33,12 +33,12 @@ def _drop_unit(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Plain data of a `Draw`, with each input named in `values` fixed at its value [SI]."""
+    """Plain data of a `Draw`, with the inputs named in `values` fixed at these values [SI]."""
     return Draw.of(draw).fixed_at(values).as_dict()
 
 
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
-    """Convert a value of an unknown input to SI; raises if the samples do not reach it."""
+    """Value of an unknown input in SI; raises if it is outside the range of the samples."""
     unknown = Draw.of(draw).open_inputs[path]
     number = in_si(unknown.path, value, f"1 {unknown.shown}".rstrip())
     if unknown.kind == "list":
@@ -60,7 +60,7 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
 
 
 def describe_samples(data: Any, count: int) -> list[Line]:
-    """Lines of a table on the unknown inputs and the samples drawn from them."""
+    """Table rows on the unknown inputs, and on the samples drawn from them."""
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}

@@ -52,12 +52,12 @@ Groups = NDArray[np.intp]
 END = 0.15
 """Part of the range of ln(velocity) at either end in which the error band is widened."""
 _SHARE = 0.9  # nominal share of samples inside a band
-_LEAST_SCORE = 1e-3  # if outputs are predicted exactly, or no row is left
+_LEAST_SCORE = 1e-3  # least score, for outputs that are predicted exactly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """Gaussian process that predicts outputs from features, fitted to rows of both."""
+    """Gaussian process that predicts outputs from features, fitted to n rows of them."""
 
     features: Array  # (n, n_feature), with a spread of about 1
     dimensions: Groups  # number of the input that each feature belongs to; an input has one length
@@ -85,7 +85,7 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """Cross-validation of an emulator: contacts left out in turn, and ends of the velocities."""
+    """Cross-validation of an emulator, with contacts left out in turn, and ends of velocities."""
 
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
     #: scaled so that 90 % bands hold 90 % of the samples left out.
@@ -113,7 +113,7 @@ class LeftOut(NamedTuple):
 def fitted(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
-    """Fit a Gaussian process to outputs (n, n_output); `keeper` holds fits made before."""
+    """Fit a Gaussian process to outputs (n, n_output); a fit kept by `keeper` is read instead."""
     mean = outputs.mean(axis=0)
     groups, parts = _parts(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
@@ -127,7 +127,7 @@ def fitted(
     constants, *without = load_or_compute(keeper, data, leave_out)
     solve = functools.partial(_solve_kernel, features, dimensions, contacts, outputs - mean)
     whitener, weights = solve(constants)
-    check = _check(groups, parts, map(solve, without or [constants] * len(parts)))
+    check = _cross_validate(groups, parts, map(solve, without or [constants] * len(parts)))
     return Emulator(features, dimensions, mean, weights, constants, whitener, check)
 
 
@@ -172,7 +172,7 @@ def features_of(
 def _kernel(
     one: Array, other: Array, dimensions: Groups, constants: Array
 ) -> tuple[Array, tuple[Array, ...]]:
-    """Smooth part (n, m) of the kernel between two sets of features, and its three terms."""
+    """Smooth part (n, m) of the covariance between two sets of features, and its three terms."""
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
     product = one @ other.T
@@ -183,7 +183,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """Covariance (n, n) of training rows: smooth part, part of a shared contact, and noise."""
+    """Covariance (n, n) of training rows: smooth part, part by contact, and noise."""
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
     kernel[np.diag_indices_from(kernel)] += n
@@ -240,12 +240,15 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def outer(along: Array) -> Array:
-    """Weight 0 to 1 along the range (0 to 1) of ln(velocity): 1 at both ends, 0 in the middle."""
+    """Weight from 1 at the ends of a range of ln(velocity), `along` 0 and 1, to 0 in its middle."""
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
 def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Group of each row; masks of rows to leave out: folds of groups, then ends of velocities."""
+    """Group of each row (its contact), and masks of rows to leave out in cross-validation.
+
+    The masks are folds of groups, then the rows at the lowest and at the highest velocities.
+    """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
     folds = groups % _FOLDS
@@ -254,10 +257,10 @@ def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     return groups, [*parts, along < END, along > 1 - END]
 
 
-def _check(
+def _cross_validate(
     groups: Groups, parts: Sequence[Mask], solutions: Iterable[tuple[Array, Array]]
 ) -> LeftOut:
-    """Cross-validation result, from the kernel equations solved without each part."""
+    """Result of cross-validation, from the kernel equations solved without each part."""
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
     scores = np.empty_like(low[1][1])
@@ -289,7 +292,7 @@ def _factors(scores: Array, count: int) -> Array:
 
 
 def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
-    """Errors of rows that are left out together, over the predicted errors, (n_row, n_output).
+    """Errors of rows left out together, divided by predicted errors, (n_row, n_output).
 
     With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
     (Rasmussen & Williams, Sec. 5.4.2, for several rows).
@@ -303,7 +306,7 @@ _BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights (n_load,) that interpolate ln(rise) to `load` [N], and the error of doing so."""
+    """Weights (n_load,) that interpolate ln(rise) to `load` [N], and the interpolation error."""
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:
         return np.ones(1), 0.0
@@ -323,7 +326,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of each load's random part, found by leaving loads out in turn."""
+    """Standard deviation of the random part of values at a load, by leaving loads out in turn."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]
@@ -344,7 +347,7 @@ _RULE = b"2"  # change this whenever the computation of the numbers changes
 def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers that `find` computes from `data`, read from the store if it has them."""
+    """Numbers that `find` computes from `data`; read from the store if they are kept there."""
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
@@ -357,7 +360,7 @@ def load_or_compute(
 
 
 def load_numbers(keeper: Keeper, name: str) -> Any:
-    """Numbers kept in the store; None if there are none, or the file is damaged."""
+    """Numbers kept in the store as `name`; None if there are none, or the file is damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
@@ -372,7 +375,10 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Columns cut after `hold` [s] at full load; None if no step with a temperature ends there."""
+    """Variables without steps later than `hold` [s] after full load is reached.
+
+    Returns None if a point lacks a step with a temperature that ends there.
+    """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
     since = time - reached
@@ -386,7 +392,7 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Decisive temperature rises [K], shape (n_sample, n_load), by each sample's conditions."""
+    """Deciding temperature rises [K] (n_sample, n_load), by the conditions of each sample."""
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)

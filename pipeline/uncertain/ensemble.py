@@ -61,7 +61,7 @@ _FEWEST = 12  # samples that an emulator needs
 
 
 class Excess(NamedTuple):
-    """Logarithm of rise over limit, shape (n, n_load, n_velocity); wear is severe above 0.
+    """Logarithm of rise over limit, (n, n_load, n_velocity). Wear is severe above 0.
 
     A load or velocity given as a single number has no axis.
     """
@@ -69,8 +69,8 @@ class Excess(NamedTuple):
     values: Array
     error: Array  # standard error against a simulation with the same inputs
 
-    def draw_chance(self, seed: int) -> Array:
-        """`values` plus a random emulator error: one normal number a draw, times `error`."""
+    def draw_error(self, seed: int) -> Array:
+        """`values` plus a random emulator error: `error` times one normal number for each draw."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 
@@ -181,7 +181,7 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble under the conditions of a table's row; see `Conditions.row_conditions`.
+        """The ensemble under conditions of a table's row; see `Conditions.row_conditions`.
 
         They replace the scene's conditions and the drawn ones. Raises an `InputError` if the
         emulated rises themselves depend on them.
@@ -275,7 +275,7 @@ class Ensemble:
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """Ensembles by hold [s]: this one, and one for each shorter hold of the tests."""
+        """Ensembles by hold [s]: this one, and one for each test with a shorter hold."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()
@@ -319,7 +319,7 @@ class Ensemble:
 
     @property
     def left_out(self) -> LeftOut:
-        """Cross-validation of the emulator: samples left out, predicted from the others."""
+        """Cross-validation of the emulator: how it predicts samples left out from the others."""
         return self._rise.check
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
@@ -341,7 +341,7 @@ class Ensemble:
 
 
 def keep_fits(ds: xr.Dataset) -> None:
-    """Fit the emulators of a store's samples and keep the fits in it, for later commands."""
+    """Fit the emulators of a store's samples, and keep the fits in the store for later commands."""
     held = results(ds)
     held.keeper.may_keep = True
     for scene in held.scenes:
@@ -353,7 +353,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of each sample, with the corrections and failing share drawn for it."""
+    """Conditions of each sample, with its own drawn corrections and failing share."""
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:
@@ -363,7 +363,7 @@ def _row_conditions(
 
 
 def _require_enough(done: int, drawn: int) -> None:
-    """Raise an `InputError` if too few samples are done at every load."""
+    """Raise an `InputError` if too few samples are computed at every load."""
     if done < max(1, min(_FEWEST, drawn)):
         raise InputError(
             f"{done} of {drawn} samples are done at every load, too few to judge by; run the sweep "

@@ -67,7 +67,7 @@ def _fixed_paths(document: Document) -> frozenset[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """The document unchanged, and the function that adds samples to its sweep."""
+    """The scene file unchanged, and the function that adds samples to its sweep."""
     return document, partial(_extend, _fixed_paths(document), faults)
 
 
@@ -120,7 +120,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
 def _inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
-    """Unknown inputs, and inputs fixed at a value of the scene."""
+    """Unknown inputs, and inputs whose distribution a value of the scene replaces."""
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
@@ -135,7 +135,7 @@ def _inputs(
 def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
-    """Unknown inputs, each with its correlations with inputs that precede it in the file."""
+    """Unknown inputs, each with its correlations with inputs before it in the file."""
     order = {one.path: number for number, one in enumerate(unknown)}
     varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.
@@ -229,7 +229,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
 
 
 def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
-    """Part of a simulation that an input affects, found by trying its extreme values."""
+    """Part of a simulation that an input affects, found by trying extreme values of the input."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True
     for value in _values_to_try(one):
@@ -259,7 +259,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
 
 
 def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
-    """The sweep with another value at `path` and the same friction curves; raises if invalid."""
+    """Sweep with another value at `path` but the same friction curves; raises if it is invalid."""
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
     other = replace(sweep, written=written, variants=Variants())
@@ -268,6 +268,6 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
 
 
 def _values_to_try(one: Unknown) -> list[float]:
-    """Values at which an input is tried: a whole list, else median and extreme samples [SI]."""
+    """Values [SI] at which an input is tried: all of a list, else median and extreme samples."""
     shares = scipy.special.ndtr(np.array([0.0, -REACH, REACH]))
     return [*one.parameters] if one.kind == "list" else one.quantile(shares).tolist()

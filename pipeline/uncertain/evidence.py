@@ -37,10 +37,10 @@ _NODES, _FINE = 9, 65  # velocities at which rises are computed; more with a fri
 
 
 class Distances(NamedTuple):
-    """Distances in ln(velocity) of tests from the boundary of each draw, shape (n_test, n)."""
+    """Distance in ln(velocity) of each test from the boundary of each draw, (n_test, n)."""
 
-    #: ln(V/V_c) of the test's velocity V and the nearest turn V_c of wear, positive on its severe
-    #: side.
+    #: ln(V/V_c) of the test's velocity V and the nearest change V_c of wear, positive on its
+    #: severe side.
     values: Array
     signs: Array  # 1 if wear turns severe with velocity at V_c, −1 if it turns mild
     variance: Array  # variance of `values`, without the scatter of the velocity
@@ -64,7 +64,7 @@ def require_possible(ensemble: Ensemble) -> None:
 
 
 class Truths(NamedTuple):
-    """Draws of a sweep's inputs (n, n_unknown), and of the quantities that its tests add."""
+    """Draws of all unknown quantities that tests depend on: inputs (n, n_unknown), rig and oils."""
 
     inputs: Array
     rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
@@ -72,7 +72,7 @@ class Truths(NamedTuple):
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of tests that held the load as long as the samples of `ensemble` do."""
+    """Distances of tests from the boundary, for tests as long as the samples of `ensemble`."""
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
@@ -113,9 +113,10 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
 
 
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
-    """`values` and `signs` of `Distances` for one test, by the excess (n, m) over velocities [m/s].
+    """`values` and `signs` of `Distances` for one test.
 
-    A measured transition counts only turns to severe wear.
+    `excess` (n, m) is ln(rise/limit) at `velocities` (m,) [m/s]. For a measured transition only
+    changes to severe wear count.
     """
     log_velocity = math.log(test["velocity"])
     critical, *_ = log_crossings(velocities, excess)
@@ -124,7 +125,7 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
     counts = turns != 0 if "outcome" in test else turns > 0
     apart = np.where(counts, np.abs(distances), math.inf)
     nearest = apart.argmin(axis=1)[:, None]
-    # If no turn is within the velocities, the excess is extrapolated beyond them.
+    # If wear does not change within the velocities, the excess is extrapolated beyond them.
     values, signs = (
         np.where(counts.any(axis=1), np.take_along_axis(own, nearest, axis=1)[:, 0], other)
         for own, other in ((distances, log_velocity - critical), (turns, 1))
@@ -141,8 +142,8 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
 class Runs(NamedTuple):
     """Bounds and likelihoods of runs for each draw and scatter, each (n_run, n, n_scatter).
 
-    The tests of a run bound its specimen's deviation, in standard deviations of the scatter: it is
-    above `low` and below `high`. At a transition both are equal.
+    The tests of a run bound the deviation of its specimen, in standard deviations of the scatter:
+    it is above `low` and below `high`. At a transition the two are equal.
     """
 
     low: Array
@@ -151,10 +152,10 @@ class Runs(NamedTuple):
 
 
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
-    """Tests that their run's other tests do not imply: its hardest mild and easiest severe ones.
+    """Tests that the other tests of their run do not imply.
 
-    With `by_load` only tests at the same velocity are compared, because wear may turn mild at a
-    higher velocity.
+    These are its hardest mild and its easiest severe ones. With `by_load` only tests at the same
+    velocity are compared, because wear may turn mild at a higher velocity.
     """
     places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
@@ -177,7 +178,10 @@ def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
 
 
 def log_between(low: Array, high: Array) -> Array:
-    """Logarithm of Φ(high) − Φ(low), also in the tails; very low for an empty interval."""
+    """ln(Φ(high) − Φ(low)) with the normal distribution function Φ, accurate also in the tails.
+
+    For an empty interval it is a very low number.
+    """
     is_above = low > 0  # Φ(−low) − Φ(−high) is the same without cancellation
     low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
     upper = log_ndtr(high)
@@ -195,13 +199,16 @@ FACTOR = 3.0
 """Two thirds of true scatters are within this factor of the stated one: rigs differ that much."""
 FACTORS = FACTOR ** np.linspace(-2.0, 2.2, 11)
 """Factors on the stated scatter between which the tests choose."""
-_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # of each factor
+_LOG_PRIOR = -0.5 * (np.log(FACTORS) / math.log(FACTOR)) ** 2  # log prior of each factor
 _VARIED = 2**10  # draws to estimate the scatter between parts
 _FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard deviations
 
 
 class JudgedTests(NamedTuple):
-    """Distances, runs, and ln(likelihood × prior) by draw and scatter, (n, n_scatter)."""
+    """Distances and runs of the tests, and ln(likelihood × prior) by draw and scatter.
+
+    `joint` has shape (n, n_scatter).
+    """
 
     distances: Distances
     runs: Runs
@@ -210,7 +217,7 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """All unknown inputs of a sweep, its rig and its oils, with the tests that constrain them."""
+    """Unknown inputs of a sweep, its rig and its oils together, with the tests that inform them."""
 
     ensemble: Ensemble
     unknown: tuple[Unknown, ...]  # inputs of the sweep, then those of oils and rig
@@ -220,7 +227,7 @@ class Joint:
 
     @classmethod
     def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
-        """Inputs and tests of a sweep; raises an `InputError` if a test is outside the samples."""
+        """Collect inputs and tests of a sweep; raises an `InputError` if a test is outside it."""
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)
         unknown, rig = join_rig(ensemble, unknown)
@@ -233,7 +240,7 @@ class Joint:
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:
-        """Row numbers in `tests` of each run; a test without a run is a run of its own."""
+        """Indices in `tests` of each run's tests; a test without a run is a run of its own."""
         runs = dict[Any, list[int]]()
         for number, test in enumerate(self.tests):
             runs.setdefault(test.get("run", number), []).append(number)
@@ -276,7 +283,7 @@ class Joint:
 
     @functools.cached_property
     def _part_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance (n_test, 1) that scatter between parts adds to distances."""
+        """Mean and variance (n_test, 1) that inputs which vary between parts add to distances."""
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
         inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs

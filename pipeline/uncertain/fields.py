@@ -35,7 +35,7 @@ _FAR = 3.0  # ln(velocity) by which the excess is extrapolated beyond the sample
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InferredScatter:
-    """Scatter between runs, inferred from the tests together with the inputs."""
+    """Scatter between runs in ln(velocity), inferred from the tests together with the inputs."""
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each scatter by draw, (n, n_scatter)
@@ -52,7 +52,7 @@ class InferredScatter:
 
 @dataclass(frozen=True, eq=False)
 class SampleField:
-    """The field of samples: its members are emulated draws of the unknown inputs."""
+    """Field of deciding temperatures from samples: its members are draws of unknown inputs."""
 
     ensemble: Ensemble
     draws: Draws
@@ -85,7 +85,7 @@ class SampleField:
 
     @property
     def scatter(self) -> Scatter | None:
-        """Scatter of runs, inferred from the tests; None without tests."""
+        """Scatter of runs about the model, inferred from the tests; None without tests."""
         if self.posterior is None or self.draws.scatters is None or self.draws.by_scatter is None:
             return None
         low, middle, high = (100 * one for one in self.posterior.inferred_scatter)
@@ -104,7 +104,7 @@ class SampleField:
 
     @property
     def basis(self) -> list[str]:
-        """Lines of text on what the answers rest on: inputs, tests, cross-validation."""
+        """Lines of text on the basis of answers: inputs, tests, cross-validation."""
         return [*self._notes()]
 
     def _notes(self) -> Iterator[str]:
@@ -133,7 +133,7 @@ class SampleField:
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures by draw and place [K], with a random emulator error."""
+        """Contact temperatures [K] by draw, load and velocity, with a random emulator error."""
         places = [*zip(*places_of(loads, velocities), strict=True)]
         inputs, reasons = self.draws.inputs, [""] * len(places)
         friction, bulk, critical = (
@@ -143,7 +143,7 @@ class SampleField:
         for number, place in enumerate(places):
             try:
                 here = self.ensemble.excess(inputs, *map(float, place))
-                excess[:, number] = here.draw_chance(self.ensemble.design.seed)
+                excess[:, number] = here.draw_error(self.ensemble.design.seed)
             except InputError as error:
                 reasons[number] = str(error)
         law = replace(self.conditions.friction_law, coefficient=1.0)
@@ -162,20 +162,20 @@ class SampleField:
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcomes along an axis, by draw, and where wear first turns severe."""
+        """Outcomes of all draws along load or velocity, and where wear first turns severe."""
         places = zip(*places_of(loads, velocities), strict=True)
         outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
         low, high = (np.full(len(first), end) for end in self.ends[axis])
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
     def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
-        """Outcome by draw (n,) along an axis, and the place (n,) where wear first turns severe."""
+        """Outcome of each draw (n,) along an axis, and where wear first turns severe (n,)."""
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
         else:
             x = np.log(np.geomspace(*ends, STEPS))
-            lines = self._chance_excess(np.exp(x), velocity)
+            lines = self._random_excess(np.exp(x), velocity)
         turns, places = line_turns(x, lines)
         count = (turns != 0).sum(axis=1)
         is_severe = lines[:, 0] > 0
@@ -187,7 +187,10 @@ class SampleField:
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run is severe, from the turns of each draw."""
+        """Probability (k,) that the next run at each load and velocity is severe.
+
+        It is found from the velocities at which wear changes in each draw.
+        """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._keep([load for load in np.unique(loads).tolist() if load not in self._kept])
         result = np.empty(loads.shape)
@@ -197,7 +200,7 @@ class SampleField:
         return result
 
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
-        """Probability (n_velocity,) that the next run is severe, at one load."""
+        """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe."""
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)
         rows, columns = np.nonzero(turns)
@@ -223,7 +226,7 @@ class SampleField:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
-        """Distribution functions of the next run's scatter, each with the weights of the draws."""
+        """Yield distribution functions of a run's scatter, each with weights of the draws."""
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights
             return
@@ -254,19 +257,20 @@ class SampleField:
         return nodes, heat + self._log_factor(nodes)
 
     def _log_factor(self, x: Array) -> Array:
-        """Logarithm of the factor of friction by velocity, at logarithms `x` of velocities."""
+        """Logarithm of the friction factor at velocities with logarithms `x`."""
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _keep(self, loads: Sequence[float]) -> None:
-        """Compute and keep the lines at several loads at once, hardly slower than at one load.
+        """Compute ln(rise/limit) along velocity at several loads at once, and cache it.
 
-        Kept lines exclude friction by velocity, which may bend between two nodes.
+        This is hardly slower than at one load. Cached lines exclude friction by velocity, which may
+        bend between two nodes.
         """
         if not loads:
             return
         velocities = np.geomspace(*self.ensemble.velocities, STEPS)
-        lines = self._chance_excess(loads, velocities)
+        lines = self._random_excess(loads, velocities)
         if self.conditions.has_friction_curve:
             lines -= self._log_factor(np.log(velocities))
         if len(self._kept) + len(loads) > _MOST_KEPT:
@@ -274,10 +278,10 @@ class SampleField:
         for number, load in enumerate(loads):
             self._kept[load] = np.log(velocities), lines[:, number]
 
-    def _chance_excess(self, loads: Axis, velocities: Axis | float) -> Array:
-        """ln(rise/limit) by draw, with a random emulator error and a random friction of the run."""
+    def _random_excess(self, loads: Axis, velocities: Axis | float) -> Array:
+        """ln(rise/limit) by draw, with random emulator error and random friction of a run."""
         seed = self.ensemble.design.seed
-        lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_chance(seed)
+        lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_error(seed)
         chance = np.random.default_rng(seed + 1).standard_normal(len(lines))
         return (lines.T + self.rig_scatter * chance).T
 
@@ -308,7 +312,7 @@ def fields(held: Results) -> list[SampleField]:
 
 
 def single_field(ds: xr.Dataset | Results) -> SampleField:
-    """Field of a sweep of samples of one scene; raises an `InputError` for several scenes."""
+    """Field of a sweep of samples; raises an `InputError` if the sweep has several scenes."""
     scene = results(ds)
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)
@@ -317,7 +321,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """Describe in words how many samples left out are inside their 90 % bands."""
+    """State in words how many samples are inside their 90 % bands when left out."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     held = (
         f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "

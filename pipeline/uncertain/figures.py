@@ -167,7 +167,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
-    """Plot computed velocities, with 90 % intervals, against measured ones, with their scatter."""
+    """Plot computed over measured velocities: points with 90 % intervals, and the scatter band."""
     tests = [judged.test for judged in transitions]
     measured = np.array([test["velocity"] for test in tests])
     scatter = [test.get("velocity_scatter", inferred * test["velocity"]) for test in tests]

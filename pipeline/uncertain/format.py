@@ -26,7 +26,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """Type of entry for a distribution: a table in one of several forms, or a list of values."""
+    """Kind of scene entry for a distribution: a table of one of several forms, or a list."""
 
     forms: tuple[Table, ...]
     listed: Kind
@@ -97,6 +97,6 @@ FORMS: tuple[type, ...] = ()
 
 
 def find(entries: Entries) -> list[str]:
-    """Paths of the scene's entries on unknown inputs; empty if it has none."""
+    """Paths of the scene's entries for unknown inputs; empty if it has none."""
     paths = "unknown", "sweep.samples", "sweep.sample_seed"
     return [path for path in paths if entry_at(entries, path) is not None]

@@ -21,7 +21,7 @@ COUNT = 2**12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Draws:
-    """Values of the unknown inputs (n, n_unknown) [SI], with weights (n,) that sum to 1.
+    """Random values of the unknown inputs (n, n_unknown) [SI], with weights (n,) that sum to 1.
 
     `faults` are reasons why the model does not fit the tests, empty if it does.
     """

@@ -27,7 +27,7 @@ _HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 def shown_test(tests: Sequence[Test]) -> int:
     """Index of the test that represents a run.
 
-    It is the severe test of least load × velocity, or without one the mild test of greatest.
+    It is the severe test of least load × velocity; without a severe one, the mild test of greatest.
     """
 
     def severity(number: int) -> tuple[bool, float]:
@@ -39,7 +39,7 @@ def shown_test(tests: Sequence[Test]) -> int:
 
 
 class Judged(NamedTuple):
-    """A run, compared with the prediction from all other runs, and from all runs together."""
+    """A run of tests, compared with the model given all other runs, and given all runs."""
 
     tests: tuple[Test, ...]
     #: 5, 50 and 95 % quantiles of the critical velocity at the run's test, given all tests [m/s].
@@ -56,7 +56,7 @@ class Judged(NamedTuple):
 
     @property
     def since(self) -> Test | None:
-        """Mild test of highest load × velocity of a run that turned severe; None for other runs."""
+        """Hardest mild test (load × velocity) of a run that turned severe; None for other runs."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 
@@ -118,7 +118,7 @@ class Posterior:
         return " and ".join(words) or "0 measured transitions"
 
     def summary(self) -> Iterator[dict[str, Any]]:
-        """Mean, standard deviation and 90 % interval of each input, before and after tests [SI].
+        """Yield mean, standard deviation and 90 % interval [SI] by input, before and after tests.
 
         An input with a list of values has the probability of each value instead.
         """
@@ -150,7 +150,7 @@ class Posterior:
         return f"{said}, by the tests: {middle:.2g} % ({low:.2g} to {high:.2g})"
 
     def in_words(self) -> Iterator[tuple[str, ...]]:
-        """Row of a table for each input: path, mean ± sd before and after the tests, 90 % interval.
+        """Yield a table row for each input: path, mean ± sd before and after tests, 90 % interval.
 
         An input with a list of values shows its likeliest value instead.
         """
@@ -182,7 +182,7 @@ class Posterior:
         return correlation
 
     def hidden(self) -> Iterator[tuple[str, str, float]]:
-        """Pairs of inputs that the tests cannot tell apart, and their correlation.
+        """Yield pairs of inputs that the tests cannot tell apart, and their correlation.
 
         Pairs that the scene itself correlates are left out.
         """
@@ -231,7 +231,10 @@ _EXPLAINED = 1.25  # if leaving out a run lowers the scatter to this × stated, 
 def faults(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> tuple[str, ...]:
-    """Reasons why the model does not fit; `inferred` are 5, 50, 95 % quantiles of scatter."""
+    """Reasons in words why the model does not fit the tests; empty if it does.
+
+    `inferred` has the 5, 50 and 95 % quantiles of the scatter.
+    """
     words = []
     if inferred[0] > scatter:
         words.append(
@@ -247,7 +250,7 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits without one run; `draws` and `inferred` were found without it."""
+    """True if the model fits all runs but one; `draws` and `inferred` were found without it."""
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
@@ -275,11 +278,11 @@ class Contrast(NamedTuple):
     mean: float
     sd: float
     interval: tuple[float, float, float]  # 5, 50 and 95 % quantiles
-    probability: float  # that the second oil has the larger value
+    probability: float  # probability that the second oil has the larger value
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Differences between oils: critical temperature, and velocity at a middle load."""
+    """Yield differences between oils: critical temperature, and velocity at a middle load."""
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs
     own = oils_of(test.get("oil") for test in ensemble.tests)[:1]

@@ -30,11 +30,11 @@ _ROUNDED = 0.005  # least relative error of a measured friction: logs have two o
 
 
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
-    """Logarithm of the friction that acted in a test, its variance, and a log likelihood.
+    """Logarithm of the friction that acted in a test, by draw, its variance, and a likelihood.
 
-    The log likelihood is that of the measured friction. `rig` (n, 2) holds draws of the rig's
-    friction and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the
-    test.
+    The likelihood is the logarithm of that of the measured friction. `rig` (n, 2) holds draws of
+    the rig's friction and of its scatter. `change` (n,) is the change of ln(friction) at the
+    velocity of the test.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2
@@ -51,7 +51,10 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Inputs, plus the rig's friction and scatter if tests measured friction; columns of both."""
+    """Inputs with the rig's friction and scatter added, and the columns of both.
+
+    They are added only if tests measured friction.
+    """
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
     if FRICTION not in paths or not measured:

@@ -65,7 +65,10 @@ def effective_share(log_weights: Array) -> float:
 
 
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
-    """Largest power of the likelihood, `power` to 1, that leaves enough effective draws."""
+    """Next exponent of the likelihood, from `power` up to 1.
+
+    It is the largest that leaves enough effective draws. `over` is ln(prior/proposal) of the draws.
+    """
 
     def excess(other: float) -> float:
         return effective_share(other * likelihood + over) - _AT_LEAST
@@ -76,7 +79,7 @@ def _next_power(likelihood: Array, over: Array, power: float) -> float:
 
 
 class Mixture(NamedTuple):
-    """Mixture of Student's t distributions in normal scores."""
+    """Mixture of Student's t distributions of normal scores of the inputs."""
 
     shares: Array  # (n_part,)
     centres: Array  # (n_part, n_unknown)
@@ -104,7 +107,7 @@ class Mixture(NamedTuple):
         return parts._replace(factors=_WIDER * parts.factors)
 
     def draw(self, points: Array) -> Array:
-        """Draws (n, n_unknown) of the mixture, from uniform points (n, n_unknown + 2)."""
+        """Draws (n, n_unknown) from the mixture, made of uniform points (n, n_unknown + 2)."""
         part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
         wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))
         steps = np.einsum("nij,nj->ni", self.factors[part], ndtri(points[:, :-2]))
@@ -122,7 +125,7 @@ class Mixture(NamedTuple):
         return np.asarray(constant + logsumexp(parts, axis=0))
 
     def _distances(self, scores: Array) -> list[tuple[Array, float]]:
-        """For each component, squared distances (n,) of scores, and ln(share/volume)."""
+        """Squared Mahalanobis distances (n,) of scores and ln(share/volume), for each component."""
         return [
             (
                 np.sum(np.linalg.solve(factor, (scores - centre).T) ** 2, axis=0),

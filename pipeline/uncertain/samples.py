@@ -40,7 +40,7 @@ JUDGED = 32
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a contact, by the parts of the simulation that inputs affect."""
+    """Number of samples that share a simulated contact, by what their inputs affect."""
     if not separable:
         return 1
     if "contact" in layers:
@@ -60,7 +60,7 @@ class Design:
 
     @property
     def sufficient(self) -> int | None:
-        """Number of samples beyond which more add nothing; None if there is no such number."""
+        """Number of samples beyond which more add nothing; None if there is none."""
         if self.per_contact == 1:
             return None
         of_contact = [
@@ -101,7 +101,7 @@ class Design:
                 low = np.minimum(np.maximum(low, number - most), first)
                 high = np.maximum(np.minimum(high, number - least), first)
             else:
-                number = low + least + _sum(contacts[:, k + 1], high - low, most - least)
+                number = low + least + _sum_quantiles(contacts[:, k + 1], high - low, most - least)
                 low, high = np.maximum(low, number - most), np.minimum(high, number - least)
                 leads, stratum = np.full(count, False), (place + rows[:, 0]) / group
         velocities = np.exp(np.where(leads, first, low + (high - low) * stratum))
@@ -120,7 +120,7 @@ class Draw:
 
     @classmethod
     def of(cls, data: Any) -> Draw:
-        """Rebuild from the plain data of `as_dict`."""
+        """Rebuild a draw from the plain data of `as_dict`."""
         design = data["design"]
         lists = {"layers": tuple(design["layers"]), "velocities": tuple(design["velocities"])}
         inputs = tuple(map(Unknown.of, design["inputs"]))
@@ -135,13 +135,13 @@ class Draw:
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Inputs by path that can still be fixed at a value: unknown ones, and some fixed ones."""
+        """Inputs, by path, that can be fixed at a value: unknown ones, and some fixed ones."""
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """Copy with each open input named in `values` fixed at its value [SI]."""
+        """Copy with the inputs named in `values` fixed at these values [SI]."""
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new
@@ -166,7 +166,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
     return numbered_rows(columns, rows, draw.as_dict())
 
 
-def _sum(shares: Array, one: float, other: float) -> Array:
+def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
     """Quantiles at `shares` of the sum of two uniform numbers, from 0 to `one` and 0 to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
@@ -177,7 +177,7 @@ def _sum(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Move uniform shares outwards, so that samples reach further into the tails of an input."""
+    """Move uniform numbers outwards, so that samples reach further into the tails of an input."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares
     scores: Array = scipy.special.ndtr(

@@ -117,7 +117,10 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array]:
-    """First and total Sobol' indices of independent inputs (2, n_output, n_unknown), and errors."""
+    """First and total Sobol' indices of independent inputs (2, n_output, n_unknown).
+
+    The second array has half the width of their 90 % intervals.
+    """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
     estimates = [
@@ -135,7 +138,7 @@ def indices(
 
 
 def _first_order_indices(draws: Draws, values: Array) -> Array:
-    """First indices (n_output, n_unknown) of correlated inputs, without total ones.
+    """First Sobol' indices (n_output, n_unknown), also of correlated inputs.
 
     The index is the variance of means over parts of an input's range, less what chance alone gives,
     over the whole variance.
@@ -158,7 +161,10 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
 
 
 def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
-    """Number (n,) of the equally probable part of an input's distribution that each draw is in."""
+    """Bin (n,) of an input's distribution that each draw is in; bins are equally probable.
+
+    An input of few values has a bin for each value.
+    """
     distinct = np.unique(column)
     if len(distinct) <= _BINS:
         return np.searchsorted(distinct, column)

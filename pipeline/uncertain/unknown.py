@@ -100,7 +100,7 @@ class Unknown:
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
-        """A value [SI] as text in the shown unit."""
+        """Value [SI] as text in the unit of `shown`."""
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
@@ -173,7 +173,7 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
 
 
 def first_unfit(correlations: Array) -> int | None:
-    """Index of the first input whose correlations contradict those before it; None if none."""
+    """Index of the first input whose correlations contradict earlier ones; None if none does."""
     for i in range(1, len(correlations)):
         before, last = correlations[:i, :i], correlations[i, :i]
         if 1 - last @ np.linalg.solve(before, last) < _LEAST:

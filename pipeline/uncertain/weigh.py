@@ -90,7 +90,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Weigh the draws by the tests, with new draws if few fit; also return the judged tests."""
+    """Weigh the draws by the tests, with new draws if few fit; return draws and judged tests."""
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -110,7 +110,7 @@ def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
 def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
-    """Each run, compared with what all other runs predict; see `Judged`."""
+    """Yield each run, compared with the prediction from all other runs; see `Judged`."""
     unknown, (distances, runs, joint) = model.ensemble.unknown, judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
     for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
@@ -134,14 +134,14 @@ def _seed(model: Joint) -> int:
 
 
 def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
-    """5, 50 and 95 % quantiles of the scatter, by weights (n, n_scatter)."""
+    """5, 50 and 95 % quantiles of the scatter (n_scatter,), by weights (n, n_scatter)."""
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
     return low, middle, high
 
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
-    """Probability of a run's outcome, or of one at least as far off, by weights (n, n_scatter).
+    """Probability of a run's outcome, or of a more extreme one, by weights (n, n_scatter).
 
     Some single runs are further off than a normal scatter allows. So the tails are those of
     Student's t with 4 degrees of freedom and the same standard deviation.
@@ -152,7 +152,7 @@ def _probability(low: Array, high: Array, weights: Array) -> float:
 
 
 def _student_share(z: Array) -> Array:
-    """Student's t distribution function, 4 degrees of freedom, `z` in standard deviations.
+    """Distribution function of Student's t, 4 degrees of freedom, at `z` standard deviations.
 
     It is (1 + s)² (2 − s)/4 with s = t/√(4 + t²) and t = √2 z.
     """
@@ -164,7 +164,7 @@ def _student_share(z: Array) -> Array:
 
 
 def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """The posterior, if `pipeline.at` was called with measurements; else None."""
+    """Posterior given the scene's tests if `pipeline.at` asked for it; None if it did not."""
     scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None
