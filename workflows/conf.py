@@ -29,5 +29,5 @@ autodoc_typehints = "none"  # types stand in the docstrings
 autosummary_generate = False
 numpydoc_show_class_members = False
 suppress_warnings = [
-    "myst.domains",  # that of the commands cannot be searched for references
+    "myst.domains",  # warns that references cannot be looked up among commands
 ]

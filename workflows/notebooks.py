@@ -1,7 +1,7 @@
 """Run the notebooks of this folder, and store what their cells show; ``make notebooks``.
 
-Stored are printed lines, results and figures. Lines of progress and what goes to stderr differ from
-run to run, and are left out.
+Printed lines, results and figures are stored. Progress and messages on stderr differ from run to
+run, and are left out.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from nbclient import NotebookClient
 from PIL import Image
 
 FOLDER = Path(__file__).parent
-_WIDEST, _COLOURS = 760, 128  # [pixel], and of a figure's palette: some 35 kB each
-_TIMEOUT = 1200  # [s] of a cell
+_WIDEST, _COLOURS = 760, 128  # width [pixel] and colours of a figure: some 35 kB each
+_TIMEOUT = 1200  # most seconds that a cell may take
 
 
 def run(path: Path) -> None:
-    """Run a notebook in an empty folder, and write it with its outputs."""
+    """Run a notebook in an empty folder, and write its file anew with the outputs of cells."""
     notebook = nbformat.read(path, as_version=4)
     own = dict(notebook.metadata)  # the kernel adds its version
     with TemporaryDirectory() as folder:
@@ -50,7 +50,7 @@ def _is_kept(output: Any) -> bool:
 
 
 def _smaller(encoded: str) -> str:
-    """A figure with fewer pixels and colours."""
+    """A figure, as base64 text of a .png, with fewer pixels and colours."""
     picture = Image.open(io.BytesIO(base64.b64decode(encoded))).convert("RGB")
     picture.thumbnail((_WIDEST, 2 * _WIDEST), Image.Resampling.LANCZOS)
     written = io.BytesIO()

@@ -35,7 +35,7 @@ parser.add_argument("--dry-run", action="store_true", help="print the script of 
 
 
 def seconds_of(walltime):
-    """Seconds of a time such as 2 h or 02:00:00."""
+    """Read a duration such as 2 h or 02:00:00 in seconds; at least one minute."""
     if parts := re.fullmatch(r"(\d+):(\d\d):(\d\d)", walltime):
         hours, minutes, seconds = map(int, parts.groups())
         taken = 3600 * hours + 60 * minutes + seconds
@@ -47,13 +47,13 @@ def seconds_of(walltime):
 
 
 def cluster_of(options):
-    """A scheduler here, whose workers are jobs; all connections have certificates (TLS)."""
+    """Dask cluster with its scheduler in this process; workers are jobs, connections use TLS."""
     seconds = seconds_of(options.walltime)
-    logs = Path(f"{options.store}.jobs")  # certificates, too: nodes have to see it
+    logs = Path(f"{options.store}.jobs")  # also holds certificates, so nodes must see it
     logs.mkdir(mode=0o700, parents=True, exist_ok=True)
-    os.chdir(logs)  # since a blank in a path would break the script of a job
+    os.chdir(logs)  # as a blank in a path would break the script of a job
     # Workers retire before their job ends, each at another time, and hand on what they hold.
-    working = seconds - 30  # [s], as a worker takes long to start on a busy node
+    working = seconds - 30  # [s]; a worker takes long to start on a busy node
     lifetime = ["--lifetime", f"{0.8 * working}s", "--lifetime-stagger", f"{0.1 * working}s"]
     return SLURMCluster(
         queue=options.queue, account=options.account, memory=options.memory,
@@ -61,12 +61,12 @@ def cluster_of(options):
         walltime=f"{seconds // 60}:{seconds % 60:02}", worker_extra_args=lifetime,
         security=True, protocol="tls://", shared_temp_directory=".", log_directory=".",
         python=shlex.quote(sys.executable), job_script_prologue=[f"cd {shlex.quote(str(logs))}"],
-        death_timeout=120,  # [s] after which workers end whose driver is gone
+        death_timeout=120,  # [s] after which workers without a driver end
     )  # fmt: skip
 
 
 def keep_up(cluster, jobs):
-    """Submit jobs anew that have left the queue, however they ended."""
+    """Submit a new job for each that has left the queue, until the cluster is closed."""
     while cluster.status == Status.running:
         known = {name: job.job_id for name, job in cluster.workers.items() if job.job_id}
         failed, queue = subprocess.getstatusoutput("squeue --noheader --me --format=%A")
@@ -77,7 +77,7 @@ def keep_up(cluster, jobs):
 
 
 def main(options):
-    """Compute the sweep; return what the shell is told."""
+    """Compute the sweep; return the exit status for the shell, or a message for a failure."""
     sweep = pipeline.load_scene(options.scene)
     if "://" not in options.store:
         options.store = Path(options.store).absolute()

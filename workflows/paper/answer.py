@@ -12,7 +12,7 @@ from .. import paper
 
 
 def recompute(options: argparse.Namespace) -> Result:
-    """A figure or table of the paper, all of them, or a list."""
+    """Answer ``irg paper``: compute a figure or table of the paper, all of them, or list them."""
     if options.list or options.name is None:
         results, others = paper.RESULTS, paper.NOT_REPRODUCED
         text = [f"{name:12} {summary}" for name, summary in results.items()]

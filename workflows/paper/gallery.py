@@ -14,10 +14,10 @@ _BEGIN, _END = "<!-- results: written by the command -->\n", "\n<!-- end of resu
 
 
 def page(reports: Sequence[Report]) -> str:
-    """Markdown of the gallery: the shipped page with these results in place of its own.
+    """Markdown of the gallery: the shipped page, with the results replaced by `reports`.
 
-    Figures lie beside it under the names of their results. Where the figure shows
-    what the table does (``drawn`` in `WORDS`), the table is left to the command.
+    Figures lie beside it under the names of their results. A table that shows the same as its
+    figure (``drawn`` in `WORDS`) is left out; the command prints it.
     """
     before, _, rest = _PAGE.read_text(encoding="utf-8").partition(_BEGIN)
     after = rest.partition(_END)[2]
@@ -42,6 +42,6 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
 
 
 def _agreement(report: Report) -> str:
-    """Count the statements that agree, after a link to the result."""
+    """Link to a result, and the number of its statements that agree with the paper."""
     agree = sum(finding.agrees for finding in report.findings)
     return f"[{report.name}](#{report.name}) {agree} of {len(report.findings)}"

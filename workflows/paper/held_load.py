@@ -33,7 +33,7 @@ _Curves = Mapping[str, tuple[Array, Array]]
 
 
 def fig5(study: Study) -> Report:
-    """Highest temperature against time at 600 N and 1.25 m/s."""
+    """Report on the highest contact temperature against time at 600 N, 1.25 m/s, with a hold."""
     sweep = study.scene("fig5")
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")

@@ -39,14 +39,14 @@ from .transitions import (
     white_oil,
 )
 
-_DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
-_CHOSEN = 2  # of the durations: the one shown
-_FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it
-_UNIT = 1e15  # of 1e-6 mm³/(N m) in a m²/N
+_DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # duration of the whole test [s], which is not published
+_CHOSEN = 2  # index of the duration that is shown
+_FRICTIONS = (0.1, 0.2, 0.4)  # before and after the friction of the rig jumps
+_UNIT = 1e15  # 1e-6 mm³/(N m) in one m²/N
 
 
 def inverse(study: Study) -> Report:
-    """Critical temperature, specific wear rate and heating of the rig."""
+    """Report on critical temperature, wear rate and rig heating inferred from measurements."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     critical = {oil: _critical(study, transitions) for oil, transitions in tests.items()}
     study.tell("specific wear rate")
@@ -114,13 +114,13 @@ def inverse(study: Study) -> Report:
 
 
 def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
-    """Critical temperature [°C] by transition and surface."""
+    """Critical temperature [°C] from each transition on each surface, (transition, surface)."""
     ends = ensemble(study, ("swept",), transitions)["swept"]
     return celsius_of(ends, transitions[0][0].conditions.decisive)
 
 
 def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
-    """The scene with its load held to the end of a test of some duration [s]."""
+    """Scene whose load is held after its ramp, so that the test lasts `duration` [s]."""
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError("the wear rate of a width needs a scene with a ramp")
     hold = duration - row.normal_load / sweep.scene.loading.rate
@@ -128,7 +128,7 @@ def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
 
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
-    """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
+    """Specific wear rate [m²/N] by which a contact wears to its measured width in a test."""
     fidelity = replace(sweep.scene.fidelity, averaging="mean")
     smooth = with_fidelity(sweep.changed("disk.roughness", None), fidelity)
     scene = _held(smooth, row, duration)
@@ -136,7 +136,7 @@ def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
 
 
 def _widening(sweep: Sweep) -> float:
-    """Widening of the contact by the roughness after a test, relative."""
+    """Relative widening of the contact by roughness at the end of a test."""
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2])
     rough, smooth = (end_of(scene, row) for scene in (held, held.changed("disk.roughness", None)))
@@ -144,13 +144,16 @@ def _widening(sweep: Sweep) -> float:
 
 
 def _duration_for_printed(rates: Sequence[float]) -> float:
-    """Duration at which the wear rate is the printed one, linear in the logarithms."""
+    """Duration of a test [s] for which the inferred wear rate is the printed one.
+
+    `rates` belong to `_DURATIONS`; their logarithms are interpolated linearly.
+    """
     slope, offset = np.polyfit(np.log(_DURATIONS), np.log(rates), 1)
     return math.exp((math.log(SPECIFIC_WEAR_RATE) - offset) / slope)
 
 
 def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
-    """Critical temperatures of both oils, over surfaces and from single transitions [°C]."""
+    """Statistics, by name, of critical temperatures [°C]: over surfaces, and over transitions."""
     on_surfaces, of_oil_a = critical["white oil"].mean(axis=0), mean(critical["oil A"])
     of_transition = mean(critical["white oil"])
     return {
@@ -165,7 +168,10 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
 
 
 def _of_oil_a(rates: Sequence[float], transitions: Sequence[Tested]) -> dict[str, Any]:
-    """Specific wear rates of oil A from contact widths and in its scenes [1e-6 mm³/(N m)]."""
+    """Specific wear rates of oil A by name: from contact widths, and as its scenes state.
+
+    The unit is 1e-6 mm³/(N m).
+    """
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
     wears = [scene.scene.wear for scene, _ in transitions[::2]]
@@ -187,7 +193,7 @@ def _of_oil_a(rates: Sequence[float], transitions: Sequence[Tested]) -> dict[str
 def _temperatures(
     tests: dict[str, list[Tested]], critical: dict[str, Array], printed: float
 ) -> Iterator[tuple[str, ...]]:
-    """Rows with the critical temperature from each transition."""
+    """Yield table rows with the critical temperature from each transition."""
     for oil, transitions in tests.items():
         of_rig = f"{printed:g}" if oil == "white oil" else ""
         for (scene, row), values in zip(transitions, critical[oil], strict=True):
@@ -196,7 +202,7 @@ def _temperatures(
 
 
 def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...]]:
-    """Rows with the specific wear rates of both oils."""
+    """Yield table rows with the specific wear rates of both oils."""
     printed = f"{_UNIT * SPECIFIC_WEAR_RATE:g}"
     yield (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[_CHOSEN]:g} s",)
     for white, rate in zip(TABLE_4, rates, strict=True):

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-_APART = 1.25  # heights of a letter between two names
+_APART = 1.25  # least distance of two names, in heights of a letter
 
 
 def label_ends(axes: Axes, fontsize: float = 9.0) -> None:
-    """Write the names of the curves at their right ends, beside the axes, in place of a legend."""
+    """Write the names of curves at their right ends, beside the axes, instead of a legend."""
     found: Any = zip(*axes.get_legend_handles_labels(), strict=True)
     figure: Any = axes.get_figure(root=True)
     figure.draw_without_rendering()  # places the axes

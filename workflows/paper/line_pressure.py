@@ -28,7 +28,7 @@ _LOOKS = {
 
 
 def fig4(study: Study) -> Report:
-    """Pressure of a cylinder on a patch with free ends, with its nearest images, with all."""
+    """Report on a cylinder's pressure on a patch: free ends, nearest images, all images."""
     sweep = study.scene("fig4")
     pin = sweep.scene.pin
     if not isinstance(pin, Cylinder):
@@ -92,7 +92,7 @@ def fig4(study: Study) -> Report:
 
 
 def _pressure(sweep: Sweep, periodic: bool, kernel: Literal["periodic", "nearest-image"]) -> Array:
-    """Pressure by element along x and y [Pa]."""
+    """Contact pressure [Pa] of each element (x, y), with or without periodic images along y."""
     scene = replace(
         sweep.scene,
         pixels=replace(sweep.scene.pixels, periodic=(False, periodic)),
@@ -104,7 +104,7 @@ def _pressure(sweep: Sweep, periodic: bool, kernel: Literal["periodic", "nearest
 
 
 def _middle(field: Array) -> float:
-    """Pressure in the middle."""
+    """Pressure in the middle of the patch."""
     nx, ny = field.shape
     return float(field[nx // 2, ny // 2])
 

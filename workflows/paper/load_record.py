@@ -19,14 +19,14 @@ from .study import Study
 from .transitions import HIGHEST, celsius_of, end_at, history
 
 _RECORD, _FIT = "record", "its linear fit"
-_SAME = 2.0  # K: within what a linear fit serves as well as the record
+_SAME = 2.0  # [K]; within this difference a linear fit serves as well as the record
 
 _Curves = Mapping[str, tuple[Array, Array]]
 """Times [s] and temperatures that decide [°C], by the loading."""
 
 
 def fig8(study: Study) -> Report:
-    """The same point through a recorded load, its linear fit, and the stated rate."""
+    """Report on a point with a recorded load, with its linear fit, and with the stated rate."""
     sweep = study.scene("fig8")
     record = sweep.scene.loading
     if not isinstance(record, MeasuredLoad):

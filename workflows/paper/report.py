@@ -28,7 +28,7 @@ WORDS: dict[str, Any] = tomllib.loads(
 
 
 class _Writer(string.Formatter):
-    """Writer of numbers into prose."""
+    """Formatter that fills numbers, and lists of numbers, into text."""
 
     def format_field(self, value: Any, form: str) -> str:
         """Text of a value, or of a list of values.
@@ -77,14 +77,14 @@ class Finding:
 
     @property
     def reason(self) -> str:
-        """The reason after a blank, if there is one."""
+        """The reason for a difference, after a blank; empty if there is none."""
         return f" {self.why}" if self.why else ""
 
 
 def judged(result: str, statement: str, agrees: bool, values: Mapping[str, Any]) -> Finding:
-    """Judge a statement of the paper, in the words of a result filled with values.
+    """Finding on a statement of the paper, in words of the result `result` filled with values.
 
-    The value ``why`` names the reason; without it the reason is the usual one.
+    `values["why"]` names the reason to give; without it the usual reason is given.
     """
     texts = WORDS[result]["findings"][statement]
     why = texts.get(values.get("why"), texts.get("why", ""))
@@ -98,10 +98,11 @@ _NEAR = 0.1  # relative: see `agree`
 
 
 def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
-    """Whether numbers agree with printed ones, by the rule of the page.
+    """True if computed numbers agree with printed ones, by the rule that the gallery states.
 
-    Each mean over the surfaces, the last axis, lies within a tenth of the printed number or within
-    twice its own standard deviation; of temperatures the tenth is of the rise above `zero`.
+    The last axis of `computed` is surfaces. Each mean over surfaces lies within a tenth of the
+    printed number, or within twice the standard deviation over surfaces. The tenth counts from
+    `zero`, as for temperatures above bulk.
 
     Examples
     --------
@@ -113,13 +114,13 @@ def agree(computed: Any, printed: Any, zero: Any = 0.0) -> bool:
 
 
 def texts(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> pd.DataFrame:
-    """Texts in columns; a row of one text is a heading within them."""
+    """Data frame of texts; a row with a single text is a heading inside the table."""
     filled = ((*row, *[""] * (len(columns) - len(row))) for row in rows)
     return pd.DataFrame(filled, columns=pd.Index(columns))
 
 
 def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...]:
-    """Row of a table, its cells after a label.
+    """Row of a table: a label, then values as text; lists as mean ± standard deviation.
 
     Examples
     --------
@@ -130,7 +131,7 @@ def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...
 
 
 def cells(values: Iterable[Any], form: str) -> Iterator[str]:
-    """Cells of a table: texts as they are, numbers by a format, of lists the mean and spread."""
+    """Yield values as text: numbers in the format `form`, lists as mean ± standard deviation."""
     for value in values:
         if isinstance(value, str):
             yield value
@@ -185,9 +186,9 @@ class Report:
         findings: Iterable[Finding] = (),
         **parts: Any,
     ) -> Report:
-        """Report on a result, its words filled with values and data.
+        """Make the report on a result; its words are filled with values and data.
 
-        Verdicts go by the names of statements, true if one agrees with what is computed.
+        `verdicts` are True for statements, by name, that agree with the computation.
         """
         values = {**data, **values}
         notes = (_WRITER.vformat(note, (), values) for note in WORDS[name]["notes"])
@@ -202,7 +203,7 @@ class Report:
         )
 
     def lines(self) -> Iterator[str]:
-        """Lines of text for a terminal."""
+        """Yield the report in lines of text for a terminal."""
         yield f"{self.name}: {self.title}"
         yield ""
         yield from lines_of(self.table)
@@ -214,7 +215,7 @@ class Report:
         yield f"took     {self.seconds:.1f} s"
 
     def as_dict(self) -> dict[str, Any]:
-        """One document of plain values."""
+        """The report as plain data for JSON."""
         return {
             "name": self.name,
             "title": self.title,
@@ -228,7 +229,7 @@ class Report:
 
 
 def _plain(value: Any) -> Any:
-    """Values for JSON: names as text, arrays as lists."""
+    """A value with plain types for JSON: names as text, arrays as lists."""
     if isinstance(value, Mapping):
         return {str(name): _plain(part) for name, part in value.items()}
     return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
@@ -241,7 +242,7 @@ def mean(values: Any) -> Array:
 
 
 def spread(values: Any) -> Array:
-    """Standard deviation of the single values of the last axis; 0 if there is but one."""
+    """Standard deviation over the last axis; 0 if it has a single value."""
     values = np.asarray(values)
     spreads: Array = np.std(values, axis=-1, ddof=min(1, values.shape[-1] - 1))
     return spreads

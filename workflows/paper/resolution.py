@@ -33,17 +33,17 @@ from .transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, 
 
 _BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
-_PUBLISHED = 100  # increments
+_PUBLISHED = 100  # increments that the paper states
 _PAPER = Fidelity(pixels_per_element=2, increments=_PUBLISHED, averaging="mean")
 """The grid and the increments of the paper, on which each is varied alone."""
-_SCHEMES: dict[str, tuple[WearPattern, Any]] = {  # the latter for the fidelity
+_SCHEMES: dict[str, tuple[WearPattern, Any]] = {  # with changes of the fidelity
     "implicit, swept": ("swept", "implicit"),
     "explicit, swept": ("swept", "explicit"),
     "implicit, local": ("local", "implicit"),
     "explicit, local (as published)": ("local", "explicit"),
 }
 _POINT = TABLE_4[0]
-_SHOWN = 48  # elements of the pressure field
+_SHOWN = 48  # elements of the pressure field that are drawn
 _NO_EFFECT = 2.0  # K: what the text may mean by "little to no effect", 1 % in the figure
 
 _Row = dict[int, list[float]]
@@ -51,7 +51,7 @@ _Row = dict[int, list[float]]
 
 
 def fig6(study: Study) -> Report:
-    """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
+    """Report on the highest temperature at 750 N, 1.25 m/s with other grids and time steps."""
     sweep = study.scene("table4")
     if study.preset is None:
         sweep = with_fidelity(sweep, _PAPER)
@@ -108,10 +108,9 @@ def fig6(study: Study) -> Report:
 def _with_steps(
     surfaces: Sequence[Sweep], counts: Iterable[int]
 ) -> tuple[_Row, dict[int, str], dict[int, Array]]:
-    """Highest temperatures with several numbers of increments.
+    """Highest temperatures [°C] on all surfaces, by number of increments.
 
-    Beside them, by the number of increments, warnings of unstable steps, and pressures on the
-    first surface [Pa].
+    Also, by that number, warnings of unstable steps, and pressures on the first surface [Pa].
     """
     highest: _Row = {}
     unstable: dict[int, str] = {}
@@ -139,7 +138,7 @@ def _with(sweep: Sweep, **changes: Any) -> Sweep:
 
 
 def _neighbours(pressure: Array) -> float:
-    """Correlation of the pressures of neighbours along x, in rows that carry load."""
+    """Correlation of pressures of elements that are neighbours along x, where rows carry load."""
     rows = pressure[pressure.any(axis=1)]
     return float(np.corrcoef(rows[:-1].ravel(), rows[1:].ravel())[0, 1])
 
@@ -182,7 +181,7 @@ def _on_elements(by_elements: Mapping[str, _Row]) -> Finding:
 def _on_increments(
     by_increments: Mapping[str, _Row], unstable: Mapping[str, Any], counts: Sequence[int]
 ) -> Finding:
-    """Judge all schemes: whether more increments than the published number move a temperature."""
+    """Finding that tells if more increments than the published number change a temperature."""
     base, last = _PUBLISHED if _PUBLISHED in counts else counts[0], counts[-1]
     moved = {
         name: _difference(row, last, base)
@@ -200,12 +199,12 @@ def _on_increments(
 
 
 def _difference(row: _Row, number: int, other: int) -> float:
-    """Temperature at a number of elements or increments above that at another [K]."""
+    """Temperature difference [K] between two numbers of elements or increments in `row`."""
     return float(mean(row[number]) - mean(row[other]))
 
 
 def _signed(value: float) -> str:
-    """Number with one decimal and a sign; zero without a sign."""
+    """Number as text with one decimal and a sign; zero without a sign."""
     return f"{round(value, 1) + 0.0:+.1f}" if round(value, 1) else "0.0"
 
 
@@ -261,7 +260,7 @@ def _curve(axes: Axes, row: _Row, name: str, colour: str, style: str) -> None:
 
 
 def _patches(figure: SubFigure, sweep: Sweep, fields: Mapping[str, Array], increments: int) -> None:
-    """Draw the middle of the contact after explicit and implicit steps, on one scale."""
+    """Draw fields in the middle of the contact, after explicit and implicit steps, on one scale."""
     fields = dict(sorted(fields.items()))  # explicit first
     row = np.atleast_1d(figure.subplots(1, len(fields), sharey=True))
     dx, dy = (

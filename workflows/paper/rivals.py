@@ -33,40 +33,40 @@ from .study import Study
 from .transitions import around_transition, film_parameter, label_of, on_surfaces
 
 _SURFACES = 4
-_STEP = 0.05  # of the logarithm of the velocity, to find an exponent
-_FITTED = "load_speed"  # the criterion with a parameter fitted to these very transitions
+_STEP = 0.05  # step of ln(velocity) to find an exponent
+_FITTED = "load_speed"  # criterion with a parameter that is fitted to these transitions
 _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": BLACK}
 
 
 @dataclass(frozen=True, slots=True)
 class _Criterion:
-    """A number at each measured transition, equal at all transitions if it decides."""
+    """Criterion of severe wear: a number that is equal at all transitions if it holds."""
 
     name: str
     unit: str
-    values: Array  # at the measured friction
-    alike: Array  # at the scene's friction everywhere
-    exponents: Array | float  # of the number over the velocity
-    scaled: Array  # values in the unit, bulk temperature added where it is a rise
+    values: Array  # with the measured friction
+    alike: Array  # with the scene's friction at all transitions
+    exponents: Array | float  # d ln(value)/d ln(velocity)
+    scaled: Array  # values in `unit`; a rise has the bulk temperature added
 
     @property
     def spread(self) -> float:
-        """Highest over lowest value, less one."""
+        """Highest value over lowest value, minus 1."""
         return float(self.values.max() / self.values.min() - 1)
 
     @property
     def worst(self) -> float:
-        """Largest relative error of a velocity, if the mean value were the limit."""
+        """Largest relative error of a critical velocity if the mean value is taken as the limit."""
         return float(abs(_off(self.values, self.exponents)).max())
 
     @property
     def worst_alike(self) -> float:
-        """The same where the friction is not known at each transition."""
+        """`worst` if the same friction is assumed at all transitions."""
         return float(abs(_off(self.alike, self.exponents)).max())
 
 
 def _off(values: Array, exponents: Array | float) -> Array:
-    """Relative errors of the velocities at which a number is at its mean."""
+    """Relative errors of velocities, if a criterion's mean value is taken as its limit."""
     errors: Array = (_mean(values) / values) ** (1 / exponents) - 1
     return errors
 
@@ -77,7 +77,7 @@ def _mean(values: Array) -> float:
 
 
 def rivals(study: Study) -> Report:
-    """Blok's flash temperature, power, PV and F·Vⁿ at the four transitions, and the film."""
+    """Report on simpler criteria beside the model: Blok, power, PV, F·Vⁿ, film."""
     sweep = study.scene("table4")
     conditions = sweep.conditions
     loads, velocities = TABLE_4.normal_load, TABLE_4.velocity
@@ -127,7 +127,7 @@ def rivals(study: Study) -> Report:
 
 
 def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
-    """The model's criterion, and criteria without a simulation; worn widths as measured."""
+    """Criteria by name: the model's, and simpler ones by closed forms with the measured widths."""
     conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
     contact = SmoothContact(pin, sweep.scene.disk)
     bulk = float(shown_in(conditions.bulk_temperature, "°C"))
@@ -162,12 +162,12 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criter
 
 
 def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
-    """The most constant of the simple criteria, and those nearer than ours in velocity."""
+    """The most constant simple criterion, and those with smaller velocity errors than the model."""
     ours = criteria["ours"]
     others = [criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)]
 
     def nearer(error: str) -> str:
-        """Criteria with smaller errors of a velocity than ours."""
+        """Names of criteria with a smaller error `error` of a velocity than the model."""
         errors = {other.name: getattr(other, error) for other in others}
         limit = getattr(ours, error)
         texts = (f"{name} ({100 * off:.0f} %)" for name, off in errors.items() if off < limit)

@@ -37,11 +37,11 @@ _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
 _HURST = (0.5, 0.65, 0.8, 1.0)
 _RAS = (0.15, 0.2)  # µm, beside the scene's own
-_SMOOTH_RA, _SMOOTH_LENGTH = 0.2, 12.0  # that fit the unworn widths and the shares [µm]
+_SMOOTH_RA, _SMOOTH_LENGTH = 0.2, 12.0  # [µm], fitted to the unworn widths and the shares
 _SMOOTHER = f"{_SMOOTH_RA:g} µm, length {_SMOOTH_LENGTH:g} µm"
 _SURFACES = 4
 _OFF = "critical_velocity_off"
-_GOOD = 0.1  # relative, of the boundary velocity, as in report.agree
+_GOOD = 0.1  # relative error of velocity that agrees, as in report.agree
 
 
 _Outcome = dict[str, Array]
@@ -57,7 +57,7 @@ def _on(sweep: Sweep, surface: SelfAffineRoughness) -> Sweep:
 
 
 def sensitivity(study: Study) -> Report:
-    """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
+    """Report on temperatures and critical velocities with other rough surfaces."""
     sweep = study.scene("table4")
     rough = sweep.scene.roughness
     if not isinstance(rough, SelfAffineRoughness):
@@ -103,7 +103,7 @@ def sensitivity(study: Study) -> Report:
 
 
 def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughness]]:
-    """Surfaces that differ from the scene's own in one kind of parameter, by that kind."""
+    """Roughness with one parameter changed, by kind of parameter and by its value as text."""
     base = rough.correlation_length[0] * 1e6
 
     def of_lengths(along: float, across: float) -> SelfAffineRoughness:
@@ -133,7 +133,7 @@ def _outcome(study: Study, sweep: Sweep) -> _Outcome:
 
 
 def _worst(outcome: _Outcome) -> float:
-    """Largest relative error of a critical velocity, averaged over the surfaces."""
+    """Largest relative error of a critical velocity, after averaging over surfaces."""
     return float(abs(mean(outcome[_OFF])).max())
 
 
@@ -145,7 +145,7 @@ def _unworn_widths(study: Study, sweep: Sweep) -> Array:
 
 
 def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
-    """Errors of the critical velocities, averaged over transitions and surfaces."""
+    """Values for the report on errors of critical velocities, by name."""
     off = {
         kind: [float(np.mean(outcome[_OFF])) for outcome in variants.values()]
         for kind, variants in outcomes.items()
@@ -163,7 +163,7 @@ def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
 
 
 def _of_widths(widths: Mapping[str, Array]) -> dict[str, Any]:
-    """Errors of the unworn contact widths by Ra, and the Ra with the smallest error."""
+    """Errors of unworn contact widths by Ra, in words, and the Ra with the smallest error."""
     of_ra = {name: _width_off(row) for name, row in widths.items() if name != _SMOOTHER}
     return {
         "widths": ", ".join(f"{100 * value:+.0f} % with {name}" for name, value in of_ra.items()),
@@ -172,7 +172,7 @@ def _of_widths(widths: Mapping[str, Array]) -> dict[str, Any]:
 
 
 def _width_off(widths: Array) -> float:
-    """Relative error of the unworn widths [µm], averaged over the transitions."""
+    """Mean relative error of the unworn widths [µm] over transitions."""
     return float(np.mean(mean(widths) / (1e6 * TABLE_4.unworn_width) - 1))
 
 
@@ -234,10 +234,9 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
 
 
 def _line(axes: Axes, values: Array, colour: str, label: str, joined: int) -> None:
-    """Mean over transitions and surfaces, with the range of the transitions' own means.
+    """Draw means over transitions of values (variant, transition), and their range.
 
-    The values have the shape (variants, transitions); so many variants, that differ in one thing,
-    are joined.
+    The first `joined` variants, which differ in a single parameter, are joined by a line.
     """
     middle, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
     axes.errorbar(

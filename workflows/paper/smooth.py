@@ -17,14 +17,14 @@ class SmoothContact:
     disk: Material
 
     def width(self, load: float) -> float:
-        """Width of the elastic, unworn contact at a load [N] [m]."""
+        """Width of the elastic, unworn contact [m] at a load [N]."""
         pin, modulus = self.pin, contact_modulus(self.pin.material, self.disk)
         return 2 * analytic.hertz_contact(load, modulus, pin.radius, pin.length).half_width
 
     def flash_rise(
         self, load: float, velocity: float, friction: float, width: float | None = None
     ) -> float:
-        """Blok's flash temperature above the bulk [K], for the width of Hertz or another [m]."""
+        """Blok's flash temperature above bulk [K]; the contact `width` [m] is Hertz's if None."""
         across = self.width(load) if width is None else width
         line_load, effusivity = load / self.pin.length, self.disk.thermal_effusivity
         return analytic.rolling_sliding_rise(
@@ -33,7 +33,7 @@ class SmoothContact:
 
 
 def load_speed_exponent(loads: list[float], velocities: list[float]) -> float:
-    """Exponent n for which F·Vⁿ is most nearly constant along a line, least squares in ln F.
+    """Exponent n for which F·Vⁿ is most nearly constant over points, by least squares in ln F.
 
     Examples
     --------

@@ -31,12 +31,12 @@ from .transitions import celsius_of, end_at, oil_a, white_oil
 
 _SURFACES = 4
 _CONDUCTIVITIES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
-_SOFT, _HARD = 45.0, 21.0  # of the paper's table, and measured of the through-hardened steel
-_ONE = 30.0  # K: within which the paper calls temperatures of oil A alike
+_SOFT, _HARD = 45.0, 21.0  # W/(m K): of the paper's table; measured for through-hardened steel
+_ONE = 30.0  # [K]; temperatures of oil A that differ less are alike in the paper
 
 
 def steel(study: Study) -> Report:
-    """Critical velocities and temperatures with other conductivities of both bodies."""
+    """Report on critical velocities and temperatures with another thermal conductivity."""
     tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
     names, by_oil = [], {}
     for oil, transitions in tests.items():
@@ -81,7 +81,7 @@ def steel(study: Study) -> Report:
 
 
 def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
-    """Critical temperature from a transition [°C], shape (surfaces, conductivities).
+    """Critical temperature [°C] from a transition, (surface, conductivity).
 
     A contact is simulated once for all conductivities.
     """
@@ -105,12 +105,12 @@ def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
 
 
 def _apart(of_oil_a: Array) -> float:
-    """Critical temperature at the lower bulk temperature above that at the higher one [K]."""
+    """Difference of oil A's critical temperatures [K]: from cold bodies minus from hot ones."""
     return float(of_oil_a[:2].mean() - of_oil_a[2:].mean())
 
 
 def _boundary(study: Study) -> dict[str, Any]:
-    """Critical velocities with both conductivities, at friction 0.1."""
+    """Critical velocities by load, with both thermal conductivities, at friction 0.1."""
     changes: Mapping[str, Any] = {
         "sweep.loads": ["200 N", "400 N", "600 N", "750 N"],
         "sweep.velocities": {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"},

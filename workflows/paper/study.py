@@ -71,11 +71,11 @@ class Study:
     progress: Report = silent
 
     def tell(self, words: str) -> None:
-        """Tell in a line what comes next."""
+        """Report in a line what is computed next."""
         self.progress(Progress(words))
 
     def scene(self, name: str) -> Sweep:
-        """The scene of this name, with its own fidelity or the one asked for."""
+        """Load the scene of this name, with its own fidelity or with the preset asked for."""
         path = Path(self.scenes, f"{name}.toml")
         if self.preset == PUBLISHED:
             return with_fidelity(load_scene(path), AS_PUBLISHED)
@@ -87,11 +87,11 @@ class Study:
         name: Callable[[T], str] = str,
         weight: Callable[[T], float] = lambda item: 1.0,
     ) -> Iterator[T]:
-        """Go through what is computed one after the other, and tell; see `staged`."""
+        """Yield `items` one after the other, and report each as a stage; see `staged`."""
         return staged(items, self.progress, name, weight)
 
     def sweep(self, sweep: Sweep, name: str) -> tuple[Outcome, xr.Dataset]:
-        """Run or resume a sweep in the store of a name, with its progress on stderr."""
+        """Run or resume a sweep in the store `name`; return its outcome and dataset."""
         store = Path(self.results, f"{name}.zarr")
         self.tell(f"the sweep in {store}, including what is there already")
         with run_line() as progress:
@@ -99,5 +99,5 @@ class Study:
         return outcome, open_sweep(store)
 
     def seeds(self, usual: int) -> range:
-        """Seeds of the random surfaces."""
+        """Seeds of the random surfaces, as many as asked for, else `usual`."""
         return range(self.surfaces or usual)

@@ -16,11 +16,11 @@ _SURFACES = 8
 # Six loads and seven velocities place the boundary on each surface to a few parts in a thousand.
 _LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0)
 _VELOCITIES = (0.8, 1.1, 1.5, 2.0, 2.7, 3.6, 4.8)
-_SMALL = 0.05  # relative: a spread that the choice of a surface may have
+_SMALL = 0.05  # largest relative spread of critical velocities between surfaces
 
 
 def band(study: Study) -> Report:
-    """The transition on each of several surfaces, and at the ends of the friction band."""
+    """Report on the boundary on several surfaces, and at the lowest and highest friction."""
     scene = study.scene("irg_transition")
     if scene.declared.friction.band is None:
         raise InputError(f"the scene {scene.name} must have a friction band")

@@ -8,14 +8,14 @@ from tribo.types import Array
 
 from .publication import LOADING_RATE
 
-_LOAD = 602.0  # at the end [N]
+_LOAD = 602.0  # load at the end [N]
 _ONSET = 0.3  # time at which the pin touches the disk [s]
 _ROUNDING = 0.2  # time constant of a lag of first order, by the compliance of the rig [s]
 _NOISE = 1.0  # [N]: the paper's load cell is good to 2 N, taken as two standard deviations
 
 
 def synthetic_record() -> str:
-    r"""A ramp that the rig rounds off at both ends, with the noise of a load cell, as CSV.
+    r"""Load record of a ramp as CSV, rounded at both ends and with the noise of a load cell.
 
     Examples
     --------

@@ -28,15 +28,15 @@ from .transitions import (
     on_surfaces,
 )
 
-_STEP = 0.05  # relative, of a friction coefficient, to see how steep a share is
-_LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
-_FEW = 4  # surfaces for that
+_STEP = 0.05  # relative change of friction, to find how fast a share changes
+_LONGER = 4  # factor on the length of the patch, to see its effect
+_FEW = 4  # number of surfaces with the longer patch
 _WIDTHS = 1e6 * TABLE_4.unworn_width  # [µm]
 _SHARES = 100 * TABLE_4.failed_share  # [%]
 
 
 def table4(study: Study) -> Report:
-    """Contact width, failed share and temperatures at the four measured transitions."""
+    """Report on contact width, failed share and temperatures at the four measured transitions."""
     sweep = study.scene("table4")
     data = _simulated(study, sweep)
     values = _compared(data, sweep.conditions)
@@ -56,7 +56,7 @@ def table4(study: Study) -> Report:
 
 
 def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
-    """Widths, shares and temperatures with each kind of wear, and on a longer patch."""
+    """Computed widths, shares and temperatures, by name, with each wear and a longer patch."""
     conditions = sweep.conditions
     ends = ensemble(study, ("unworn", "swept", "local"), [(sweep, row) for row in TABLE_4])
     swept, unworn = ends["swept"], ends["unworn"]
@@ -88,7 +88,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
 
 
 def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
-    """Means over the surfaces beside the printed values."""
+    """Means over surfaces, and their deviations from printed values, by name."""
     friction, bulk = conditions.friction, float(shown_in(conditions.bulk_temperature, "°C"))
     critical = float(shown_in(conditions.known_critical_temperature(), "°C"))
     outer, bearing = (

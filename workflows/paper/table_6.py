@@ -27,12 +27,12 @@ from .transitions import (
     oil_a,
 )
 
-_LIKE = 0.15  # relative, of rises that are said to be alike
-_DECISIVE = 3.0  # ratio of misfits from which the worse reading is rejected
+_LIKE = 0.15  # relative difference of rises that are called alike
+_DECISIVE = 3.0  # ratio of misfits above which the worse reading is rejected
 
 
 def table6(study: Study) -> Report:
-    """Temperatures at the measured transitions of oil A, at two bulk temperatures."""
+    """Report on temperatures at the transitions of oil A, at two bulk temperatures."""
     transitions = oil_a(study)
     ends = ensemble(study, ("swept", "local"), transitions)
     conditions, swept = transitions[0][0].conditions, ends["swept"]
@@ -81,9 +81,9 @@ def table6(study: Study) -> Report:
 
 
 def _misfit(bulk_celsius: float) -> float:
-    """Misfit of a law C Fᵃ Vⁿ for rise/friction to the paper's highest temperatures, relative.
+    """Relative misfit to the law rise/friction = C Fᵃ Vⁿ of the paper's highest temperatures.
 
-    Standard deviation of the logarithms, with the bulk of the hot rows as given [°C].
+    It is the standard deviation of logarithms, if the hot rows have the bulk `bulk_celsius` [°C].
     """
     rows = [(row, ROOM_CELSIUS) for row in TABLE_4]
     rows += [(row, min(row.bulk_celsius, bulk_celsius)) for row in TABLE_6]
@@ -95,7 +95,7 @@ def _misfit(bulk_celsius: float) -> float:
 
 
 def _levels(at_room: Array) -> dict[str, Any]:
-    """Printed rises over ours with the bulk at room temperature."""
+    """Ratios of printed to computed rises with bodies at room temperature, by name."""
     ratios = (TABLE_6.max_celsius - ROOM_CELSIUS) / (at_room - ROOM_CELSIUS)
     good, is_hot = abs(ratios - 1) < _LIKE, TABLE_6.bulk_celsius > ROOM_CELSIUS
     return {

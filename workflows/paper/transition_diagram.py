@@ -14,11 +14,11 @@ from .report import Report, texts
 from .study import Study
 from .transitions import worn
 
-_GOOD = 0.1  # relative, as in report.agree
+_GOOD = 0.1  # relative deviation that agrees, as in report.agree
 
 
 def fig10(study: Study) -> Report:
-    """The diagram of the paper's system, from its store or computed into it."""
+    """Report on the transition diagram of the paper's system, which is computed if needed."""
     sweep = study.scene("irg_transition")
     name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
     outcome, ds = study.sweep(sweep, name)
@@ -70,7 +70,7 @@ def fig10(study: Study) -> Report:
 
 
 def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
-    """Draw the transition by the paper's Eq. (26), wear by the local pressure, into a diagram."""
+    """Add to a diagram the boundary with wear by local pressure, the paper's Eq. (26)."""
     swept = figure.legends[0].get_texts()[0]
     swept.set_text(f"{swept.get_text()}, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values

@@ -37,7 +37,7 @@ Tested = tuple[Sweep, Any]
 """A scene, and a transition of a printed table."""
 
 _SURFACES = 8
-_EXPONENT = 0.6  # of the rise over velocity, for a second guess
+_EXPONENT = 0.6  # d ln(rise)/d ln(velocity), for a second guess
 _LOOKS = {
     "swept": (BLUE, "o"),
     "local": (VERMILION, "s"),
@@ -50,23 +50,23 @@ SPREAD = "computed: mean and standard deviation over the surfaces"
 
 
 def white_oil(study: Study) -> list[Tested]:
-    """The transitions of Table 4, in their scene."""
+    """Transitions of the paper's Table 4, each with their scene."""
     scene = study.scene("table4")
     return [(scene, row) for row in TABLE_4]
 
 
 def oil_a(study: Study) -> list[Tested]:
-    """The transitions of Table 6, in the scene of their bulk temperature."""
+    """Transitions of the paper's Table 6, each with the scene of its bulk temperature."""
     cold, hot = study.scene("oil_a"), study.scene("oil_a_hot")
     return [(cold if row.bulk_celsius == ROOM_CELSIUS else hot, row) for row in TABLE_6]
 
 
 def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
-    """Quantities at the last state of a test, at the scene's friction or a measured one.
+    """Quantities, by name, at the last state of a test.
 
-    ``bulk`` is the bulk temperature [K], ``bearing_width`` the width of the rows of elements across
-    the sliding direction that carry at least 5 % of what the most loaded one carries [m]; besides,
-    the rises at friction 1 and `tribo.measures`.
+    They are the rises at friction 1, those of `tribo.measures`, ``friction`` (the scene's or a
+    measured one), ``bulk``, the bulk temperature [K], and ``bearing_width`` [m]. This is the width
+    across sliding of rows of elements that carry at least 5 % of the most loaded row.
     """
     conditions, carried = sweep.conditions.replace_friction(friction), state.pressure.mean(axis=1)
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * sweep.scene.grid.spacing[0]
@@ -80,18 +80,18 @@ def end_at(sweep: Sweep, state: State, friction: float | None = None) -> Ends:
 
 
 def end_of(sweep: Sweep, test: Any, factor: float = 1.0) -> Ends:
-    """Simulate a test of a printed table, at its velocity times a factor."""
+    """Simulate a test of a printed table, at its velocity × `factor`; return `end_at`."""
     *_, state = simulate(sweep.scene, test.normal_load, test.velocity * factor)
     return end_at(sweep, state, test.friction)
 
 
 def around_transition(sweep: Sweep, test: Any, step: float | None = None) -> Ends:
-    """Simulate a test, and find the boundary from another velocity.
+    """Simulate a test, and estimate the critical velocity from a second velocity.
 
-    Beside the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
+    Adds to the quantities of `end_of`: ``rise``, the deciding one at friction 1 [K], its
     ``exponent`` over the velocity, and ``velocity_off``, the relative error of the critical
-    velocity at the scene's friction. The step, of the velocity's logarithm, is to about the
-    boundary if not given.
+    velocity at the scene's friction. `step` is the difference in ln(velocity); by default it
+    reaches about the boundary.
     """
     decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
     end = end_of(sweep, test)
@@ -107,7 +107,7 @@ def on_surfaces(
     seeds: Iterable[int],
     end: Callable[[Sweep, Any], Ends] = end_of,
 ) -> Ends:
-    """Simulate transitions on each surface, by `end_of` or another function."""
+    """Quantities at the end of transitions (transition, surface), by name; see `end_of`."""
     surfaces = [
         _stacked([end(scene.take_surface(seed), test) for scene, test in transitions])
         for seed in seeds
@@ -116,7 +116,7 @@ def on_surfaces(
 
 
 def ensemble(study: Study, wears: Sequence[Wear], transitions: Sequence[Tested]) -> dict[str, Ends]:
-    """Simulate transitions with each kind of wear on each of eight surfaces."""
+    """Quantities at the end of transitions (transition, surface), by kind of wear and name."""
     ends: dict[str, Ends] = {}
     for wear in wears:
         seeds = study.stages(study.seeds(_SURFACES), f"{wear}, surface {{}}".format)
@@ -129,12 +129,12 @@ def _stacked(ends: Sequence[Ends], axis: int = 0) -> Ends:
 
 
 def celsius_of(ends: Ends, criterion: Criterion) -> Array:
-    """Temperature that decides by a criterion [°C]."""
+    """Temperature [°C] that decides by a criterion, from quantities of `end_at`."""
     return np.asarray(shown_in(ends["bulk"] + ends["friction"] * criterion.rise(ends), "°C"))
 
 
 def failed_percent(ends: Ends, critical: float, friction: float | None = None) -> Array:
-    """Share of the contact above a critical temperature [K], in percent."""
+    """Percentage of the contact above a critical temperature [K], from quantities of `end_at`."""
     limit = (critical - ends["bulk"]) / (friction or ends["friction"])
     share = np.vectorize(failed_share, signature="(n),()->()")
     return np.asarray(100 * share(ends["rise_quantile"], limit))
@@ -143,7 +143,7 @@ def failed_percent(ends: Ends, critical: float, friction: float | None = None) -
 def history(
     sweep: Sweep, load: float, velocity: float, criterion: Criterion
 ) -> tuple[Array, Array, State]:
-    """The course of a point: times [s] with the temperatures that decide [°C], and its end."""
+    """Simulate a point: times [s], deciding temperatures at them [°C], and the last state."""
     result = run_point(sweep.changed("sweep.steps", "course"), load, velocity)
     conditions, columns = sweep.conditions, result.columns
     warm = np.isfinite(columns["mean_rise"])
@@ -153,7 +153,7 @@ def history(
 
 
 def worn(sweep: Sweep, wear: Wear) -> Sweep:
-    """The scene unworn, or with its wear in a pattern."""
+    """Scene without wear, or with this pattern of wear."""
     if wear == "unworn":
         return sweep.changed("wear", None)
     if not isinstance(sweep.scene.wear, ArchardWear):
@@ -162,7 +162,7 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
 
 
 def film_parameter(sweep: Sweep, test: Any) -> float:
-    """Minimum film over the roughness at a test, Λ."""
+    """Film parameter Λ at a test: minimum film thickness over roughness."""
     lubrication, bulk = find_lubrication(sweep), sweep.conditions.bulk_temperature
     if lubrication is None:
         raise InputError(f"the scene {sweep.name} must have an [oil]")
@@ -170,7 +170,7 @@ def film_parameter(sweep: Sweep, test: Any) -> float:
 
 
 def label_of(test: Any) -> str:
-    """Load and velocity, in words."""
+    """Load and velocity of a test in words."""
     return f"{test.normal_load:g} N, {test.velocity:g} m/s"
 
 
@@ -181,7 +181,7 @@ def draw_beside(
     values: Mapping[str, Array],
     title: str,
 ) -> None:
-    """Mark the printed values, and beside each the mean and spread of ours."""
+    """Draw printed values, and beside each the mean and standard deviation of computed ones."""
     places = np.arange(len(ticks))
     if printed is not None:
         axes.plot(places - 0.2, printed, "D", color=BLACK, ms=6, label="printed")
