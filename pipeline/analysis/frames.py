@@ -1,4 +1,4 @@
-"""Data frames of a boundary: critical velocities by load, critical loads by velocity."""
+"""Data frame of a boundary: critical velocities by load, or critical loads by velocity."""
 
 from __future__ import annotations
 
@@ -15,23 +15,19 @@ from pipeline.analysis.transition import CROSSES, outcomes
 from pipeline.quantities import UNITS, column_heads
 from pipeline.sweep.conditions import FIELDS
 
-BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
-"""Variables of a boundary, each with the axis that gives its rows."""
 JUDGED = column_heads(
     "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
 )
 """Column headings of the conditions that wear is judged by."""
 
 
-def frames_of(boundaries: xr.Dataset) -> tuple[pd.DataFrame, ...]:
-    """Frames of `pipeline.boundary`: critical velocities by load, critical loads by velocity."""
-    if "critical_velocity" not in boundaries:
-        return (_along(boundaries, "critical_velocity", "load"),)
-    return tuple(_along(boundaries, *ends) for ends in BOUNDARIES)
+def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
+    """Frame of a `pipeline.boundary`, with a row for each scene and each value of `axis`.
 
-
-def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
-    """Data frame of a boundary along `axis`, with a row for each scene and value of the axis."""
+    Critical velocities by load, or critical loads by velocity, which samples do not have.
+    """
+    axis = axis if "critical_velocity" in boundaries else "load"
+    name = "critical_velocity" if axis == "load" else "critical_load"
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
     if (film := f"film_parameter_at_{axis}") in boundaries:
@@ -45,8 +41,7 @@ def _along(boundaries: xr.Dataset, name: str, axis: str) -> pd.DataFrame:
     dims = [*entry_dims(rows), axis]
     crossings = xr.Dataset({head: data.drop_attrs() for head, data in values.items()})
     frame = crossings.to_dataframe(dims).reset_index()
-    several = {field for field, path in FIELDS.items() if path in dims}
-    judged = [one for one in ("friction", *JUDGED, "caveats") if one not in several]
+    judged = [one for one in ("friction", *JUDGED, "caveats") if FIELDS.get(one) not in dims]
     for one in judged:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)

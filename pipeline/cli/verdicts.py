@@ -13,7 +13,7 @@ from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import fields
-from pipeline.analysis.frames import JUDGED, frames_of
+from pipeline.analysis.frames import JUDGED, boundary_frame
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
 from pipeline.analysis.results import Results
@@ -77,7 +77,7 @@ def boundary(options: argparse.Namespace) -> Result:
         return Result(text=itertools.chain(*lines), frames=[tests])
     with working("finding the boundary"):
         crossings = pipeline.boundary(data)
-    table = frames_of(crossings)[0 if options.by == "load" else -1]
+    table = boundary_frame(crossings, options.by)
     alone = ["friction"] if "friction" in crossings.attrs else []
     wide = ["film parameter Λ"] if "realization" in crossings.dims else []
     shown = short(table, [*alone, *JUDGED.values(), *wide, "notes"])

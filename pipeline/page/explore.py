@@ -18,7 +18,7 @@ import xarray as xr
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import html_of, short, writable_path, write_text
 from pipeline.figures.diagram import diagram
@@ -176,7 +176,7 @@ def _plane(scene: Results, most_fields: int) -> _Main:
 
 def _samples(scene: Results, _: int) -> _Main:
     """Main part of the page for samples: diagram and table of the probability of severe wear."""
-    (table,) = frames_of(boundary(scene))
+    table = boundary_frame(boundary(scene))
     values = {
         "operating": _text("operating.html"),
         "table": html_of(short(table, ["notes"])),

@@ -15,7 +15,7 @@ import pandas as pd
 
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.laboratory import ambiguous_oils
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.run.cluster import Client
@@ -127,7 +127,7 @@ def vary(
         contacts = {(*varied.contact_of(point), point.load) for point in done}
         oil = next(iter(ambiguous_oils(varied)), None)  # no test moves the boundary
         ds = at(path, criterion=laws.get("criterion"), oil=oil)
-        table, carried = _table(frames_of(boundary(ds))[0], variations), warned(ds)
+        table, carried = _table(boundary_frame(boundary(ds)), variations), warned(ds)
     return Variations(sweep.title, table, len(done), len(contacts), carried)
 
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.margin import clipped
 from pipeline.analysis.transition import (
     ABOVE,
@@ -241,9 +241,9 @@ def assert_tables_say(ds, margins):
 
 def assert_documents_say(crossings):
     """Let the tables of a boundary have its outcomes in words."""
-    for axis, table in zip(("load", "velocity"), frames_of(crossings), strict=True):
+    for axis, along in (("load", "velocity"), ("velocity", "load")):
+        table = boundary_frame(crossings, axis)
         outcome = crossings[f"outcome_at_{axis}"].values
-        along = {"load": "velocity", "velocity": "load"}[axis]
         worded = np.vectorize(outcomes(along).get)(outcome).tolist()
         if "quantile" not in crossings:
             ranges = outcomes(along)[SEVERAL]  # which a table tells one by one

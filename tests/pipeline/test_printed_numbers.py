@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.frames import frames_of
+from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.margin_frame import judged
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tables import records
@@ -297,7 +297,7 @@ def test_a_boundary_is_the_same_as_text_as_json_and_in_python(
 ):
     crossings = pipeline.boundary(pipeline.at(stores(kind), **judged))
     _, said, shown = ask("boundary", kind, *options)
-    (table, *_) = frames_of(crossings)
+    table = boundary_frame(crossings)
     assert irg("boundary", stores(kind), *options, "--json") == as_plain(records([table]))
     errors = attribute_values(crossings, "model_error")
     assert f"the model's own error: {errors[0]}" in said
