@@ -19,7 +19,7 @@ from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import totals
-from pipeline.analysis.scenes import frame_by_scene
+from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions
@@ -130,7 +130,7 @@ class Comparison(NamedTuple):
 
     place: tuple[float, float]  # load [N], and velocity [m/s] moved into the computed range
     here: Here  # temperatures computed at that place
-    turn: float  # velocity at which wear changes [m/s]; see `critical_velocity`
+    turn: float  # computed velocity at which wear changes, nearest to the test, or infinite [m/s]
     critical: float  # `turn`, extrapolated by a power law if none is computed [m/s]
     is_right: bool  # True if the test has the computed outcome
     is_known: bool  # False if further velocities might change whether it agrees
@@ -138,6 +138,9 @@ class Comparison(NamedTuple):
 
 def comparison(own: PointField, test: Measurement) -> Comparison:
     """Compare a test with `own`, the field under the test's conditions.
+
+    For a measured transition only changes to severe wear count; of several surfaces, the median.
+    Without a change its velocity is infinite (mild at all computed points) or -infinite (severe).
 
     Beyond the computed velocities wear may change from mild to severe with velocity. With a
     friction that depends on velocity it may change either way.
@@ -147,31 +150,21 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     InputError
         If the load is outside the sweep, or too few points are done.
     """
-    computed = own.transitions("velocity", test.normal_load, test.velocity).computed
-    low, high = (float(end[0]) for end in computed)
+    line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
+    low, high = (float(end[0]) for end in line.transitions.computed)
     end = float(np.clip(test.velocity, low, high))
     if math.isnan(end):
         end = float(np.clip(test.velocity, *own.ends["velocity"]))
     here = own.temperatures(test.normal_load, end)
     here.require_known()
-    turn, critical = (critical_velocity(own, test, continued) for continued in (False, True))
+    nearest = (line.nearest(test.velocity, test.outcome is None, more) for more in (False, True))
+    turn, critical = (float(quantile(places, own.weights, 0.5)[0]) for places in nearest)
     is_severe = bool(np.mean(here.is_severe) > 0.5)
     is_right = test.outcome is not None and (test.outcome == "severe") == is_severe
     has_turn = test.outcome is None and 0 < turn < math.inf
     may_turn = own.conditions.has_friction_curve or is_severe == (test.velocity < end)
     is_known = is_right or has_turn or test.velocity == end or not may_turn
     return Comparison((test.normal_load, end), here, turn, critical, is_right, is_known)
-
-
-def critical_velocity(own: PointField, test: Measurement, continued: bool = False) -> float:
-    """Computed velocity [m/s], nearest to a test, at which wear changes; median over surfaces.
-
-    For a measured transition only changes to severe wear count. Without a change the velocity is
-    infinite (mild at all computed points) or -infinite (severe), or extrapolated if `continued`.
-    """
-    line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
-    nearest = line.nearest(test.velocity, test.outcome is None, continued)
-    return float(quantile(nearest, own.weights, 0.5)[0])
 
 
 def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
@@ -200,7 +193,11 @@ def compared(data: Results) -> pd.DataFrame | None:
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:
         return None
-    return frame_by_scene(data, lambda scene: frame_of(_HEADS, _rows(scene)))
+    heads, rows = heads_of(data.rows, data.entry_dims), list[tuple[Any, ...]]()
+    for scene in data.scenes:
+        labels = [scene.rows[name].item() for name in heads]
+        rows += [(*labels, *row) for row in _rows(scene)]
+    return frame_of([*heads.values(), *_HEADS], rows)
 
 
 def agreement(frame: pd.DataFrame) -> str:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.results import Results
-from pipeline.analysis.tables import frame_of
 from pipeline.quantities import display, shown_in
 from pipeline.scene.reference import number_at
 from pipeline.scene.units import typeset
@@ -68,19 +65,6 @@ def _usual_unit(axis: xr.DataArray) -> str:
     """Unit in which labels are shown: that of the entry's example, else a usual one."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
-
-
-def frame_by_scene(
-    data: Results, frame_of_scene: Callable[[Results], pd.DataFrame]
-) -> pd.DataFrame:
-    """Frames of all scenes, one below the other, with values of their entries in front."""
-    heads, frames = heads_of(data.rows, data.entry_dims), []
-    for scene in data.scenes:
-        frame = frame_of_scene(scene)
-        labels = [scene.rows[name].item() for name in heads]
-        values = frame_of([*heads.values()], [labels] * len(frame))
-        frames.append(pd.concat([values, frame], axis="columns"))
-    return pd.concat(frames, ignore_index=True)
 
 
 def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
