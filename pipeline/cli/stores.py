@@ -12,7 +12,7 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
 from pipeline.store.place import REMEDY, ROOT, StoreError
-from pipeline.store.progress import Summary, summary
+from pipeline.store.progress import Summary, summary_of
 from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
 
@@ -24,23 +24,23 @@ def status(options: argparse.Namespace) -> Result:
     """Answer ``irg status``: count the points of a store, or list the stores in a folder."""
     path = options.store
     if isinstance(path, Path) and path.is_dir() and not _is_store(path) and path.suffix != ".zarr":
-        rows = [_row(store, str(store.relative_to(path))) for store in _stores_below(path)]
+        rows = [_listed(below, str(below.relative_to(path))) for below in _stores_below(path)]
         frame = frame_of(_HEADS, rows)
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
-    state, sweep = pipeline.summary(path), opened(path).sweep
+    store = opened(path)
+    state, sweep = summary_of(store), store.sweep
     lines = [state.title, f"{state.total} points: {_counts(state)}"]
-    if state.earlier:
-        lines.append(f"{state.earlier} more are done from an earlier run, which asked for them")
-    if state.running:
-        lines.append(f"running: {state.running}")
+    earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
+    lines += [earlier] * bool(state.earlier)
+    lines += [f"running: {state.running}"] * bool(state.running)
     lines += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
     warned = None
     try:
         warned = pipeline.warned(path)
     except StoreError as error:  # points are counted nevertheless
         lines.append(f"warnings are not counted: {error}")
-    frame = frame_of(_HEADS, [_row(path, state.name)])
+    frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
     code = SOME_FAILED if state.failed else DONE
     return Result(text=lines, warned=warned, frames=[frame], code=code)
 
@@ -63,13 +63,18 @@ def _stores_below(folder: Path) -> Iterator[Path]:
                 yield from _stores_below(path)
 
 
-def _row(path: Path | str, name: str) -> list[object]:
-    """Cells of a store in the table of stores: name, state, numbers of points, preset, title."""
+def _listed(path: Path, name: str) -> list[object]:
+    """Cells of a store in a folder, also if it cannot be read."""
     try:
-        state, preset = summary(path), opened(path).sweep.preset
+        store = opened(path)
+        return _row(name, summary_of(store), store.sweep.preset)
     except StoreError as error:
-        reason = str(error).split(";")[0].replace(str(Path(path).absolute()), "").strip(": ")
+        reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
         return [name, f"unreadable: {reason}", *[None] * (len(_HEADS) - 2)]
+
+
+def _row(name: str, state: Summary, preset: str | None) -> list[object]:
+    """Cells of a store in the table of stores: name, state, numbers of points, preset, title."""
     words = "running now, " * bool(state.running)
     words += "done" if state.done == state.total else _counts(state)
     counts = state.total, state.done, len(state.failed), state.pending

@@ -21,7 +21,7 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.create import grown, writing
 from pipeline.store.place import PathLike
-from pipeline.store.progress import FailedPoint, summarized
+from pipeline.store.progress import FailedPoint, summary_of
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import FAILED, require_free_names
 from pipeline.store.take import take_points
@@ -149,7 +149,7 @@ def run_sweep(
                     tally.store = store
                     with Writer(store) as writer:
                         compute(link, wanted, writer, hand, tally)
-        summary = summarized(store)
+        summary = summary_of(store)
     counts = summary.total, summary.done, tally.computed
     return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -48,8 +48,8 @@ class Summary:
     running: str | None = None  #: Process that computes points now; None if there is none.
 
 
-def summarized(store: Store) -> Summary:
-    """Count the points of an open store."""
+def summary_of(store: Store) -> Summary:
+    """Count the points of an open store by state, and those with a warning."""
     asked, flags = store.asked == 1, store.flags
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
@@ -64,6 +64,8 @@ def summarized(store: Store) -> Summary:
             for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
+        warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
+        running=holder_of(store.place),
     )
 
 
@@ -87,8 +89,4 @@ def summary(path: PathLike) -> Summary:
     >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-    store = opened(path)
-    warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
-    return replace(
-        summarized(store), warned=int(np.count_nonzero(warned)), running=holder_of(store.place)
-    )
+    return summary_of(opened(path))
