@@ -61,13 +61,6 @@ class Origin:
 
 
 @functools.lru_cache(maxsize=64)
-def stored_sweep(origin: Origin) -> Sweep:
-    """Sweep that `origin` describes, as it was stored: without the values of `pipeline.at`."""
-    data = origin.arrays
-    return parse_sweep(origin.text, {} if data is None else split_arrays(data.values, data.attrs))
-
-
-@functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
     """Sweep, or only its scene `name`, under the conditions `at`: JSON of SI values by path."""
     if name:
@@ -75,9 +68,11 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
         title = f"{whole.declared.title or whole.name}, {words}"
         return whole.below(name).changed("title", title)
-    sweep, values = stored_sweep(origin), json.loads(at)
+    values, data = json.loads(at), origin.arrays
     if not values:
-        return sweep
+        held = {} if data is None else split_arrays(data.values, data.attrs)
+        return parse_sweep(origin.text, held)
+    sweep = judged_sweep(origin, "{}")
     given = {name: values[path] for name, path in PATHS.items() if path in values}
     rule = RULES.get(origin.rule)
     if rule and name_of(rule) == given.get("criterion"):
@@ -91,7 +86,7 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
     """Sweep of a dataset as it was stored, without the values of `pipeline.at`."""
-    return stored_sweep(Origin.of(ds))
+    return judged_sweep(Origin.of(ds), "{}")
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:

@@ -5,6 +5,7 @@ The text is JSON that a person can read. Contents of files are stored beside it,
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -56,6 +57,21 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
+    return _read(text, _Arrays(arrays))
+
+
+class _Arrays(dict[str, Array]):
+    """Contents of files by SHA-256, equal if their digests are."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Arrays) and self.keys() == other.keys()
+
+
+@functools.lru_cache(maxsize=8)  # a command opens its store several times
+def _read(text: str, arrays: _Arrays) -> Sweep:
     try:
         read = json.loads(text)
         sweep = Sweep(

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.scene.resume import join
+from pipeline.scene.stored_text import sweep_text
 from pipeline.store.arrays import Document, Encoder
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import Axes, block_of, bytes_of_a_point, grown_axes
@@ -79,6 +80,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
     return Root(
         sweep=kept,
+        text=sweep_text(kept),
         axes=axes,
         ids=scene_ids(kept, {}),
         block=block,

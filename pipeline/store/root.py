@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.paths import near_path
 from pipeline.scene.resume import misfits
-from pipeline.scene.stored_text import file_contents, parse_sweep, sweep_text
+from pipeline.scene.stored_text import file_contents, parse_sweep
 from pipeline.store.arrays import Document, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import DIM, inputs_variable, split_arrays
@@ -62,6 +62,7 @@ class Root:
     """What the root document of a store says; the metadata of all arrays follow from it."""
 
     sweep: Sweep
+    text: str  # of the sweep
     axes: Axes
     ids: list[int]  # of the scenes of the sweep's rows, in their order
     block: dict[str, int]  # points in a chunk along each dimension
@@ -102,7 +103,7 @@ class Root:
             "source": "simulated by irg-transition",
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
-            "sweep": sweep_text(self.sweep),
+            "sweep": self.text,
             SCENE_ID: json.dumps(self.ids),
         }
 
@@ -197,6 +198,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         if version == FORMAT and facts["digest"] == _digest(attributes, facts, metadata):
             root = Root(
                 sweep=parse_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
+                text=attributes["sweep"],
                 axes=facts["axes"],
                 ids=json.loads(attributes[SCENE_ID]),
                 block=facts["points_per_chunk"],

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 import pipeline
+from pipeline.scene.stored_text import sweep_text
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root
 from pipeline.sweep.laws import Law
@@ -20,10 +21,8 @@ import tribo
 
 pathlib.Path({marker!r}).touch()
 
-
 class Law(tribo.RunningIn):
     pass
-
 
 class Flat:
     def heights(self, pixels):
@@ -97,7 +96,8 @@ def forged(done, folder, store, criterion):
     root = read_root(place_of(target))
     own = Law(criterion, (), "0" * 64) if ":" in criterion else None
     judged = replace(root.sweep.conditions, criterion=criterion, rule=own)
-    write(target, replace(root, sweep=changed(root.sweep, conditions=judged)))
+    sweep = changed(root.sweep, conditions=judged)
+    write(target, replace(root, sweep=sweep, text=sweep_text(sweep)))
     shutil.copy(folder / "payload.py", target)
     return store
 
