@@ -22,14 +22,15 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     were chosen, `chosen` is empty, since the store has them.
     """
     first = before or sweep
-    written = dict(sweep.written)
+    written, reader = dict(sweep.written), sweep.reader
     if before:  # materials and surfaces that variants of the first run need
         written["materials"] = before.entries["materials"] | sweep.entries["materials"]
-        for digest_of_file, array in before.reader.contents.arrays.items():
-            sweep.reader.contents.arrays.setdefault(digest_of_file, array)
+        both = reader.contents.arrays | before.reader.contents.arrays
+        reader = replace(reader, contents=replace(reader.contents, arrays=both))
     joined = replace(
         sweep,
         written=written,
+        reader=reader,
         variants=first.variants.union(sweep.variants),
         chosen=None if sweep.chosen is None else (),
         stations=choose_stations(first),
