@@ -15,7 +15,7 @@ _REPEATS = 30
 
 @contextlib.contextmanager
 def counted_transforms():
-    """Count the transforms done meanwhile, by library, kind, array and arguments."""
+    """Context: count transforms by library, kind, array and arguments."""
     counts = Counter()
     originals = {
         (library, kind): getattr(module, kind)
@@ -43,15 +43,15 @@ def counted_transforms():
 
 
 def bare_time(counts):
-    """Processor time of the counted transforms alone, into kept buffers where possible [s]."""
+    """Processor time [s] of only the counted transforms, with reused buffers where possible."""
     return sum(count * _time_of(*transform) for transform, count in counts.items())
 
 
 def plain_time(counts):
-    """Processor time of the same convolutions by plain transforms [s].
+    """Processor time [s] of the same convolutions by plain transforms.
 
-    Those of whole padded fields in double precision, into kept buffers. A convolution has one
-    inverse along x.
+    They transform whole padded fields in double precision, with reused buffers. A convolution has
+    one inverse along x.
     """
     return sum(
         count * _time_of_plain(shape)
@@ -80,7 +80,7 @@ def _time_of(library, kind, shape, dtype, args, options, in_place):
 
 
 def shortest(run, rounds=3):
-    """Processor time of the fastest of some runs [s]."""
+    """Shortest processor time [s] of `rounds` calls of `run`."""
     times = []
     for _ in range(rounds):
         began = time.process_time()

@@ -19,7 +19,7 @@ HARDNESS = 6.6e9
 
 @dataclass(frozen=True)
 class Case:
-    """A rigid shape to be pressed into a half-space."""
+    """Contact problem: a rigid shape pressed into a half-space."""
 
     name: str
     grid: Grid
@@ -28,7 +28,7 @@ class Case:
     hardness: float = math.inf
 
     def solid(self):
-        """The half-space; of a periodic patch, with the spectrum 2/(E*|q|) that peers use."""
+        """The half-space of a case; if periodic, with the spectrum 2/(E*|q|) of the peers."""
         solid = ElasticHalfSpace(self.grid, CONTACT_MODULUS)
         if not all(self.grid.periodic):
             return solid
@@ -39,7 +39,7 @@ class Case:
 
 
 def rough(name, n, normal_load, hardness=math.inf):
-    """A periodic, self-affine surface."""
+    """Case of a periodic self-affine surface on n × n elements."""
     pixels = Grid((512, 512), (1e-6, 1e-6), (True, True))
     heights = self_affine(pixels, 0.3e-6, 0.8, 20e-6, 0)
     block = 512 // n
@@ -50,7 +50,7 @@ def rough(name, n, normal_load, hardness=math.inf):
 
 
 def sphere(name, n):
-    """Hertz's contact, on a patch 3 contact radii wide."""
+    """Case of Hertz's contact of a sphere, on a patch 3 contact radii wide."""
     radius, normal_load = 10e-3, 10.0
     contact_radius = (3 * normal_load * radius / (4 * CONTACT_MODULUS)) ** (1 / 3)
     grid = Grid((n, n), (3 * contact_radius / n,) * 2, (False, False))
@@ -59,7 +59,7 @@ def sphere(name, n):
 
 
 def line(name, n, hardness=math.inf):
-    """The rough line contact of the paper's system at 600 N."""
+    """Case of the paper's rough line contact at 600 N."""
     pixels = Grid((480, 480), (0.816e-6, 0.95e-6), (False, True))
     heights = self_affine(pixels, 0.27e-6, 0.8, 4e-6, 0)
     block = 480 // n
@@ -235,10 +235,10 @@ class Aspher:
 
 
 def residual(solver, pressure):
-    """Error of a pressure: the largest violation of any condition of the case.
+    """Largest violation of any condition of the contact problem by a pressure.
 
-    On the gap in units of what an element under the largest pressure sinks, by the solver's own
-    operator; on load and bounds, relative.
+    For the gap it is relative to the displacement of one element under the largest pressure, by
+    the solver's own operator. For load and bounds it is relative.
     """
     case = solver.case
     gap = solver.displacement(pressure) + case.separation

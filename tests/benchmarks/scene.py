@@ -11,5 +11,5 @@ PAPER = tribo.Fidelity(pixels_per_element=2, increments=100)
 
 
 def paper_scene():
-    """The shipped scene on 240 × 240 elements, in 100 increments of first order."""
+    """The shipped scene on 240 × 240 elements, with 100 increments of first order."""
     return changed(pipeline.load_scene(SCENE), fidelity=PAPER)

@@ -98,7 +98,7 @@ def shares_of_transforms(solver, duration, tolerance):
 
 @pytest.fixture(scope="module")
 def times():
-    """Times by case; printed as the tables of MEASURED.md when all is done."""
+    """Times by case, which are printed as tables of MEASURED.md at the end."""
     times = {}
     yield times
     print_peers(times)

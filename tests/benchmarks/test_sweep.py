@@ -33,7 +33,7 @@ def scene():
 
 
 class CountedPoints:
-    """In a worker: `run_points`, and the CPU time that it takes [s]."""
+    """Replacement of `run_points` in a worker, which adds up the CPU time of points [s]."""
 
     def __init__(self):
         self.seconds = 0.0
@@ -48,12 +48,12 @@ class CountedPoints:
 
 
 def used():
-    """CPU time of a worker so far, and what of it its points took [s]."""
+    """CPU time of a worker so far, and the part of it that points took [s]."""
     return time.process_time(), work.run_points.seconds
 
 
 def time_of_bare_files(store, folder):
-    """CPU time of the chunks of a store, each created, synced and renamed once [s]."""
+    """CPU time [s] to create, sync and rename a file for each chunk of a store."""
     sizes = [file.stat().st_size for file in store.glob("*/c.*")]
     folder.mkdir()
     numbers = itertools.count()
@@ -72,7 +72,7 @@ def time_of_bare_files(store, folder):
 
 @pytest.mark.parametrize("preset", [None, "standard", "fine"])
 def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, monkeypatch, preset):
-    """Once the workers have started."""
+    """The time counts after the workers have started."""
     connected, seconds, points = execute.connected, [], []
 
     @contextmanager
@@ -113,7 +113,7 @@ def simulate(sweep, velocities, core):
 
 
 def time_of_bare(processes, sweep):
-    """Time of processes that share the velocities, and neither store nor talk [s]."""
+    """Wall time [s] of processes that share the velocities, without a store or messages."""
     forkserver.start()
     cores = sorted(os.sched_getaffinity(0))[:processes]
     with multiprocessing.get_context("forkserver").Pool(processes) as pool:

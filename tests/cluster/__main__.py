@@ -47,7 +47,7 @@ DRIVERS = ExitStack()
 
 
 def scene_of(folder, velocities):
-    """File of a scene with so many velocities at four loads."""
+    """Write a scene file with four loads and this number of velocities; return its path."""
     file = folder / f"{velocities}.toml"
     values = [f"{velocity:.6g} m/s" for velocity in np.linspace(1.0, 4.0, velocities)]
     file.write_text(_SCENE.format(velocities=values))
@@ -55,7 +55,7 @@ def scene_of(folder, velocities):
 
 
 class Driver:
-    """The recipe, in a process of its own."""
+    """A process that runs the recipe ``on_a_cluster.py``."""
 
     def __init__(self, path, velocities, walltime="2 h"):
         self.path = path
@@ -77,7 +77,7 @@ class Driver:
         DRIVERS.callback(self.process.kill)
 
     def wait_for(self, points):
-        """Wait until so many points are done."""
+        """Wait until this number of points is done."""
         end = time.monotonic() + _PATIENCE
         while self.done() < points:
             assert self.process.poll() is None, self.path.with_suffix(".err").read_text()
@@ -85,18 +85,18 @@ class Driver:
             time.sleep(1.0)
 
     def done(self):
-        """Points that are done."""
+        """Number of points that are done."""
         with suppress(StoreError):  # until it is made
             return pipeline.summary(self.path).done
         return 0
 
     def ended(self):
-        """Wait for its end; raise its words if it has failed."""
+        """Wait for the end of the driver; raise an error with its output if it failed."""
         assert self.process.wait(_PATIENCE) == 0, self.path.with_suffix(".err").read_text()
 
 
 def faults_of(path, velocities, expected):
-    """Faults of a run in jobs."""
+    """Yield faults of a store computed in jobs; it is compared with a run on this machine."""
     state = pipeline.summary(path)
     if state.failed or state.done != _LOADS * velocities:
         yield f"{state.done} points are done; failed: {state.failed}"
@@ -109,7 +109,7 @@ def faults_of(path, velocities, expected):
 
 
 def losses(batch, folder, expected):
-    """Jobs cancelled, a node drained, the controller restarted."""
+    """Trial: cancel jobs, drain a node and restart the controller during a sweep."""
     driver = Driver(folder / "losses.zarr", 60)
     driver.wait_for(10)
     batch.ask("scancel", batch.jobs("running")[0])
@@ -125,7 +125,7 @@ def losses(batch, folder, expected):
 
 
 def walltime(batch, folder, expected):
-    """A sweep that outlives its jobs more than once."""
+    """Trial: a sweep takes longer than the time limit of its jobs, several times."""
     driver = Driver(folder / "walltime.zarr", 300, "1 min")
     driver.ended()
     logs = list(folder.glob("walltime.zarr.jobs/*.err"))
@@ -137,7 +137,7 @@ def walltime(batch, folder, expected):
 
 
 def killed(batch, folder, expected):
-    """A driver that is killed: its jobs end by themselves, and a second one goes on."""
+    """Trial: kill the driver; its jobs end by themselves, and a second driver goes on."""
     driver = Driver(folder / "killed.zarr", 60)
     driver.wait_for(30)
     driver.process.kill()
@@ -155,7 +155,7 @@ def killed(batch, folder, expected):
 
 
 def crowd(batch, folder, expected):
-    """Ten thousand points, while jobs are lost every few seconds and the driver is once."""
+    """Trial: 10 000 points, while jobs are cancelled again and again, and the driver once."""
     path, lost = folder / "crowd.zarr", 0
     driver, generator, half = Driver(path, _CHEAP), random.Random(0), 0
     while driver.process.poll() is None:
@@ -178,7 +178,7 @@ TRIALS = {trial.__name__: trial for trial in (losses, walltime, killed, crowd)}
 
 
 def tried(names, batch, folder):
-    """Make trials; return what came of each."""
+    """Make the trials; return the report and the faults of each by name."""
     document, expected = {}, {}
     for name in names:
         began, results = time.monotonic(), []

@@ -29,7 +29,7 @@ _LOADS, _WORKERS = 10, 2
 
 
 def scene_of(points):
-    """The first try on smooth bodies and 24 × 1 elements: few loads and many velocities."""
+    """Scene of few loads and many velocities, on smooth bodies and 24 × 1 elements."""
     return pipeline.load_scene(
         "first_try",
         "draft",
@@ -46,11 +46,11 @@ def scene_of(points):
 
 
 class EnoughError(Exception):
-    """The time is over."""
+    """Ends a sweep when its time is over."""
 
 
 def timed(client, compute):
-    """CPU time of the driver and of the workers for each point [ms], and the wall time [s]."""
+    """CPU time of driver and workers by point [ms], number of points and wall time [s]."""
     before = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
     points = compute()
     after = time.monotonic(), time.process_time(), sum(client.run(time.process_time).values())
@@ -60,7 +60,7 @@ def timed(client, compute):
 
 
 def swept(client, sweep, out, duration):
-    """Compute a sweep for so long [s]; return how many points are done."""
+    """Compute a sweep for `duration` seconds; return the number of points done."""
     end = time.monotonic() + duration
 
     def note(_):
@@ -73,7 +73,7 @@ def swept(client, sweep, out, duration):
 
 
 def empty_tasks(client, points):
-    """Compute empty tasks, one waiting on each worker as in a sweep; return how many."""
+    """Compute empty tasks on Dask, handed out as in a sweep; return their number."""
     left, done, running, news = deque(range(points)), deque(), 0, threading.Event()
 
     def ended(future):

@@ -43,12 +43,12 @@ PartitionName=work Nodes=ALL Default=YES MaxTime=INFINITE OverTimeLimit=0 State=
 
 
 def missing_programs():
-    """Programs of Slurm that are not installed."""
+    """Names of Slurm's programs that are not installed."""
     return [name for name in _PROGRAMS if shutil.which(name) is None]
 
 
 class Slurm:
-    """Its controller, and a daemon for each node, in the foreground as children of this process."""
+    """A controller and a daemon for each node of Slurm, as child processes."""
 
     def __init__(self, folder):
         self._folder, self._daemons = folder, {}
@@ -85,7 +85,7 @@ class Slurm:
             self._daemons[program, options] = subprocess.Popen(command, stdout=out, stderr=out)
 
     def restart_controller(self, pause):
-        """Kill the controller, and start it again after a time [s]."""
+        """Kill the controller, and start it again after `pause` seconds."""
         controller = self._daemons.pop(("slurmctld", ("-D",)))
         controller.kill()
         controller.wait()
@@ -93,13 +93,13 @@ class Slurm:
         self._start("slurmctld", "-D")
 
     def ask(self, *command):
-        """Output of a command; nothing if it fails."""
+        """Output of a command; empty if it fails."""
         return subprocess.run(
             command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False
         ).stdout
 
     def jobs(self, state="all"):
-        """Numbers of the jobs in a state."""
+        """Numbers of the jobs in a state, as texts."""
         return self.ask("squeue", "--noheader", "--format=%A", f"--states={state}").split()
 
     def close(self):
@@ -116,7 +116,7 @@ class Slurm:
 
 
 def _free_ports(number):
-    """Ports of this machine that nobody uses now."""
+    """Numbers of free ports of this machine."""
     with ExitStack() as stack:
         sockets = [
             stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(number)

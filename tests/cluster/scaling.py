@@ -28,14 +28,14 @@ _MEASURED = 4
 
 
 def timed(sweep, point, trunks):
-    """CPU time of a point [s]."""
+    """CPU time that a point takes [s]."""
     began = time.process_time()
     run_points(sweep, (point,), trunks)
     return time.process_time() - began
 
 
 def costs_at(sweep, velocity):
-    """CPU time of an increment, and of the end of each load, at a velocity [s]."""
+    """CPU time [s] of an increment, and of the end of each load, at a velocity [m/s]."""
     *_, highest = sweep.plane.loads
     trunks = Trunks()
     whole = timed(sweep, Point(highest, velocity), trunks)

@@ -34,11 +34,11 @@ ROOT = Path(__file__).parents[2]
 
 
 class EnoughError(Exception):
-    """The time is over."""
+    """Ends a sweep when its time is over."""
 
 
 class Waiting:
-    """Points that take their time, with the data of the first at their load."""
+    """Replacement of `run_points` that waits, and returns data of the first point at each load."""
 
     def __init__(self, seconds):
         self._seconds, self._known, self._run_points = seconds, {}, work.run_points
@@ -61,7 +61,7 @@ async def host(address, number):
 
 
 def driven(out, address, options):
-    """Drive the workers for a while; what each point and the start cost."""
+    """Drive the workers for a while; return what the start, points and commits cost."""
     marks, tasks, commits = [], [], []
     start, commit = Jobs.submit, Store.commit
     began = time.monotonic(), time.process_time()

@@ -57,7 +57,7 @@ def _zeroed(file, chance, older):
 
 
 def _swapped(file, chance, older):
-    """Exchange a block with another one, of the same array if it has another; flip what is none."""
+    """Exchange a chunk with another, of its own array if possible; flip a bit of other files."""
     if not file.name.startswith("c."):
         return _flipped(file, chance, older)
     alike = [other for other in file.parent.glob("c.*") if other != file]
@@ -69,7 +69,7 @@ def _swapped(file, chance, older):
 
 
 def _restored(file, chance, older):
-    """Put a file as it was when half of the points were done, with its time of then."""
+    """Replace a file by its older version from when half of the points were done, with its time."""
     if older.exists():
         shutil.copy2(older, file)
     else:
@@ -81,7 +81,7 @@ _SOUND = (_swapped, _restored)  # after which a chunk may be a sound one
 
 
 def called(*arguments):
-    """Exit code, output and messages of a command; None and its traceback if it has one."""
+    """Exit code, stdout and stderr of a command; (None, stdout, traceback) if it raises."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
@@ -94,13 +94,13 @@ def called(*arguments):
 
 
 def _answer(*arguments):
-    """Exit code and document of a command that judges, but for messages, which no checksum has."""
+    """Exit code, JSON document and stderr of a command that prints JSON."""
     code, out, err = called(*arguments)
     return code, json.loads(out) if out else [], err
 
 
 class _Whole:
-    """A complete store, of which copies are damaged, and what it was when half was done."""
+    """A complete store, copies of which are damaged, and its state when half was done."""
 
     def __init__(self, run, fields):
         name = "fields" if fields else "plain"
@@ -133,7 +133,7 @@ class _Whole:
         return code_of(Forked(self._sweep, path, self.log, self._records))
 
     def faults(self, path):
-        """Faults of a store that should be as this one."""
+        """Yield faults of a store that should be equal to this one."""
         with pipeline.open_sweep(path) as ds:
             arrays = values_of_points(ds)
             for index, point in places(ds):
@@ -145,7 +145,7 @@ class _Whole:
 
 
 def _faults_of(path, whole, file, kind):
-    """Faults of the answers of commands to a damaged store, and of what becomes of it."""
+    """Yield faults: of what commands say of a damaged store, and of the store after a resume."""
     answers = {name: _answer(name, path, "--json") for name in _COMMANDS}
     for name, (code, _, err) in answers.items():
         if code is None:
@@ -172,7 +172,7 @@ def _faults_of(path, whole, file, kind):
 
 
 def campaign(run):
-    """Damage so many files, the one after the other."""
+    """Damage `run.count` files, one after the other, each in a new copy of a store."""
     whole_store = functools.cache(lambda fields: _Whole(run, fields))
     # Most other damage is noticed by the codec already.
     kinds = (_swapped,) if run.mistake else _KINDS

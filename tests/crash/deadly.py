@@ -23,7 +23,7 @@ _BUSY = "import os; driver = os.getppid()\nwhile os.getppid() == driver: pass"
 
 
 def sweep_of(velocities):
-    """A sweep of which one load in the middle is deadly."""
+    """Sweep with this number of velocities, in which one load in the middle kills its worker."""
     return tiny.full(
         loading=tiny.DeadlyRamp(150.0, 750.0, faulty_load=_DEADLY),
         velocities=tuple(np.linspace(0.5, 1.5, velocities).tolist()),
@@ -35,7 +35,7 @@ def _has_killed(point, message):
 
 
 def campaign(run):
-    """Run so many sweeps to their end, half of them on one worker."""
+    """Run `run.count` sweeps to their end, half of them with one worker."""
     with ExitStack() as stack:
         for _ in range(os.cpu_count()):
             busy = subprocess.Popen([sys.executable, "-c", _BUSY])

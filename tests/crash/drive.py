@@ -59,7 +59,7 @@ def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, sou
 
 @contextmanager
 def noting(log):
-    """Note the points that are reported to callers as done."""
+    """Context: write the points that are reported to callers as done to the file `log`."""
     count = Tally.count
 
     def noted(self, records, workers):
@@ -74,7 +74,7 @@ def noting(log):
 
 @contextmanager
 def computing(records, pace):
-    """Let points be computed here from their records, and be written at once."""
+    """Context: "compute" points in this process from their records, and write each at once."""
 
     link = Connection(None)
 

@@ -20,7 +20,7 @@ _MANNERS = ("together", "later", "lock deleted", "lock a link")
 
 
 def _paths(out, mounted):
-    """Paths to one store."""
+    """Yield different paths to the store `out`: links, a path with dots, and a bind mount."""
     (out.parent / "alias.zarr").symlink_to(out)
     (out.parent / "linked").symlink_to(out.parent)
     yield out
@@ -33,7 +33,7 @@ def _paths(out, mounted):
 
 @contextmanager
 def _bound(out):
-    """Mount a store at another place, too, if this process may."""
+    """Context: bind-mount a store at a second path, and yield it; None without permission."""
     target = out.parent / "container" / "store"
     target.mkdir(parents=True)
     done = subprocess.run(
@@ -47,7 +47,7 @@ def _bound(out):
 
 
 def _beside(trial, driver, path):
-    """Start a second driver beside a first one, by some path."""
+    """Start a second driver while a first one runs, by another path to the same store."""
     chance, counts = trial.run.chance, trial.run.report.counts
     manner = chance.choice(_MANNERS)
     counts[f"pairs, {manner}"] += 1
@@ -79,7 +79,7 @@ def _beside(trial, driver, path):
 
 
 def campaign(run):
-    """Start so many pairs of drivers."""
+    """Start `run.count` pairs of drivers on one store each."""
     for trial in run.trials(_PACE):
         first = trial.start(STAGES[0])
         while first.poll() is None and not (trial.path / ROOT).exists():

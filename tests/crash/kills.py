@@ -47,7 +47,7 @@ _COMMANDS = {
 
 
 class _AsStored:
-    """Results of points of a sweep, with the stations that its store was made with."""
+    """Expected results of points, computed at the load steps that the store has kept."""
 
     def __init__(self, sweep, path):
         self._sweep, self._path, self._expected = sweep, path, None
@@ -60,14 +60,14 @@ class _AsStored:
 
 
 def _processes(driver):
-    """Live processes that a driver has started, and those that these have."""
+    """All living descendant processes of the driver with process id `driver`."""
     with suppress(psutil.NoSuchProcess):
         return psutil.Process(driver).children(recursive=True)
     return []
 
 
 def _is_worker(process):
-    """True if a process was forked or spawned to compute, and is not the fork server."""
+    """True if a process computes points: forked or spawned, but not the fork server."""
     with suppress(psutil.NoSuchProcess):
         words = " ".join(process.cmdline())
         return "spawn_main" in words or ("forkserver" in words and not process.children())
@@ -75,7 +75,7 @@ def _is_worker(process):
 
 
 def _kill(run, target, chance):
-    """Kill a process; return whether there was one."""
+    """Kill a process of kind `target`; return False if there is no worker yet."""
     processes = _processes(run.pid)
     workers = [process for process in processes if _is_worker(process)]
     if not workers:
@@ -91,7 +91,7 @@ def _kill(run, target, chance):
 
 
 def _fast(trial):
-    """Kill a driver without Dask, time after time."""
+    """Kill a driver that runs without Dask, several times."""
 
     def disturb(driver):
         trial.wait(driver)
@@ -101,7 +101,7 @@ def _fast(trial):
 
 
 def _from_another(trial):
-    """Kill a driver that takes over the points of a store whose axes end elsewhere."""
+    """Kill a driver that takes points from another store, whose axes end elsewhere."""
     run, old = trial.run, trial.place / "old.zarr"
     code_of(trial.start(run.chance.choice(STAGES[:2]), old))
     trial.log = trial.place / "noted later"
@@ -112,7 +112,7 @@ def _from_another(trial):
 
 
 def _with_workers(trial, way):
-    """Kill processes of a driver on Dask."""
+    """Kill processes of a driver that runs on Dask."""
 
     def by_job(stage):
         arguments = (stage, trial.path, trial.log, None, trial.run.mistake)
@@ -138,7 +138,7 @@ def _with_workers(trial, way):
 
 
 def _disturb(trial, driver, targets):
-    """Kill one process after the other until the driver ends."""
+    """Kill processes of a driver, one after the other, until the driver ends."""
     chance, counts = trial.run.chance, trial.run.report.counts
     limit, killed = time.monotonic() + PATIENCE, []
     while code_of(driver, chance.uniform(*_EVERY)) is None:
@@ -155,13 +155,13 @@ def _disturb(trial, driver, targets):
 
 
 def _entry(text):
-    """Path and value of a setting, as Python takes it."""
+    """Path and value, as Python reads it, of a setting such as "sweep.samples=8"."""
     name, _, value = text.partition("=")
     return name, {"true": True}.get(value) or int(value)
 
 
 def campaign(run):
-    """Disturb so many sweeps, every fourth of them with workers."""
+    """Disturb `run.count` sweeps, every fourth of them with workers."""
     following = itertools.cycle(("sweep", *_COMMANDS))
     for number, trial in enumerate(run.trials()):
         if number % 4 == 3:

@@ -36,7 +36,7 @@ _END = 60.0  # [s] that the processes of a dead driver may take to end
 
 
 class Report:
-    """Counts of a campaign, and its faults."""
+    """Counts of what a campaign did, and the faults that it found."""
 
     def __init__(self):
         self.counts, self.faults = Counter(), []
@@ -46,7 +46,7 @@ class Report:
 
 
 class Forked:
-    """A driver without Dask, in a process that is forked from this one.
+    """A driver without Dask in a process forked from this one, like `subprocess.Popen`.
 
     Parameters are those of `drive`.
     """
@@ -67,14 +67,14 @@ class Forked:
                 os._exit(code)
 
     def poll(self):
-        """Exit code; None if it goes on."""
+        """Exit code of the driver; None if it still runs."""
         if self.returncode is None:
             pid, status = os.waitpid(self.pid, os.WNOHANG)
             self.returncode = os.waitstatus_to_exitcode(status) if pid else None
         return self.returncode
 
     def wait(self, seconds=PATIENCE):
-        """Wait until it has ended; raise as `subprocess.Popen.wait` does."""
+        """Wait until the driver has ended; raise as `subprocess.Popen.wait` does."""
         limit = time.monotonic() + seconds
         while self.poll() is None:
             if time.monotonic() > limit:
@@ -83,13 +83,13 @@ class Forked:
         return self.returncode
 
     def kill(self):
-        """Kill it, if it has not ended."""
+        """Kill the driver if it still runs."""
         if self.poll() is None:
             os.kill(self.pid, signal.SIGKILL)
 
 
 def started(log, *arguments, mistake=None):
-    """Start a driver by a command of its own, in a group of its own."""
+    """Start a driver as a command, in a process group of its own."""
     wrong = ["--mistake", mistake] if mistake else []
     return subprocess.Popen(
         [sys.executable, "-m", "tests.crash.drive", log, *wrong, *map(str, arguments)],
@@ -101,21 +101,21 @@ def started(log, *arguments, mistake=None):
 
 
 def job(folder, *arguments):
-    """Options with which `started` calls `drive`."""
+    """Command-line options by which `started` passes these arguments to `drive`."""
     file = folder / "job.pickle"
     file.write_bytes(pickle.dumps(arguments))
     return "--job", file
 
 
 def code_of(run, seconds=PATIENCE):
-    """Exit code of a driver; None if it goes on after a time [s]."""
+    """Exit code of a driver; None if it still runs after this time [s]."""
     with suppress(subprocess.TimeoutExpired):
         run.wait(seconds)
     return run.poll()
 
 
 def end(run):
-    """Kill a driver, with all of its processes if it has a group; return if these had ended."""
+    """Kill a driver and its process group; return True if its processes had ended by themselves."""
     if not isinstance(run, subprocess.Popen):
         run.kill()
         run.wait()
@@ -133,7 +133,7 @@ def end(run):
 
 
 def places(ds):
-    """Points that a dataset has room for, each with its place."""
+    """Yield each index into the variables of a dataset, and the `Point` there."""
     dims = ds["status"].dims
     for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
         values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
@@ -144,18 +144,18 @@ def places(ds):
 
 
 def values_of_points(ds):
-    """Values of all variables of points, by name."""
+    """Values of all variables of a dataset as arrays, by name, with messages."""
     numbers = {name: ds[name].values for name in [*ds.data_vars, "own_grid"]}
     return numbers | {"message": pipeline.results(ds).messages}
 
 
 def _is_known(values):
-    """True where there is a value: of a flag, where it is set."""
+    """True where there is a number or, for flags, where a flag is set."""
     return values if values.dtype == bool else np.isfinite(values)
 
 
 def differing(arrays, index, result):
-    """Variables of a point that are not, bit for bit, what was computed."""
+    """Yield names of variables of a point that are not, bit for bit, the computed result."""
     expected = {**result.record("pressure" in arrays).data}
     for name, values in expected.items():
         stored = arrays[name][index]
@@ -166,12 +166,12 @@ def differing(arrays, index, result):
 
 
 def is_meant_to_fail(point, message):
-    """Return whether a point may have failed, as that one does of which the first stage tells."""
+    """True if the failure of a point is the intended one of the first stage."""
     return (point, message) == (FAILING, REASON)
 
 
 def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
-    """Faults of a dataset: points lost, points that differ, and values of points not done."""
+    """Yield faults of a dataset: lost points, wrong values, and values of points not done."""
     arrays = values_of_points(ds)
     left = set(acknowledged)
     for index, point in places(ds):
@@ -190,13 +190,13 @@ def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
 
 
 def faults_of_files(verification):
-    """Damage that a verification names."""
+    """Damage that `verify_store` names, as texts."""
     named = (*verification.damaged, *verification.shared)
     return [f"damaged: {fault}" for fault in named]
 
 
 class Run:
-    """A campaign: its name, folder and number of trials, chance, report, and mistake if any."""
+    """A campaign: name, folder, number of trials, random generator, report, deliberate mistake."""
 
     def __init__(self, name, folder, count, chance, report, mistake):
         self.name, self.folder, self.count = name, folder, count
@@ -204,11 +204,11 @@ class Run:
 
     @cached_property
     def records(self):
-        """Records of the points of all stages, as workers would return them."""
+        """Records of the points of all stages, as workers would return them, by point."""
         return EXPECTED.records(STAGES[-1])
 
     def trials(self, pace=0.0):
-        """Trials, each with a folder of its own, on drivers without Dask."""
+        """Yield trials, each with its own folder, with drivers that run without Dask."""
         for number in range(self.count):
             place = self.folder / str(number)
             place.mkdir(parents=True)
@@ -218,19 +218,19 @@ class Run:
 
 
 class Trial:
-    """A store that is written to through all kinds of disturbances.
+    """A store that drivers write to while they are disturbed.
 
     Attributes
     ----------
     run : Run
     place, path, log : Path
-        Its folder, the store, and the file in which drivers note what they were told is done.
+        Its folder, the store, and the file in which drivers note points reported as done.
     expected : callable
-        Result of a point, computed alone.
+        Function from a point to its result, computed alone.
     stages : sequence
-        Sweeps, the one after the other; the last one is completed in the end.
+        Sweeps to run one after the other; the last one is completed in the end.
     may_repeat : bool
-        Whether points may be computed again that were told as done.
+        True if points that were reported as done may be computed again.
     """
 
     def __init__(self, run, place, pace):
@@ -239,19 +239,19 @@ class Trial:
         self.expected, self.stages, self.may_repeat = EXPECTED, STAGES, False
 
     def start(self, stage, path=None):
-        """Start a driver on one of the stages."""
+        """Start a driver on the sweep `stage`."""
         run = self.run
         return Forked(stage, path or self.path, self.log, run.records, run.mistake, self._pace)
 
     @property
     def acknowledged(self):
-        """Number of times that each point was reported to drivers as done."""
+        """Number of times that each point was reported to drivers as done, by point."""
         lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
         rows = (json.loads(line) for line in lines if line.endswith("\n"))
         return Counter(Point(*place, tuple(map(tuple, variant))) for *place, variant in rows)
 
     def go(self, disturbances):
-        """Disturb one run after the other, then complete the sweep; add faults to the report."""
+        """Disturb one driver after the other, then complete the sweep; add faults to the report."""
         for number, disturb in enumerate(disturbances):
             driver = self.start(self.stages[min(number, len(self.stages) - 1)])
             try:
@@ -264,7 +264,7 @@ class Trial:
         self.run.report.counts["trials"] += 1
 
     def complete(self):
-        """Run without a disturbance to the end, and look at all that is left."""
+        """Run the sweep to its end without a disturbance, and check store and left-over files."""
         driver = self.start(self.stages[-1])
         code = code_of(driver)
         end(driver)
@@ -285,7 +285,7 @@ class Trial:
             self.fault(f"{point} was told as done, and computed again")
 
     def wait(self, driver):
-        """Let a driver go on until some moment, soon or after some points more."""
+        """Let a driver run for a random time, or until some further points are done."""
         chance = self.run.chance
         further = chance.choice((0, chance.randint(0, 20)))
         enough = len(self.acknowledged) + further if further else 0
@@ -297,7 +297,7 @@ class Trial:
             time.sleep(0.02)
 
     def look(self):
-        """Add what is wrong with the store to the report."""
+        """Check the store, and add its faults to the report."""
         acknowledged = self.acknowledged
         self.run.report.counts["looks"] += 1
         try:
@@ -317,6 +317,6 @@ class Trial:
         self.run.report.faults.append(f"{self.place.name}: {text}")
 
     def last_words(self):
-        """End of what drivers have said."""
+        """Last 400 characters that drivers have printed on stderr."""
         file = self.log.with_suffix(".err")
         return file.read_text()[-400:] if file.exists() else ""

@@ -42,7 +42,7 @@ _PATIENCE = 3600.0  # [s] for a run
 
 
 def sweep_of(points, increments=3):
-    """Points of a few milliseconds each, on smooth bodies; each load has its transition."""
+    """Sweep of points of a few milliseconds, on smooth bodies; each load has a transition."""
     return tiny.sweep(
         increments=increments,
         roughness=None,
@@ -52,7 +52,7 @@ def sweep_of(points, increments=3):
 
 
 def drive(path, points, increments):
-    """Run or resume the sweep; write its reports and its cost beside it."""
+    """Run or resume the sweep; write progress reports and cost to a file beside the store."""
     reports = []
 
     def note(now):
@@ -78,7 +78,7 @@ def drive(path, points, increments):
 
 @contextmanager
 def started(path, points, increments=3):
-    """A run in another process, which ends with the block."""
+    """Context: a run in another process, which is killed on leaving."""
     command = [sys.executable, "-m", "tests.crash.many", "--drive", path, "--points", str(points)]
     command += ["--increments", str(increments)]
     options = {"cwd": Path(__file__).parents[2], "stdout": subprocess.DEVNULL}
@@ -90,7 +90,7 @@ def started(path, points, increments=3):
 
 
 def driven(path, points):
-    """Run or resume the sweep in another process; what it cost."""
+    """Run or resume the sweep in another process; return its cost as a dictionary."""
     began = time.monotonic()
     with started(path, points) as process:
         code = code_of(process, _PATIENCE)
@@ -101,7 +101,7 @@ def driven(path, points):
 
 
 def copied(path, to):
-    """Copy a store that is written to: statuses first, then data, which were there before."""
+    """Copy a store during a write: statuses first, as the data of done points are older."""
     to.mkdir()
     for name in ["zarr.json", "status"]:
         copy = shutil.copytree if (path / name).is_dir() else shutil.copy
@@ -114,7 +114,7 @@ def copied(path, to):
 
 
 def early(folder, points):
-    """See what is shown at a tenth of the time of a run; the faults of that, too."""
+    """Yield faults of what is shown at a tenth of a run's time, then a report."""
     path, copies = folder / "early.zarr", []
     with started(path, points, _STEPS) as process:
         following = 0.0
@@ -154,7 +154,7 @@ def early(folder, points):
 
 
 def timed(function, *arguments):
-    """Result of a function, and its wall and CPU time [s]."""
+    """Result of a function, and a list of its wall and CPU time [s]."""
     began = time.perf_counter(), time.process_time()
     result = function(*arguments)
     ended = time.perf_counter(), time.process_time()
@@ -162,7 +162,7 @@ def timed(function, *arguments):
 
 
 def large(folder, points):
-    """Run, open, go on with and verify a large sweep; the faults of that, too."""
+    """Run, resume, open and verify a large sweep; yield faults, then a report."""
     path, report = folder / "many.zarr", {}
     report["run"] = driven(path, points)
     report["files"] = sum(len(names) for _, _, names in os.walk(path))

@@ -11,7 +11,7 @@ _KILLS = 3  # of a trial
 
 
 def campaign(run):
-    """Kill the drivers of so many stores."""
+    """Kill drivers of `run.count` stores in an object store, several times each."""
     with served():
         for trial in run.trials():
             trial.path = f"s3://irg/{os.getpid()}/{trial.place.name}.zarr"

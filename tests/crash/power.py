@@ -33,14 +33,14 @@ _SIZE = {"mkfs.ext4": 64, "mkfs.xfs": 320}  # [MB]
 
 
 def kinds():
-    """Kinds of file systems that can be made and mounted here."""
+    """Kinds of file systems that this process can create and mount."""
     if os.geteuid() != 0 or not Path("/dev/loop-control").exists():
         return []
     return [kind for kind, command in _KINDS.items() if shutil.which(command[0])]
 
 
 class Disk:
-    """A file system in a file, which is mounted at a folder."""
+    """A file system in an image file, mounted at a folder."""
 
     def __init__(self, folder, kind):
         self.folder, self._image = folder / "disk", folder / "image"
@@ -79,7 +79,7 @@ def _mounted(disk):
 
 
 def campaign(run):
-    """Cut the power of so many disks, several times of each."""
+    """Cut the power of `run.count` disks, several times each."""
     if not (on := kinds()):
         run.report.counts["skipped: needs root, loop devices and mkfs.ext4"] = 1
         return

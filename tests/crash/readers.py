@@ -16,7 +16,7 @@ _PACE = 0.03  # [s] between commits
 
 
 def campaign(run):
-    """Read so many sweeps from their beginning to their end."""
+    """Read `run.count` stores again and again while drivers write them."""
     for trial in run.trials(_PACE):
 
         def read(driver, trial=trial):
@@ -33,12 +33,12 @@ def campaign(run):
 
 
 def _may_have_failed(point, _):
-    """Return whether a point may have failed; its message may be that of its later success."""
+    """True for the point that fails in the first stage; its message may already be replaced."""
     return point == FAILING
 
 
 def _read(trial, driver):
-    """Read a store in one of the ways, if there is one; faults of what is seen."""
+    """Read a store in a randomly chosen way, and yield faults of what is seen."""
     acknowledged, chance = trial.acknowledged, trial.run.chance
     if find_sweep(trial.path) is None:
         return

@@ -22,7 +22,7 @@ REASON = "ConvergenceError: the contact did not converge"
 
 
 class Expected:
-    """Results of points, each computed alone and once.
+    """Function from a point to its result, computed alone and once.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Expected:
         return self._results[point]
 
     def records(self, sweep):
-        """Records of all points of a sweep, as its workers return them."""
+        """Records of all points of a sweep, as its workers return them, by point."""
         return {point: self(point).record(sweep.plane.fields) for point in points(sweep)}
 
 
@@ -49,7 +49,7 @@ EXPECTED = Expected(STAGES[-1])
 
 
 def record_of(records, sweep, point):
-    """Record of a point, which fails in the first stage if it is that one."""
+    """Record of a point; a failure if it is `FAILING` in the first stage."""
     if point == FAILING and sweep.plane.loads == STAGES[0].plane.loads:
         return PointRecord(point, None, REASON)
     return records[point]

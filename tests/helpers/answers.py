@@ -7,7 +7,7 @@ from tribo import InputError
 
 
 def answer(field, load, velocity, scatter):
-    """The margin of a field at one place; an `InputError` where there is none."""
+    """The `Margin` of a field at one load and velocity; an `InputError` if there is none."""
     (found,) = answers(field, np.array([load]), np.array([velocity]), scatter, [()])
     if isinstance(found, str):
         raise InputError(found)
@@ -15,6 +15,6 @@ def answer(field, load, velocity, scatter):
 
 
 def crossings(curve, limit):
-    """Places at which one curve passes a limit."""
+    """Abscissae at which one `Curve` passes a limit, as a tuple."""
     places = curve.crossings(limit)
     return tuple(places[np.isfinite(places)].tolist())

@@ -21,13 +21,13 @@ _OPTIONS = (
 
 
 def absent(reason):
-    """Skip a test for what is not installed, or fail it where CI says that it must be there."""
+    """Skip a test that lacks a program, with the reason; with WITH_BROWSER, as in CI, fail it."""
     (pytest.fail if os.environ.get("WITH_BROWSER") else pytest.skip)(reason)
 
 
 @contextmanager
 def chromium():
-    """A driver of Chromium; skips where there is none, or fails where CI says there must be one."""
+    """Context: a Selenium driver of Chromium; if it is not installed, see `absent`."""
     browser, program = shutil.which("chromium"), shutil.which("chromedriver")
     if not (browser and program):
         absent("no chromium and chromedriver: apt-get install chromium chromium-driver")

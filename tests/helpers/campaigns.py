@@ -15,24 +15,24 @@ PAGE = ROOT / "workflows" / "MEASURED.md"
 
 
 def git(*arguments, root=ROOT):
-    """What git says, without its last line break; nothing where it cannot tell."""
+    """Output of a git command, without its last line break; empty if it fails."""
     command = ["git", "-C", str(root), *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()
 
 
 def commit():
-    """Name of the working tree's commit."""
+    """Short name of the checked-out commit, with "-dirty" if files differ."""
     return git("describe", "--always", "--dirty") or "unknown commit"
 
 
 def table(columns, rows):
-    """Lines of a table in Markdown."""
+    """A Markdown table as text."""
     lines = ["| " + " | ".join(map(str, row)) + " |" for row in (columns, *rows)]
     return "\n".join([lines[0], "|" + "---|" * len(columns), *lines[1:]])
 
 
 def save(name, found, is_right):
-    """Save what a campaign found until now, with its command, date and commit."""
+    """Write what a campaign found so far to ``results``, with its command, date and commit."""
     module = sys.modules["__main__"].__spec__.name.removesuffix(".__main__")
     command = shlex.join(["python", "-m", module, *sys.argv[1:]])
     verdict = "right" if is_right else "not right"
@@ -42,14 +42,14 @@ def save(name, found, is_right):
 
 
 def conclude(name, found, is_right):
-    """Print and save what a campaign found; the exit code."""
+    """Print and save what a campaign found; return the exit code, 0 if `is_right`."""
     save(name, found, is_right)
     print(found)
     return 0 if is_right else 1
 
 
 def older(page, root=ROOT):
-    """Sentences on the figures of a page that were recorded before the last change of their rooms.
+    """Yield a sentence on each figure of a page that is older than the last change of its rooms.
 
     Each section with figures has a line such as ``Rooms: `tribo`, `pipeline/store`.``
     """

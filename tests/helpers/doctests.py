@@ -28,7 +28,7 @@ samples = 16
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collect_file(file_path):
-    """Search for examples where there are some: five of six files have none, nor need importing."""
+    """Collect doctests only from files with examples, so that the others are not imported."""
     collectors = yield
     if file_path.suffix == ".py" and ">>> " not in file_path.read_text(encoding="utf-8"):
         return [one for one in collectors if not isinstance(one, DoctestModule)]
@@ -50,7 +50,7 @@ def _beside_scenes_and_results(request, monkeypatch):
 
 @pytest.fixture(scope="session")
 def folder_with_results(tmp_path_factory):
-    """A folder with ``workflows`` and two stores under ``results``, in which an example may write.
+    """Folder with ``workflows`` and two stores under ``results``, which an example may change.
 
     Both are of `workflows/first_try.toml`, ``unknown.zarr`` with two unknown inputs.
     """
@@ -70,7 +70,7 @@ def _fill(folder):
 
 
 def _compute(scene, path):
-    """Compute a scene here, without a cluster."""
+    """Compute a scene into a store, in this process and without a cluster."""
     import pipeline
     from pipeline.store.create import writing
     from pipeline.sweep.plan import points, run_points, tasks

@@ -28,7 +28,7 @@ FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions", "tested_oil"}
 
 
 class Given:
-    """A reader that puts objects in the place of what entries read as."""
+    """A scene reader that replaces some of the parts that it reads by given objects."""
 
     def __init__(self, reader, values):
         self.reader, self.values = reader, values
@@ -61,7 +61,7 @@ class Given:
 
 
 def changed(sweep, **values):
-    """The sweep with other values of fields of its parts, as entries where there are such."""
+    """Copy of a sweep with other values of fields, written as scene entries where possible."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
     if any(bool(test.outcome) != _TESTS[k] for k in _TESTS for test in values.get(k, ())):
         tests = (*values.get("measured", ()), *values.get("tested", ()))
@@ -191,7 +191,7 @@ def _pin(pin):
 
 
 def _condition_entries(changes):
-    """Fields of `Conditions` as entries of a scene, by their paths."""
+    """Scene entries by path for fields of `Conditions`, given by name."""
     texts = {
         name: value if UNITS_OF.get(name, "1") == "1" else f"{value!r} {UNITS_OF[name]}"
         for name, value in changes.items()
@@ -224,7 +224,7 @@ def _conditions(made):
 
 
 def _beside(corrections):
-    """Entries of the physics beside two half-spaces, but for the curves of friction."""
+    """Scene entries for `Corrections`, such as films and tracks, except friction curves."""
     bodies = ("track_length", "capacity", "loss")
     entries = {f"{body}.{key}": None for body in ("pin", "disk") for key in bodies}
     entries |= {"disk.film": None, "pin.stem": None}
@@ -273,7 +273,7 @@ def _oil(oil):
 
 
 def rows(name, changes, velocities=None, loads=None):
-    """Rows by hand, by the fields of parts of the sweep that each changes [SI], or by objects."""
+    """Variants of a sweep; `changes` has for each label the changed fields [SI] or objects."""
     places = {"load": loads, "velocity": velocities}
     return labelled_rows(
         name,
@@ -283,7 +283,7 @@ def rows(name, changes, velocities=None, loads=None):
 
 
 def placed_rows(*places):
-    """Numbered rows, each with its load and velocity, and further labels and entries, if any."""
+    """Numbered variants, each (load, velocity, labels, entries); the last two may be left out."""
     units = {
         "load": "N",
         "velocity": "m/s",
@@ -301,7 +301,7 @@ def placed_rows(*places):
 
 
 def two_pins():
-    """Rows of two pins, of 1 and 2 mm."""
+    """Two variants of a sweep, with pin radii of 1 and 2 mm."""
     held = (Row({"pin.radius": n * 1e-3}, {"pin.radius": f"{n} mm"}) for n in (1, 2))
     return Variants((Column("pin.radius", "m"),), tuple(held))
 

@@ -12,7 +12,7 @@ from tests.helpers.shared import root_of_all
 
 
 class Folder:
-    """What a store keeps, each in a file of a folder."""
+    """Keeper of fits that has a file in a folder for each, instead of a store."""
 
     def __init__(self, path):
         self._path = path

@@ -2,7 +2,7 @@
 
 
 class Heard(list):
-    """Lines that a function says, whose ``progress`` is `hear`."""
+    """List of the lines that a long function reports, if its ``progress`` is `hear`."""
 
     def hear(self, progress):
         if progress.words:

@@ -11,7 +11,7 @@ import numpy as np
 def x3p(
     heights, pixel, kind="matrix", folder="", revision="ISO5436 - 2000", dtype="D", edit=("", "")
 ):
-    """ISO 25178-72: heights in a binary matrix with a mask, or in a list."""
+    """Content of an ISO 25178-72 file: heights in a binary matrix with a mask, or in a list."""
     nx, ny = heights.shape
     step = 1.0 if dtype in "DF" else 1e-9
     axes = "".join(
@@ -49,7 +49,7 @@ def x3p(
 
 
 def gwy(channels, pixel):
-    """Gwyddion's native format: channels of heights with their units, "" for none."""
+    """Content of a Gwyddion file: channels of heights with their units, "" for none."""
 
     def component(name, kind, value):
         return name.encode() + b"\0" + kind.encode() + value
@@ -88,7 +88,7 @@ _SUR = (
 
 
 def sur(heights, pixel, is_compressed=False):
-    """Digital Surf's format, 32 bits a height; compressed data in two blocks."""
+    """Content of a Digital Surf file, 32 bits a height; compressed data in two blocks."""
     nx, ny = heights.shape
     holes = np.isnan(heights)
     step = np.abs(heights[~holes]).max() / 2**24
@@ -111,7 +111,7 @@ def sur(heights, pixel, is_compressed=False):
 
 
 def al3d(heights, pixel):
-    """Alicona's format: tags in text, then heights as floats, a row padded to 8 bytes."""
+    """Content of an Alicona file: tags as text, then heights as floats, rows padded to 8 bytes."""
     nx, ny = heights.shape
     invalid = 1e10
     tags = {

@@ -22,7 +22,7 @@ const document = { getElementById: () => ({ textContent: held.content }) };
 
 
 def run(ds, script, argument=None):
-    """Result of a script that sees the page's functions and its argument; NaN where null."""
+    """Result of a script that can use the page's functions and `argument`; null becomes NaN."""
     node = shutil.which("node")
     if node is None:
         absent("no node")

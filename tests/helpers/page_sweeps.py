@@ -12,7 +12,7 @@ _LOADS = np.array([150.0, 200.0, 300.0, 450.0, 600.0, 750.0])
 
 
 def uneven(seed):
-    """The closed form with a wave that differs from point to point, and from seed to seed."""
+    """Function of the rise: the closed form with a random wave that depends on the seed."""
     generator = np.random.default_rng(seed)
     a, b, c = generator.uniform(0.5, 3.0, 3)
 
@@ -25,25 +25,25 @@ def uneven(seed):
 
 
 def one(**changes):
-    """One surface, with points that are failed and pending."""
+    """Sweep on one surface, with failed and pending points."""
     status = {(300.0, 1.4): 2, (600.0, 0.5): 0, (750.0, 4.0): 0}
     options = {"status": status, "rise": uneven(0)} | changes
     return synthetic.sweep(_LOADS, _VELOCITIES, **options)
 
 
 def with_zero_velocity():
-    """From rest on, where nothing is heated."""
+    """Sweep that includes velocity 0, at which there is no heat."""
     return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=uneven(1))
 
 
 def over_surfaces(axis="realization", count=5):
-    """Surfaces, some points of which are not done."""
+    """Sweep on several surfaces, with failed and pending points."""
     parts = [one(rise=uneven(seed)) for seed in range(count)]
     return xr.concat(parts, xr.Variable(axis, np.arange(count)), combine_attrs="override")
 
 
 def held():
-    """The load is held for eight steps more; one part of the contact warms, another cools."""
+    """Sweep with eight steps of hold, in which one part of the contact warms and another cools."""
     ds = one()
     ds = ds.assign_coords(step=ds["step"] - 8).reindex(step=np.arange(1 - ds.sizes["step"] - 8, 1))
     ds["own_grid"] = xr.ones_like(ds["max_rise"], bool)
@@ -60,7 +60,7 @@ def held():
 
 
 def along_boundary(seed=0):
-    """Points about the boundary alone, each load at velocities of its own on both sides of it."""
+    """Sweep with points only near the boundary, at other velocities for each load."""
     ds = one(status={}, rise=uneven(seed))
     severe = ds["rise_quantile"].isel(cooler_share=22).max("step") > synthetic.limit()
     chosen = [
@@ -86,13 +86,13 @@ def along_boundary(seed=0):
 
 
 def of_a_warm_pin():
-    """Bodies of unequal bulk temperatures, the pin the warmer one, judged by the mean."""
+    """Sweep of a pin warmer than the disk, judged by the mean temperature."""
     bulks = {"bulk_temperature": 378.15, "disk_temperature": 298.15}
     return of_two_bulks(**bulks, criterion="mean")
 
 
 def of_two_bulks(**conditions):
-    """Bodies of unequal bulk temperatures, the disk the warmer one unless conditions differ."""
+    """Sweep of bodies of unequal bulk temperature; by default the disk is warmer."""
     changed = {"disk_temperature": 318.15} | conditions
     ds = one(conditions=synthetic.CONDITIONS | changed, unequal_bulks=True)
     ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
@@ -115,10 +115,10 @@ KINDS = {
 
 
 def column(table, name):
-    """Numbers of a column of a table; NaN where there is none."""
+    """Numbers in a column of a printed table; NaN for "–"."""
     return np.array([float(row[name].replace("–", "nan")) for row in table])
 
 
 def same(actual, expected, rtol=0.01):
-    """Equal within what straight lines between tabulated rises may err by."""
+    """Assert equality within the error of linear interpolation between tabulated rises."""
     np.testing.assert_allclose(actual, expected, rtol=rtol, atol=0)

@@ -9,7 +9,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def python(*arguments, variables=(), before=(), **options):
-    """Run Python to its end, with variables and ``before`` the command; its code and words."""
+    """Run Python in a subprocess, with environment variables and a command prefix ``before``."""
     usual = {"capture_output": True, "text": True, "check": False, "timeout": 200}
     environment = os.environ | {"PYTHONPATH": str(ROOT)} | dict(variables)
     command = [*before, sys.executable, *map(str, arguments)]

@@ -20,17 +20,17 @@ ROOT = Path(pipeline.__file__).resolve().parent
 
 
 class Outcome(NamedTuple):
-    """The message of a refusal, and the texts of all errors and faults by place in the code."""
+    """Message of a refusal, and (file, line, text) of all errors and faults raised on the way."""
 
     message: str
     places: list[tuple[str, int, str]]
 
 
 class Refusals:
-    """The refusals of a room: builds by name, each run once, in a folder of its own.
+    """Table of the refusals of a folder of code: functions by name, each run once.
 
-    A build raises a `TriboError`, or returns what a command said. A place in the code is in the
-    table if an entry has caused its error or fault, and asks for a text that stands in it.
+    A function raises a `TriboError`, or returns the output of a command. A raising statement is
+    covered if a table entry has caused its error, and expects a text that is in its message.
     """
 
     def __init__(
@@ -45,7 +45,7 @@ class Refusals:
         self.outcomes: dict[str, Outcome] = {}
 
     def outcome(self, name: str) -> Outcome:
-        """What came of an entry; stores are there under their names."""
+        """Outcome of a table entry; it runs in a folder with links to the stores."""
         if name not in self.outcomes:
             build = self.table[name][0]
             if sys.gettrace():  # a coverage tool would miss the lines that are traced below
@@ -61,20 +61,20 @@ class Refusals:
         return place
 
     def check(self, name: str) -> None:
-        """Assert that an entry is refused in a line that says what its table asks for."""
+        """Assert that an entry is refused in one line that contains the expected text."""
         message, said = self.outcome(name).message, self.table[name][1]
         assert said in message, message
         assert len(message.strip().splitlines()) == 1, message
 
     def check_all(self, elsewhere: Collection[str] = ()) -> None:
-        """Assert that the table has every error and fault but those that are tested elsewhere."""
+        """Assert that the table covers every error and fault except those tested `elsewhere`."""
         missing = self._missing()
         unknown = [f"{place} {name}" for name, place in missing.items() if name not in elsewhere]
         assert unknown == [], "\n".join(["the table lacks", *unknown])
         assert sorted(elsewhere) == sorted(missing), "the table has what is said to be elsewhere"
 
     def _missing(self) -> dict[str, str]:
-        """Function and class of each error or fault that no entry causes, with its place."""
+        """Errors and faults that no entry causes: file and line by function and class."""
         caused = {
             (file, line)
             for name, (_, said) in self.table.items()
@@ -119,7 +119,7 @@ class Refusals:
         return Outcome(message, places)
 
     def _statements(self) -> Iterator[tuple[str, range, str]]:
-        """Each statement that raises or refuses, with its lines and its name."""
+        """Yield file, lines and name of each statement that raises an error or refuses an entry."""
         for file in sorted(self.room.rglob("*.py")) if self.room.is_dir() else [self.room]:
             for function in ast.walk(ast.parse(file.read_text("utf-8"))):
                 if isinstance(function, ast.FunctionDef):
@@ -130,7 +130,7 @@ class Refusals:
 
 
 def _passed(error: BaseException | None) -> Iterator[tuple[str, int, str]]:
-    """Places that an error and those before it have passed, in other threads, too."""
+    """Yield (file, line, text) along the traceback of an error and of its causes."""
     while error is not None:
         for frame, line in traceback.walk_tb(error.__traceback__):
             yield frame.f_code.co_filename, line, str(error)
@@ -138,7 +138,7 @@ def _passed(error: BaseException | None) -> Iterator[tuple[str, int, str]]:
 
 
 def _refusal(node: ast.AST) -> str | None:
-    """Class of the error that a statement makes, or "fault" where it refuses an entry."""
+    """Class of the error that a statement raises, "fault" if it refuses an entry, else None."""
     match node:
         case ast.Raise(exc=ast.Call(func=error)):
             return ast.unparse(error)
@@ -150,7 +150,7 @@ def _refusal(node: ast.AST) -> str | None:
 def refusal_tests(
     room: str, table: dict[str, Any], elsewhere: Collection[str] = (), **stores: str
 ) -> tuple[Any, Any, Any]:
-    """Make the fixture and the tests of a room's table; `stores` names the fixture of each."""
+    """Fixture and tests for the table of a folder; `stores` has names of fixtures by store name."""
 
     @pytest.fixture(scope="module")
     def refusals(request: Any, tmp_path_factory: Any) -> Refusals:
@@ -168,7 +168,7 @@ def refusal_tests(
 
 
 def command(*arguments: Any) -> str:
-    """What a command says that is refused."""
+    """Output of a command that is refused with exit code 2."""
     with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(said):
         try:
             code = main([str(argument) for argument in arguments])

@@ -10,7 +10,7 @@ from moto.server import ThreadedMotoServer
 
 @contextmanager
 def served():
-    """Serve a bucket named irg, which this process and its children find by their environment."""
+    """Context: serve a bucket named irg; this process and its children find it by environment."""
     logging.getLogger("werkzeug").setLevel(logging.ERROR)
     server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
     server.start()

@@ -31,14 +31,14 @@ _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 
 def fewer_draws(monkeypatch):
-    """Weigh a quarter as many as users do, which tell means and spreads well enough."""
+    """Patch inference to a quarter of the usual draws, which suffice for means and spreads."""
     for name, count in {"_FIRST": 2**11, "_COUNT": 2**11, "_ENOUGH": 400}.items():
         monkeypatch.setattr(weigh, name, count)
     monkeypatch.setattr(prior, "__defaults__", (2**10,))
 
 
 def rise(inputs, load, velocity, unknown=ALL):
-    """Decisive rise at friction 1 [K]."""
+    """Deciding rise [K] at friction 1 of each row of inputs, by a closed form."""
     rises = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
     for entry, column in zip(unknown, inputs.T, strict=True):
         if entry.path == RATE.path:
@@ -82,20 +82,20 @@ def critical_velocity(inputs, load):
 
 
 def field(samples):
-    """The field of samples, whose inputs are as they were drawn."""
+    """Field of samples, with draws of the scene's own distributions."""
     return SampleField(samples, draws_of(samples, None), pipeline.results(dataset(samples)))
 
 
 def margin(samples, load, velocity, scatter=0.0):
-    """The margin at a place, with a scatter of runs about the model that four tests count as."""
+    """Margin at a load and velocity; `scatter` is the prior of the model's own error."""
     return answer(field(samples), load, velocity, ModelError(usual=scatter))
 
 
 def dataset(samples, growth=((0.0, 1.0),), **told):
-    """A dataset as `pipeline.open_sweep` gives it, whose ensemble is the one of these samples.
+    """Dataset like that of `pipeline.open_sweep` for the samples of an ensemble.
 
-    Factors by which rises grow after some holds are pairs of them. Further values are those of
-    fields of its sweep.
+    `growth` has pairs of a hold [s] and the factor by which rises have grown then. `told` has
+    values of fields of the sweep.
     """
     holds, factors = np.array(growth).T
     rise = (samples.rises[..., None] * factors)[..., None]

@@ -85,7 +85,7 @@ velocity = "2 m/s"
 
 
 def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, True), **fidelity):
-    """48 × 16 elements under the paper's pin, its ramp in 10 increments."""
+    """Scene with 48 × 16 elements under the paper's pin, with a ramp in 10 increments."""
     choices = {"pixels_per_element": 1, "increments": 10, "contact_tolerance": 1e-6} | fidelity
     return Scene(
         pin=Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
@@ -99,6 +99,6 @@ def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, Tru
 
 
 def last(scene, load, velocity):
-    """State at the end of a point."""
+    """Last state of a simulated point."""
     *_, state = simulate(scene, load, velocity)
     return state

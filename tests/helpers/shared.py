@@ -5,13 +5,13 @@ import os
 
 
 def root_of_all(tmp_path_factory):
-    """The folder of temporary files that all processes of the suite share."""
+    """Folder of temporary files that all processes of a test run share."""
     root = tmp_path_factory.getbasetemp()
     return root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
 
 
 def made_once(tmp_path_factory, name, fill):
-    """A folder that the first process of the suite fills; the others wait, and read it alone."""
+    """Folder that the first process of a test run fills; other processes wait, and only read it."""
     root = root_of_all(tmp_path_factory)
     folder, partial = root / f"{name}-once", root / f"{name}-partial"
     with (root / f"{name}.lock").open("w") as lock:

@@ -9,7 +9,7 @@ EPSILON = np.finfo(float).eps
 
 
 def assert_sound(scene, before, state, normal_load):
-    """Hold a state against the physics, with none of the simulation's own checks."""
+    """Assert that a state obeys the physics, without using the simulation's own checks."""
     fields = [state.pressure, state.wear_depth]
     if state.heat:
         heat = state.heat
@@ -29,7 +29,7 @@ def assert_sound(scene, before, state, normal_load):
 
 
 def assert_complementary(scene, before, state):
-    """The conditions on the gap, with the worn shape itself and the elastic map alone."""
+    """Assert the contact conditions on gap and pressure, from worn shape and elastic map."""
     explicit = scene.fidelity.wear_scheme == "explicit"
     worn = state.wear_depth
     if explicit and scene.wear:

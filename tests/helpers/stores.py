@@ -32,7 +32,7 @@ HOLDER = """if True:
 
 @contextmanager
 def held_elsewhere(path, program=HOLDER):
-    """Let another process hold a store, which a lock names so, and be killed in the end."""
+    """Context: another process holds the lock of a store; yields how the lock names it."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", program, path]
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
@@ -44,36 +44,36 @@ def held_elsewhere(path, program=HOLDER):
 
 
 class Killed(BaseException):
-    """The process ends here, as far as the store can tell."""
+    """Stands for the death of the process: no code of the store catches it."""
 
 
 @functools.cache
 def record(point):
-    """Record of a point of the full tiny sweep."""
+    """Record of a point of the tiny sweep with fields."""
     with np.errstate(all="raise", under="ignore"):
         return run_point(tiny.full(), *point).record(with_fields=True)
 
 
 def commit(path, sweep, chosen=None):
-    """Make the store of a full tiny sweep, or go on with it, and commit points to it."""
+    """Create or resume the store of a tiny sweep, and commit points, by default all."""
     with writing(path, sweep) as store:
         store.commit([record(point) for point in (points(sweep) if chosen is None else chosen)])
 
 
 def fail(path, sweep, point, message):
-    """Let a point fail."""
+    """Commit the failure of a point, with a message."""
     with writing(path, sweep) as store:
         store.commit([PointRecord(point, None, message)])
 
 
 def done_points(path):
-    """Points that are done, in the order of the store."""
+    """Points of a store that are done, in its order."""
     store = opened(path)
     return store.points_at(np.nonzero(store.flags == DONE))
 
 
 def stored_values(path, point, name):
-    """Values of a variable at a point."""
+    """Stored values of a variable at a point."""
     store = opened(path)
     if name in MADE:
         return store.read_steps()[name][store.index(point)]
@@ -81,7 +81,7 @@ def stored_values(path, point, name):
 
 
 def make(path, sweep):
-    """Make the store of a sweep, or make room in it."""
+    """Create or extend the store of a sweep, without committing points."""
     with writing(path, sweep) as store:
         return store
 
@@ -93,7 +93,7 @@ def plain_values(path):
 
 
 def assert_is_as_computed(path, expected):
-    """Let the points that are done be these, bit for bit, and the others not a number."""
+    """Assert that exactly these points are done, with the computed values bit for bit."""
     assert set(done_points(path)) == set(expected)
     stored = plain_values(path)
     loads, velocities = stored["load"].tolist(), stored["velocity"].tolist()
@@ -109,9 +109,9 @@ def assert_is_as_computed(path, expected):
 
 @contextmanager
 def killed_after(monkeypatch, count, since=None):
-    """Let the process be killed after it has replaced so many files, and say whether it was.
+    """Context: kill the process after it has replaced `count` files; yields [True] if killed.
 
-    They count from the one after a file on, if that is given, else from the first.
+    Files count from the first on, or from the one after the file `since`.
     """
     replace, lock, left, was_killed = files.write_file, threading.Lock(), [count], []
     counts = [since is None]
@@ -134,7 +134,7 @@ def killed_after(monkeypatch, count, since=None):
 
 
 def sealed(document):
-    """Content of a root with the digest that belongs to it."""
+    """Content of a store's root document as bytes, with its digest recomputed."""
     metadata = document["consolidated_metadata"]["metadata"]
     about = metadata["about"]["attributes"]
     about["digest"] = root._digest(document["attributes"], about, metadata)
@@ -142,7 +142,7 @@ def sealed(document):
 
 
 def forge(store, file, change):
-    """Let the root of a store be a changed one of a file, with the right digest.
+    """Write the root in `file`, after a change, as the root of a store, with the right digest.
 
     `change` is called with the sweep and the facts, and with the metadata of arrays by path.
     """
@@ -155,6 +155,6 @@ def forge(store, file, change):
 
 
 def contents(path):
-    """Contents of all files below a path by their names, without the lock, which is emptied."""
+    """Contents of all files below a path, by relative path, except the lock."""
     present = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
     return {str(file.relative_to(path)): file.read_bytes() for file in present}

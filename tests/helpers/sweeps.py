@@ -31,7 +31,7 @@ _BASE = {
 
 
 def sweep_of_fields(**values):
-    """A sweep with these values of the fields of its parts, and the usual ones of the others."""
+    """Sweep with these values of fields of its parts; other fields have usual values."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
     sweep = Sweep(name="scene", written=_BASE, reader=SceneReader())
     usual = {"fidelity": tribo.Fidelity(), "title": "A scene"}
@@ -39,22 +39,22 @@ def sweep_of_fields(**values):
 
 
 def attributes_of(sweep, held=frozenset()):
-    """Attributes of the dataset of a sweep, as its store has them, but for words for people.
+    """Dataset attributes of a sweep, as a store has them, without those only for people.
 
-    Arrays of the sweep lie beside its text, in the dataset, which must hold them by these digests.
+    Arrays of a scene are in the dataset, not in the text; `held` are the digests of those there.
     """
     assert file_contents(sweep).keys() <= held, "arrays of a scene lie beside its text"
     return {"title": sweep.title, "sweep": sweep_text(sweep)}
 
 
 def with_fields(ds, **values):
-    """The dataset of a sweep with other values of fields of its parts, by their names."""
+    """Copy of a dataset whose sweep has other values of these fields."""
     held = split_arrays(ds[INPUTS].values, ds[INPUTS].attrs).keys() if INPUTS in ds else set()
     return ds.assign_attrs(attributes_of(changed(pipeline.results(ds).sweep, **values), held))
 
 
 def decisive_rise(ds, conditions):
-    """Rise at friction 1 that decides at each point [K], or NaN, with labels."""
+    """Deciding rise [K] at friction 1 of each point as a labelled array; NaN if not done."""
     held = pipeline.results(ds)
     dims = [*held.front, *PLANE]
     coords = {name: ds[name].variable for name in ("realization", *dims) if name in ds.coords}
@@ -62,13 +62,13 @@ def decisive_rise(ds, conditions):
 
 
 def deciding(ds):
-    """Temperature that decides at each point of one scene [K]."""
+    """Deciding temperature [K] at each point of one scene, as a labelled array."""
     judged = pipeline.results(ds).conditions
     return judged.contact_temperature(decisive_rise(ds, judged))
 
 
 def inputs_of(table):
-    """Inputs of the samples of a table by row, shape (n_sample, n_input)."""
+    """Inputs of the samples in a table, (n_sample, n_input)."""
     labels = ("sample", "velocity")
     names = [one.name for one in table.coordinates if one.name not in labels]
     return np.array([table.labels(name) for name in names]).T

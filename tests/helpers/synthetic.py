@@ -34,17 +34,17 @@ _STEP = ("load", "velocity", "step")
 
 
 def profile(quantile):
-    """Rise at a quantile over the maximum: straight, as the interpolation between quantiles."""
+    """Ratio of the rise at a quantile to the maximum rise; linear."""
     return 0.3 + 0.7 * np.asarray(quantile)
 
 
 def rise(load, velocity, quantile=1.0):
-    """The closed form [K], at friction 1."""
+    """Temperature rise [K] at friction 1 of the synthetic sweep, a power law."""
     return FACTOR * load**LOAD_EXPONENT * velocity**VELOCITY_EXPONENT * profile(quantile)
 
 
 def falling(load, velocity, quantile=1.0):
-    """A rise that is severe from 1.1 to 2.4 m/s at any load, and mild below and above."""
+    """Rise [K] that makes wear severe from 1.1 to 2.4 m/s at any load, and mild elsewhere."""
     over = (2 * np.log(velocity) - np.log(1.1 * 2.4)) / np.log(2.4 / 1.1)
     shape = profile(quantile) / profile(0.9)
     return limit() * np.exp(0.3 * (1 - over**2)) * shape
@@ -78,7 +78,7 @@ def sweep(
     conditions=CONDITIONS,
     **told,
 ):
-    """Build the dataset; `status` is {(load, velocity): 0 or 2} for points that are not done."""
+    """Dataset of a synthetic sweep; `status` has 0 or 2 for points (load, velocity) not done."""
     loads, velocities = np.asarray(loads, float), np.asarray(velocities, float)
     ramps = [np.append(np.arange(INCREMENT, F * (1 - 1e-12), INCREMENT), F) for F in loads]
     n_step = max(map(len, ramps))
@@ -129,7 +129,7 @@ def sweep(
 
 
 def scene(**values):
-    """The sweep that such a dataset is of, with these values of fields of its parts."""
+    """Sweep that a synthetic dataset belongs to, with these values of its fields."""
     return sweep_of_fields(
         **{
             "pin": tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
@@ -153,13 +153,13 @@ def scene(**values):
 
 
 def selection(**values):
-    """A fidelity that was picked, with these fields of `Selection`."""
+    """A `Selection`: fidelity chosen by --accuracy, with these values of its fields."""
     usual = {"accuracy": 0.02, "name": "fine", "fidelity": tribo.PRESETS["fine"], "error": 0.02}
     return Selection(**usual | values)
 
 
 def _columns(ramp, velocity):
-    """Contact and wear at each step of a ramp."""
+    """Variables of contact and wear, by name, at each step of a ramp."""
     time = ramp / RATE
     return {
         "time": time,
@@ -178,7 +178,7 @@ def _columns(ramp, velocity):
 
 
 def _columns_of_heat(ramp, velocity, rise, hot):
-    """Heat at the steps whose temperature was requested."""
+    """Variables of heat, by name, at each step; NaN unless `hot`."""
     return {
         "max_rise": np.where(hot, rise(ramp, velocity), np.nan),
         "mean_rise": np.where(hot, rise(ramp, velocity, 0.5), np.nan),
@@ -187,7 +187,7 @@ def _columns_of_heat(ramp, velocity, rise, hot):
 
 
 def _fields(flags, loads, velocities, rise, coords, nx=48, ny=36):
-    """Round summits under a cylinder, hot at the trailing side."""
+    """Fields of the contact for each point: round summits under a cylinder, hot behind."""
     x, y = (np.arange(nx) - (nx - 1) / 2) * 8e-6, np.arange(ny) * 12e-6
     coords["x"], coords["y"] = ("x", x, {"units": "m"}), ("y", y, {"units": "m"})
     summits = np.cos(2 * np.pi * x / 5e-5)[:, None] * np.cos(2 * np.pi * y / 7.2e-5)

@@ -17,7 +17,7 @@ LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)
 
 
 def sweep(increments=6, fidelity=None, **changes):
-    """Stations every 125 N; 250 N is one of them."""
+    """Sweep of nine points of milliseconds, with load steps every 125 N and points at 250 N."""
     return sweep_of_fields(
         **{
             "pin": tribo.Cylinder(radius=8e-3, length=3.375e-3, material=STEEL),
@@ -42,12 +42,12 @@ def sweep(increments=6, fidelity=None, **changes):
 
 
 def full(**changes):
-    """With all that a store may hold."""
+    """The tiny sweep with fields, so that its store has all kinds of variables."""
     return sweep(**{"fields": True} | changes)
 
 
 def _on_a_worker():
-    """True if Dask started this process, from here or by the command of a worker."""
+    """True in a worker process of Dask, whether started from here or by its command."""
     return multiprocessing.parent_process() is not None or "dask_worker" in sys.argv[0]
 
 
@@ -56,7 +56,7 @@ def _remade(kind, *values):
 
 
 class FaultyRamp(tribo.Ramp):
-    """A ramp with a fault at one load; only where it is simulated, not where it is planned."""
+    """A ramp that calls `fault` at one load, only in workers and not when points are planned."""
 
     def __init__(self, *args, faulty_load=math.nan, **named):
         super().__init__(*args, **named)
@@ -83,7 +83,7 @@ class DivergingRamp(FaultyRamp):
 
 
 class SlowRamp(FaultyRamp):
-    """Takes its time at every load, as a large scene does."""
+    """A ramp that takes 0.2 s at every load in workers, as a large scene does."""
 
     def stations(self, normal_load, increments, hold_increments=0):
         if _on_a_worker():
@@ -92,7 +92,7 @@ class SlowRamp(FaultyRamp):
 
 
 class EndlessRamp(FaultyRamp):
-    """Its points at one load do not end before whoever waits for them gives up."""
+    """A ramp whose points at one load take ten minutes, longer than any test waits."""
 
     def fault(self):
         time.sleep(600)

@@ -16,7 +16,7 @@ JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), 
 
 
 def distribution_of(unknown):
-    """The distribution of an unknown input that is not a list, by SciPy."""
+    """SciPy distribution of an unknown input that is not a list of values."""
     first, second = unknown.parameters
     match unknown.kind:
         case "normal":

@@ -9,13 +9,13 @@ import pytest
 
 
 class Workers:
-    """Clusters of this machine, one for each number of workers."""
+    """Local Dask clusters that tests share, one for each number of workers."""
 
     def __init__(self):
         self._stack, self._clients = ExitStack(), {}
 
     def connected(self, client, workers, *options):
-        """As `pipeline.run.cluster.connected`, which would start a cluster for each sweep."""
+        """Replacement of `pipeline.run.cluster.connected` that reuses a cluster."""
         from pipeline.run.cluster import connected
 
         return connected(client or self._client(workers), workers, *options)
@@ -47,7 +47,7 @@ def _workers():
 
 @pytest.fixture(scope="module", autouse=True)
 def _sweeps_share_workers(request, _workers):
-    """Not in a file that says ``OWN_WORKERS = True``, whose tests count them or kill some."""
+    """Share clusters between sweeps, except in modules with ``OWN_WORKERS = True``."""
     with pytest.MonkeyPatch.context() as patched:
         if getattr(getattr(request.node, "obj", None), "OWN_WORKERS", False):
             _workers.end()

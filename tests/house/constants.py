@@ -14,7 +14,7 @@ _COMMAND = re.compile(r"\b(Found|Judged) by `([^`]+)`\.")
 
 
 def constants():
-    """Place, name with value, meaning, and what the command does to it, of each constant."""
+    """Yield place, name with value, meaning and finding command of each measured constant."""
     for path in sorted(ROOT.glob("tribo/**/*.py")) + sorted(ROOT.glob("pipeline/**/*.py")):
         body = ast.parse(path.read_text(encoding="utf-8")).body
         for constant, below in pairwise(body):

@@ -11,7 +11,7 @@ _DATA = ("*.toml", "*.csv", "*.css", "*.html", "*.js", "*.mplstyle")
 
 
 def allowed():
-    """The sums at the end of the last issue."""
+    """Largest allowed lines of code of core and extras."""
     return tomllib.loads(SUMS.read_text(encoding="utf-8"))
 
 
@@ -40,7 +40,7 @@ def lines_by_room():
 
 
 def data_files():
-    """Lines of files beside the code, by their place."""
+    """Number of lines of data files beside the code, by path."""
     files = (path for kind in _DATA for path in (ROOT / "pipeline").rglob(kind))
     return {
         str(path.relative_to(ROOT)): path.read_text(encoding="utf-8").count("\n") for path in files
@@ -48,7 +48,7 @@ def data_files():
 
 
 def code_lines(source, tree):
-    """Lines that are neither blank, comment, docstring nor import."""
+    """Number of lines that are neither blank, comment, docstring nor import."""
     skipped = set()
     for node in ast.walk(tree):
         is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)

@@ -28,7 +28,7 @@ _VARIABLES = {
 
 
 def scene():
-    """Tables of all entries of a scene file."""
+    """Markdown tables of all entries of a scene file."""
     parts, listed = [], {}
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
@@ -51,7 +51,7 @@ def scene():
 
 
 def dataset():
-    """Tables of every variable of a dataset."""
+    """Markdown tables of all variables of a dataset."""
     heads = "variable", "dimensions", "unit", "meaning"
     return "\n".join(
         f"## {title}\n\n" + _table(heads, [
@@ -63,13 +63,13 @@ def dataset():
 
 
 def _table(heads, rows):
-    """A table in Markdown, and an empty line."""
+    """A Markdown table as text, followed by an empty line."""
     escaped = [[cell.replace("|", "\\|") for cell in row] for row in rows]
     return table(heads, escaped) + "\n"
 
 
 def _kind_cell(entry):
-    """What is allowed, and what is usual."""
+    """Table cell with the allowed and the usual values of an entry."""
     kind = number_in(entry.kind)
     if not kind or not kind.usual:
         return str(entry.kind)
@@ -89,7 +89,7 @@ def _default_cell(section, entry, form):
 
 
 def _written(value, kind=None):
-    """A default as a scene file would have it; empty for none."""
+    """Default value as a scene file writes it; empty for None."""
     if value in (None, (), {}, math.inf):
         return ""
     match kind:

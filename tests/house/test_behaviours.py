@@ -14,7 +14,7 @@ _NEAR = 0.1  # relative difference of a number of lines, so that small changes l
 
 
 def _rows():
-    """Behaviour, lines, files of code and files of tests of each row."""
+    """Behaviour, lines, code files and test files of each row of BEHAVIOURS.md."""
     lines = _TABLE.read_text(encoding="utf-8").splitlines()
     for line in [line for line in lines if line.startswith("| ")][1:]:
         behaviour, size, _, code, tests, _ = line.strip("|").split(" | ")

@@ -28,7 +28,7 @@ def _private(name):
 
 
 def _read(file):
-    """Private names that a file imports, or reads of another object."""
+    """Private names that a file imports, or reads from another object."""
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom):
             yield from (one.name for one in node.names if _private(one.name))

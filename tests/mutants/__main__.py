@@ -60,7 +60,7 @@ QUIETLY += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # libraries are 
 
 
 def install(module, number):
-    """Have the import system compile the mutant where it would read the module."""
+    """Make imports of `module` compile its mutant with change `number`, not its source."""
     tree = ast.parse((ROOT / module).read_text())
     list(changes(tree))[number].make()
     usual = SourceFileLoader.get_code
@@ -78,7 +78,7 @@ if MUTANT in os.environ:  # here, or in a worker, which runs this file before al
 
 
 class Lines:
-    """Plugin of pytest: the lines of the packages that each test and its fixtures run."""
+    """Pytest plugin that records the lines of the packages that each test and its fixtures run."""
 
     def __init__(self):
         packages = [str(ROOT / package / "*") for package in PACKAGES]
@@ -120,7 +120,7 @@ class Lines:
             self.red.add(report.nodeid)
 
     def tests(self):
-        """The lines of each test that passes, and its time [s]."""
+        """Lines and duration [s] of each test that passes."""
         self.coverage.stop()
         data, lines = self.coverage.get_data(), defaultdict(set)
         for file in data.measured_files():
@@ -136,7 +136,7 @@ class Lines:
 
 
 class Chosen:
-    """Plugin of pytest: these tests alone, in this order."""
+    """Pytest plugin that runs only these tests, in this order."""
 
     def __init__(self, tests):
         self.rank = {test: number for number, test in enumerate(tests)}
@@ -148,7 +148,7 @@ class Chosen:
 
 
 def forked(function, *arguments, seconds=None):
-    """What a function returns in a child, which ends with all that it started; None if late."""
+    """Result of a function in a forked child process, which is killed after it; None if late."""
     folder = tempfile.mkdtemp(dir=MEMORY if MEMORY.is_dir() else None)
     result, error = Path(folder, "result"), Path(folder, "error")
     pid = os.fork()
@@ -178,7 +178,7 @@ def forked(function, *arguments, seconds=None):
 
 
 def mapped(folder):
-    """Tests of a folder with lines and times, those that fail, and the libraries they need."""
+    """Tests of a folder with lines and times, those that fail, and the libraries they import."""
     lines = Lines()
     own = [f"tests/{folder}", folder] if folder in ROOMS else [*map(str, ROOT.glob(folder))]
     code = pytest.main([*QUIETLY, *own], plugins=[lines])
@@ -189,7 +189,7 @@ def mapped(folder):
 
 
 def is_noticed(module, number, tests):
-    """True if one of the tests fails on a mutant, or cannot be collected."""
+    """True if one of the tests fails on a mutant of the module, or cannot be collected."""
     os.environ[MUTANT] = json.dumps([module, number])
     install(module, number)
     files = [Path(test.split("::")[0]) for test in tests]
@@ -199,7 +199,7 @@ def is_noticed(module, number, tests):
 
 
 def judge(room, maps, count, seed, seconds, end):
-    """Number of mutants of a room, and the changes that no test notices.
+    """Number of mutants of a package, and the changes that no test notices.
 
     At the time `end` [s] no other mutant is begun.
     """
@@ -239,7 +239,7 @@ def judge(room, maps, count, seed, seconds, end):
 
 
 def main():
-    """Judge the rooms, and write their table."""
+    """Judge the packages, and print a table of the results."""
     parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
     parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=ROOMS, metavar="ROOM")
     parser.add_argument("--mutants", type=int, default=60, help="number of each room")

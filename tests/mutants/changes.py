@@ -21,7 +21,7 @@ _KEYWORDS = {"strict", "stacklevel", "slots", "frozen", "repr"}
 
 @dataclass(frozen=True)
 class Change:
-    """Another node at a place of the tree, and the lines that have to run for it to matter."""
+    """A replacement of a node in a syntax tree, and the lines that have to run for it to matter."""
 
     parent: ast.AST
     field: str
@@ -39,7 +39,7 @@ class Change:
         return value if self.index is None else value[self.index]
 
     def make(self):
-        """Put the node into the tree."""
+        """Put the replacement into the tree."""
         if self.index is None:
             setattr(self.parent, self.field, self.node)
         else:
@@ -47,7 +47,7 @@ class Change:
 
 
 def changes(tree: ast.AST, first=0, is_in_function=False) -> Iterator[Change]:
-    """All changes of a tree; for the same source always in the same order."""
+    """Yield all changes of a syntax tree, always in the same order."""
     for field, value in ast.iter_fields(tree):
         if field in _FIELDS or (field == "test" and "TYPE_CHECKING" in ast.unparse(value)):
             continue
@@ -68,7 +68,7 @@ def changes(tree: ast.AST, first=0, is_in_function=False) -> Iterator[Change]:
 
 
 def _faults(node: ast.AST, field: str) -> Iterator[ast.AST]:
-    """Nodes that might replace a node."""
+    """Yield nodes that replace a node by a fault, such as another operator."""
     if field in ("test", "ifs"):
         yield ast.UnaryOp(ast.Not(), node)
     match node:

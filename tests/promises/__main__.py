@@ -28,17 +28,17 @@ FAMILIES = {"cylinders": random_sweep, "wide": random_wide_sweep}
 
 
 def truth(sweep, parts):
-    """True boundary."""
+    """True boundary velocity at each place of a sweep."""
     return {"velocities": [*true_boundary(sweep).values()]}
 
 
 def _slow(slopes):
-    """Mark of a rise that grows so slowly with the velocity that errors of it count more."""
+    """["slow rise"] if the rise grows slowly with velocity, so that errors count more; else []."""
     return ["slow rise"] if min(slopes.values()) < 0.4 else []
 
 
 def accuracies(sweep, parts):
-    """Row that `--accuracy` picks, its error as stated, the true one, and its time.
+    """For each accuracy: the choice of `--accuracy`, its stated and true error, and its time.
 
     The table of choices is measured once, and each accuracy takes its row.
     """
@@ -66,7 +66,7 @@ def accuracies(sweep, parts):
 
 
 def read(path):
-    """Results of each scene, by its seed and the part; later lines count."""
+    """Results of each scene by seed and part; later lines of the file replace earlier ones."""
     rows_by_seed = {}
     for line in path.read_text().splitlines() if path.exists() else ():
         row = json.loads(line)
@@ -75,7 +75,7 @@ def read(path):
 
 
 def main():
-    """Go on with the campaign, then report."""
+    """Continue the campaign, then report."""
     parser = argparse.ArgumentParser(prog="python -m tests.promises", description=__doc__)
     parser.add_argument("--family", choices=FAMILIES, default="cylinders")
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")

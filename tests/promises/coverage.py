@@ -39,7 +39,7 @@ LAWS = ("as said", "drawn")
 
 
 def places(ensemble, bulks, count):
-    """Loads, velocities and bulk temperatures of tests, at which wear may be both beforehand."""
+    """Yield load, velocity and bulk temperature of tests whose outcome is uncertain beforehand."""
     inputs = prior(ensemble.unknown, ensemble.design.seed, 2**10).inputs
     at = itertools.cycle(itertools.product(ensemble.loads.tolist(), bulks))
     for load, bulk in itertools.islice(at, count):
@@ -48,20 +48,20 @@ def places(ensemble, bulks, count):
 
 
 def logged(rig, at, law):
-    """Tests at some places, as a log of the rig has them."""
+    """Tests of a rig at these places, as entries of a log."""
     share = van_der_corput(rig.seed + 1)  # so that few rigs have scatters as many would
     factor = FACTOR ** float(stats.norm.ppf(share)) if law == "drawn" else 1.0
     return [rig.tried(*place, SCATTER * factor) for place in at]
 
 
 def van_der_corput(number):
-    """Element of the sequence that fills 0 to 1 evenly, however many are taken."""
+    """Element `number` of the van der Corput sequence, which fills 0 to 1 evenly."""
     digits = f"{number:b}"[::-1]
     return int(digits, 2) / 2 ** len(digits)
 
 
 def judged(posterior, truth):
-    """Mean, spread, rank and interval of each input beside its hidden value."""
+    """Yield, by input, how its posterior compares with the hidden true value."""
     draws = posterior.draws
     # The inputs of the rig, which stand last, are none of the truth's.
     for unknown, column, hidden in zip(posterior.unknown, draws.inputs.T, truth, strict=False):
@@ -81,7 +81,7 @@ def judged(posterior, truth):
 
 
 def reported(rows):
-    """Summary of ranks, z and intervals by law and input."""
+    """Yield statistics of ranks, z scores and intervals of each input, by law of the scatter."""
     for law in LAWS:
         of_law = [row["inputs"] for row in rows if row["law"] == law]
         result = {"truths": len(of_law)}
@@ -104,10 +104,10 @@ def reported(rows):
 
 
 def is_right(law, result):
-    """True if the critical temperature's intervals are as they ought to be.
+    """True if 90 % intervals of the critical temperature hold the truth as often as they should.
 
-    Scatters as said are the middle of those that the tool assumes: so the intervals of such truths
-    may be wider than need be, but no narrower.
+    With the stated scatter, which is the middle of what inference assumes, they may be wider than
+    needed, but no narrower.
     """
     critical = result[CRITICAL]
     is_wide_enough = critical["held"] >= 0.85 and critical["z_rms"] <= 1.1

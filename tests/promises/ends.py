@@ -26,7 +26,7 @@ HEADS = (
 
 @dataclass(frozen=True)
 class Run:
-    """A cylinder, and a ramp that wears it."""
+    """A test of a smooth cylinder with a load ramp that wears it."""
 
     radius: float  # [m]
     length: float  # [m]
@@ -44,9 +44,9 @@ class Run:
         return 2 * half_width, pin.worn(half_width, volume).width
 
     def rises(self, ratio=1.0):
-        """Rise that a tenth of the contact exceeds at the ends and in the middle [K].
+        """Rises [K] that a tenth of the contact exceeds, at the ends and in the middle of the pin.
 
-        The velocity is so many times as high.
+        The velocity is multiplied by `ratio`.
         """
         along = 2 * round(self.length / _LONG / 2)
         sides = 1.35 * self.widths[1] / _ACROSS, self.length / along
@@ -67,7 +67,7 @@ class Run:
         return [float(np.quantile(rise[touch], 0.9)) for rise, touch in heats]
 
     def row(self, name):
-        """How much hotter its ends are, and what is told of it."""
+        """Relative excess of the rise at the ends, and a table row on it."""
         end, middle = self.rises()
         exponent = math.log(self.rises(math.exp(_APART))[1] / middle) / _APART
         unworn, worn = self.widths
@@ -78,7 +78,7 @@ class Run:
 
 
 def paper():
-    """The four transitions of the paper, at the wear rate there and at a tenth of it."""
+    """The paper's four transitions, with its wear rate and with a tenth of it."""
     for load, velocity in ((750.0, 1.24), (600.0, 1.56), (400.0, 2.3), (200.0, 3.7)):
         for rate in (1.2e-15, 1.2e-16):
             name = PAPER if rate > 1e-15 else f"{PAPER}, a tenth of the wear rate"
@@ -86,7 +86,7 @@ def paper():
 
 
 def random_runs(count):
-    """Cylinders of 1 to 10 mm and 2 to 6 mm long at 0.4 to 1.2 GPa."""
+    """Yield random cylinders of radius 1 to 10 mm, length 2 to 6 mm, at 0.4 to 1.2 GPa."""
     for seed in range(count):
         rng = np.random.default_rng([seed, 67])
         low = np.array([1e-3, 2e-3, 0.4e9, 0.1, 2e-17, 2.0])
@@ -97,7 +97,7 @@ def random_runs(count):
 
 
 def main():
-    """Compute the paper's cylinder and random ones, so many of them."""
+    """Compute the paper's cylinder, and as many random ones as the command says."""
     rows, is_right = [], True
     for name, run in [*paper(), *random_runs(int(sys.argv[1]) if sys.argv[1:] else 10)]:
         excess, row = run.row(name)

@@ -43,7 +43,7 @@ SHARES = (0.0, 0.1, 0.5)  # that decide, each in turn
 
 
 def shipped(seed):
-    """A shipped scene, and with higher seeds one much like it in a narrower window."""
+    """A shipped scene; for seeds from 4 on, a similar random scene in a narrower window."""
     name, rng = SHIPPED[seed % 4], np.random.default_rng([seed, 61])
     path = WORKFLOWS / f"{name}.toml"
     if seed < 4:
@@ -88,7 +88,7 @@ FIRST = 1000  # seed of the random scenes, on which no preset was chosen
 
 
 def axis(rng, low, high, count, gaps, spaced=np.geomspace):
-    """Points of a plane along an axis, and all places with one in each of so many gaps."""
+    """Points of an axis, and all places: the points and one random place in each of some gaps."""
     points = [float(f"{x:.5g}") for x in spaced(low, high, count)]
     places = []
     for gap in rng.choice(count - 1, gaps, replace=False):
@@ -98,7 +98,7 @@ def axis(rng, low, high, count, gaps, spaced=np.geomspace):
 
 
 def rises(sweep, fidelity, loads, velocities):
-    """Rises by the share that decides, warnings and durations at each load and velocity."""
+    """Deciding rises [K] by failing share, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
     kinds = [replace(sweep.conditions, criterion="share", failing_share=one) for one in SHARES]
     shape = len(loads), len(velocities)
@@ -116,7 +116,7 @@ def rises(sweep, fidelity, loads, velocities):
 
 
 def computed(family, number):
-    """Rises of one scene by all presets; or why it failed."""
+    """Rises of one scene with each preset as a row of the file, or why it failed."""
     np.seterr(all="raise", under="ignore")
     began, row = time.monotonic(), {"family": family, "number": number}
     seed = number if family == "shipped" else FIRST + number
@@ -153,7 +153,7 @@ def computed(family, number):
 
 
 def compute(path, scenes, minutes):
-    """Compute scenes of all families in turn, on all cores, until the time is up."""
+    """Compute scenes of all families in turn, on all cores, for `minutes`."""
     done = {(row["family"], row["number"]) for row in read(path)}
     tasks = iter(
         (family, number // every)
@@ -178,12 +178,12 @@ def compute(path, scenes, minutes):
 
 
 def read(path):
-    """What was computed."""
+    """Rows of a file of results."""
     return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
 
 
 def plane_of(row, preset, share):
-    """Plane of a scene by a preset, as an opened store gives it; of `fine` its points alone."""
+    """`RisePlane` of a scene by a preset, as answers have it; of `fine` only its own points."""
     here = np.ix_(*(np.isin(row[f"all_{name}"], row[name]) for name in ("loads", "velocities")))
     names = str(share), "flags", "durations"
     parts = (np.array(row[preset][name]) for name in names)
@@ -203,18 +203,18 @@ def plane_of(row, preset, share):
 
 
 def error_at(plane, load, velocity, velocity_error):
-    """Relative error of the rise at one place."""
+    """Stated relative error of the rise at one load and velocity, as a `RiseError`."""
     errors = rise_errors(plane, np.array([load]), np.array([velocity]), velocity_error)
     return RiseError.of(errors[:, 0])
 
 
 def interpolated(x, y, place):
-    """Monotone cubic of logarithms, as `pipeline.analysis` takes it."""
+    """Interpolation by a monotone cubic of logarithms, as in `pipeline.analysis`."""
     return np.exp(PchipInterpolator(np.log(x), np.log(y))(math.log(place)))
 
 
 def places(row, preset, share):
-    """Places of a scene, judged by `fine`; of `fine` those between its points."""
+    """Yield true (by `fine`) and stated errors at places; of `fine` only between its points."""
     plane, true = plane_of(row, preset, share), np.array(row["fine"][str(share)])
     if min(plane.rises.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
         return
@@ -243,7 +243,7 @@ def places(row, preset, share):
 
 
 def beyond(row):
-    """Errors of continuing from the points beside a boundary alone, over the stated ones."""
+    """Yield true over stated errors of extrapolation from the two points beside the boundary."""
     whole = plane_of(row, "fine", 0.1)
     if whole.rises.min() <= 0:
         return
@@ -263,12 +263,12 @@ def beyond(row):
 
 
 def rms(values):
-    """Root of the mean of the squares."""
+    """Root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def most(values):
-    """Bound that 99 % of them keep to."""
+    """99 % quantile of absolute values."""
     return float(np.quantile(np.abs(values), 0.99))
 
 
@@ -276,7 +276,7 @@ COVERED = ("places", "scenes", "number", "rms error", "99 % within", "stated, rm
 
 
 def covered(name, places):
-    """Row of a table on the errors of places, and on those that are stated; unknown ones aside."""
+    """Table row that compares true with stated errors at places; unknown errors are left out."""
     known = places.dropna(subset="stated")
     error, stated = known["error"], known["stated"].astype(float)
     sizes = (f"{size:.2%}" for size in (rms(error), most(error), rms(stated)))
@@ -287,14 +287,14 @@ def covered(name, places):
 def are_covered(lines, clean):
     """True if the stated errors hold at 99 % of places, and are not stated much too large.
 
-    Without a warning they are at most 4 times what 99 % of errors keep to.
+    Without a warning they are at most 4 times the 99 % quantile of true errors.
     """
     held = [float(line[-1].rstrip("%")) for line in [*lines, *clean]]
     return min(held) >= 99 and max(float(line[-2]) for line in clean) <= 4
 
 
 def constants(rows, places):
-    """Errors by which each constant of `pipeline.analysis.rise_error` is found, by its name."""
+    """Yield, for each constant of `pipeline.analysis.rise_error`, its name and errors it bounds."""
     points = places[places["is_point"]]
     clean = points[points["flags"] == 0]
     for preset, group in clean.groupby("preset"):
@@ -312,21 +312,21 @@ def constants(rows, places):
 
 
 def fine_apart(row):
-    """Errors of `fine` at some points, by `reference`."""
+    """Relative differences of rises by `fine` from those by `reference`, at some points."""
     names = ("loads", 2), ("velocities", 3)
     at = np.ix_(*(np.isin(row[f"all_{name}"], row[name][1::step]) for name, step in names))
     return (np.array(row["fine"]["0.1"])[at] / np.array(row["reference"]["0.1"]) - 1).ravel()
 
 
 def too_warm(row):
-    """How much too warm the present heat makes points that carry its warning."""
+    """Relative excess of the rise with present heat only, at points with that warning."""
     flags = np.array(row["draft"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
     excess = np.array(row["elapsed"]["0.1"]) / np.array(row["history"]["0.1"]) - 1
     return excess[flags & WarningKind.PRESENT_HEAT != 0]
 
 
 def main():
-    """Compute what is missing, then report."""
+    """Compute missing scenes, then report."""
     parser = argparse.ArgumentParser(prog="python -m tests.promises.errors", description=__doc__)
     parser.add_argument("--scenes", type=int, default=24, help="shipped ones and variations")
     parser.add_argument("--minutes", type=float, default=30.0, help="begin no scene later")

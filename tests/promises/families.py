@@ -56,7 +56,7 @@ MATERIALS = {
 
 @dataclass(frozen=True)
 class Case:
-    """A scene of a campaign, as entries by their paths, and files that it reads."""
+    """A scene of a campaign: its entries by path, and the files that it reads."""
 
     family: str
     number: int
@@ -77,12 +77,12 @@ class Case:
 
     @property
     def digest(self) -> str:
-        """Digest of the scene's entries and places, but for its numerical choices."""
+        """Digest of the scene's entries, without its numerical choices."""
         text = json.dumps(self.entries, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
     def sweep(self, folder: Path, preset: str = "reference", **fidelity):
-        """The scene as read from a file that is written into a folder."""
+        """Write the scene file and its files into a folder, and load the scene."""
         for name, write in self.files.items():
             write(folder / name)
         path = folder / "scene.toml"
@@ -92,12 +92,12 @@ class Case:
 
 
 def cases(numbers=range(6)):
-    """Scenes of all families, one of each in turn."""
+    """Scenes of all families with these numbers, the families in turn."""
     return [Case(name, n, *_whole(name, n)) for n in numbers for name in FAMILIES]
 
 
 def _whole(name, number):
-    """Entries of a scene with its places, and files."""
+    """Entries of a scene, loads and velocities included, and its files."""
     rng = np.random.default_rng([number, *name.encode()])
     entries, velocity, files = FAMILIES[name](Draw(rng), number)
     reference = entries.get("loading.reference_load")
@@ -112,7 +112,7 @@ def _whole(name, number):
 
 @dataclass
 class Draw:
-    """Values at random, rounded as a user would give them."""
+    """Random values, rounded as a user would give them."""
 
     rng: np.random.Generator
 
@@ -127,7 +127,7 @@ class Draw:
 
 
 def flattened(table, path=""):
-    """Entries of a document by their paths."""
+    """Yield path and value of all entries of a nested document."""
     for key, value in table.items():
         if isinstance(value, dict):
             yield from flattened(value, f"{path}{key}.")
@@ -136,7 +136,7 @@ def flattened(table, path=""):
 
 
 def _shipped(name):
-    """Entries of a shipped scene and of the scenes that it extends, without answers and places."""
+    """Entries of a shipped scene and of those it extends, without conditions, loads, velocities."""
     document = tomllib.loads((WORKFLOWS / f"{name}.toml").read_text(encoding="utf-8"))
     entries = _shipped(document.pop("extends")) if "extends" in document else {}
     without = document.pop("without", [])
@@ -150,7 +150,7 @@ def _shipped(name):
 
 
 def _system(draw, materials=("steel", "steel"), pin="cylinder", radius=2.0, length=3.4):
-    """Entries of a pin of some radius and length [mm] on a disk."""
+    """Entries of a pin on a disk; radius and length of the pin in mm."""
     pairs = zip(("pin", "disk"), materials, strict=True)
     entries = {f"{body}.material": f"{name}_{body}" for body, name in pairs}
     for body, name in zip(("pin", "disk"), materials, strict=True):
@@ -167,7 +167,7 @@ def _system(draw, materials=("steel", "steel"), pin="cylinder", radius=2.0, leng
 
 
 def _rough(draw, ra, lengths, hurst=None):
-    """Entries of a random surface: Ra and correlation lengths in µm."""
+    """Entries of a random surface; Ra and correlation lengths in µm."""
     return {
         "disk.roughness.ra": f"{ra:g} um",
         "disk.roughness.hurst_exponent": hurst or draw.between(0.6, 0.9),
@@ -177,7 +177,7 @@ def _rough(draw, ra, lengths, hurst=None):
 
 
 def _line_width(radius, length, load, rate, velocity, duration, ra, modulus=115e9):
-    """Width of a worn, rough line contact, about [µm]; radius and length in mm, Ra in µm."""
+    """Estimated width [µm] of a worn, rough line contact; radius and length in mm, Ra in µm."""
     radius, length, ra = 1e-3 * radius, 1e-3 * length, 1e-6 * ra
     hertz = 2 * math.sqrt(4 * load * radius / (math.pi * length * modulus))
     area = 1e-9 * rate * velocity * load * duration / 2 / length  # rate in mm³/(N m)
@@ -185,7 +185,7 @@ def _line_width(radius, length, load, rate, velocity, duration, ra, modulus=115e
 
 
 def _window(width, pixels, sizes=None):
-    """Entries of a window of so many pixels that is so wide along x, in µm."""
+    """Entries of a window of a width along x [µm] and these numbers of pixels."""
     size = width / pixels[0]
     sizes = sizes or (size, size)
     return {
@@ -202,12 +202,12 @@ def _ramp(load, duration):
 
 
 def _wear(rate, pattern="swept"):
-    """Entries of wear at a rate in mm³/(N m)."""
+    """Entries of wear; the rate is in mm³/(N m)."""
     return {"wear.specific_wear_rate": f"{rate:g} mm^3/(N m)", "wear.pattern": pattern}
 
 
 def shipped(draw, number):
-    """The shipped scenes; but for the first two with narrower windows."""
+    """Entries of a shipped scene; all but the first two get narrower windows."""
     name = ("irg_transition", "twin_disc", "ball_on_disk", "oil_a", "oil_a_hot", "irg_transition")[
         number % 6
     ]
@@ -226,7 +226,7 @@ def shipped(draw, number):
 
 
 def lay(draw, number):
-    """A disk that is ground along x or y."""
+    """Entries of a disk that is ground along x or y."""
     radius, length, load = draw.log(1.5, 6), draw.log(2, 6), draw.log(150, 900)
     velocity, rate, ra = draw.log(0.5, 3), draw.log(1e-7, 5e-6), draw.log(0.1, 0.6)
     width = 1.35 * _line_width(radius, length, load, rate, 2 * velocity, 5, ra)
@@ -241,7 +241,7 @@ def lay(draw, number):
 
 
 def twin_disc(draw, number):
-    """Two discs that roll and slide."""
+    """Entries of two discs that roll and slide."""
     radius, length, load = draw.between(10, 40), draw.between(5, 10), draw.log(2e3, 8e3)
     velocity, ra, rate = draw.log(0.8, 4), draw.log(0.1, 0.4), draw.log(1e-7, 3e-6)
     width = 1.45 * _line_width(radius, length, load, 0, velocity, 10, ra / 3)
@@ -263,7 +263,7 @@ def twin_disc(draw, number):
 
 
 def ball(draw, number):
-    """A ball or a crowned roller, worn or not."""
+    """Entries of a ball or a crowned roller, worn or not."""
     radius, load = draw.between(3, 12), draw.log(30, 250)
     velocity, ra = draw.log(0.3, 2), draw.log(0.03, 0.15)
     crowned = number % 3 == 2
@@ -289,7 +289,7 @@ def ball(draw, number):
 
 
 def local(draw, number):
-    """Grooves around the track, which wear the pin point by point."""
+    """Entries of a disk with grooves along the track, which wear the pin locally."""
     radius, length, load = draw.log(1.5, 8), draw.log(2, 6), draw.log(100, 800)
     velocity, rate, ra = draw.log(0.5, 3), draw.log(1e-7, 1e-5), draw.log(0.1, 0.5)
     width = 1.35 * _line_width(radius, length, load, rate, 2 * velocity, 5, ra)
@@ -304,7 +304,7 @@ def local(draw, number):
 
 
 def hold(draw, number):
-    """A load that is held, half of them with a disk that warms meanwhile."""
+    """Entries of a load with a hold; in half of the scenes the disk warms meanwhile."""
     entries, velocity, _ = (local if number % 3 == 2 else lay)(draw, number)
     seconds = draw.log(5, 120)
     load = float(entries["loading.reference_load"].split()[0])
@@ -319,7 +319,7 @@ def hold(draw, number):
 
 
 def record(draw, number):
-    """A recorded load: rounded, with a dip, or with a jump."""
+    """Entries and file of a recorded load: rounded, with a dip, or with a jump."""
     entries, velocity, _ = lay(draw, number + 1)
     load = float(entries["loading.reference_load"].split()[0])
     duration, kind = draw.between(3, 8), number % 3
@@ -339,7 +339,7 @@ def record(draw, number):
 
 
 def measured(draw, number):
-    """A surface from an instrument: scratched, with plateaus, or turned."""
+    """Entries and file of a measured surface: scratched, with plateaus, or turned."""
     entries, velocity, _ = lay(draw, number)
     shape = entries["window.pixels"]
     seed = entries["disk.roughness.seed"]
@@ -358,7 +358,7 @@ def measured(draw, number):
 
 
 def measured_heights(shape, kind, seed, ra):
-    """Heights as an instrument has them [µm], x along the first axis."""
+    """Heights [µm] like those of an instrument, x along the first axis."""
     rng = np.random.default_rng(seed)
     qx, qy = np.fft.fftfreq(shape[0])[:, None], np.fft.fftfreq(shape[1])[None, :]
 
@@ -380,7 +380,7 @@ def measured_heights(shape, kind, seed, ra):
 
 
 def coarse_pixels(draw, number):
-    """Pixels that are large beside the contact or its summits."""
+    """Entries of a scene whose pixels are large beside the contact or its summits."""
     radius, length, load = draw.log(1.5, 6), draw.log(2, 6), draw.log(100, 700)
     velocity, rate, ra = draw.log(0.5, 3), draw.log(1e-7, 4e-6), draw.log(0.05, 0.25)
     width = 1.5 * _line_width(radius, length, load, rate, 2 * velocity, 5, ra)
@@ -394,7 +394,7 @@ def coarse_pixels(draw, number):
 
 
 def wide_summits(draw, number):
-    """Discs of which half the contact decides, whose summits are a few pixels wide."""
+    """Entries of discs with summits a few pixels wide; half of the contact decides."""
     radius, length, load = draw.between(15, 30), 10.0, draw.log(3e3, 8e3)
     velocity, ra = draw.log(0.8, 3), draw.between(0.12, 0.3)
     width = 1.35 * _line_width(radius, length, load, 0, velocity, 10, ra / 3)

@@ -38,7 +38,7 @@ _COLUMNS = "choice", "promise", "places", "warned", "median", "99 %", "largest",
 
 
 def varied():
-    """The presets, and each with one of its choices changed."""
+    """The presets, and copies of each with one numerical choice changed, by name."""
     changes = {
         "pixels_per_element": (1, 2, 4),
         "elements_per_summit": (0.5, 1.0, 1.5, 2.5),
@@ -65,14 +65,14 @@ def varied():
 
 
 def dividing(scene, fidelity):
-    """The fidelity with elements that divide the pixels of a scene."""
+    """Fidelity with the largest elements that divide the pixels of the scene evenly."""
     shape, most = scene.pixels.shape, fidelity.pixels_per_element
     block = next(n for n in range(most, 0, -1) if not any(size % n for size in shape))
     return replace(fidelity, pixels_per_element=block)
 
 
 def errors(case, fidelity):
-    """Errors of the velocity, warnings and processor time of a scene; None without its truth."""
+    """Velocity errors, warnings and CPU time of a fidelity on a scene; None if it has no truth."""
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))
@@ -93,14 +93,14 @@ def errors(case, fidelity):
 
 
 def warned(sweep, velocity, trunks):
-    """True for each load at which a point carries a warning."""
+    """Yield, for each load, True if the point carries a warning."""
     for load in sweep.plane.loads:
         *_, state = simulate(sweep.scene, load, velocity, trunks)
         yield bool(warnings(sweep.scene, state))
 
 
 def computed(path, choices, scenes, ends):
-    """Compute what a file has not, and return all of it by choice and scene."""
+    """Compute results that a file lacks; return all of its rows by choice and scene."""
     rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
     known_rows = {(row["choice"], row["digest"]): row for row in rows}
     for case in scenes:
@@ -123,7 +123,7 @@ def computed(path, choices, scenes, ends):
 
 
 def summary(name, fidelity, rows, digests):
-    """Row of a choice over all scenes: number of places, warned, errors and time."""
+    """Table row of a choice over all scenes: number of places, share warned, errors, CPU time."""
     text = json.dumps(asdict(fidelity))
     own = [rows[text, digest] for digest in digests if (text, digest) in rows]
     found = np.abs(np.concatenate([np.ravel(row["errors"]) for row in own]))
@@ -140,18 +140,18 @@ def worded(row):
 
 
 def drawn(numbers, count):
-    """So many scenes of some numbers, each once, in random order; all if no count is given."""
+    """`count` scenes of these numbers in random order, without repeats; all if None."""
     scenes = [*{case.digest: case for case in cases(numbers)}.values()]
     return [scenes[place] for place in np.random.default_rng(0).permutation(len(scenes))[:count]]
 
 
 def are_kept(rows):
-    """True if each preset keeps its promise, and few places are warned of."""
+    """True if each preset keeps its error bound, and few places carry a warning."""
     return all(row[4] <= PRESET_BOUNDS[row[0]] and row[2] <= _WARNED for row in rows)
 
 
 def beaten(rows):
-    """Presets that a choice beats, and that choice: a tenth less time at no larger quantile."""
+    """Yield (preset, choice) if the choice takes a tenth less time at no larger error."""
     for row in rows:
         for other in rows:
             if row[0] in PROMISED and other[6] < _CHEAPER * row[6] and other[4] <= row[4]:
@@ -159,7 +159,7 @@ def beaten(rows):
 
 
 def searched(path, choices, scenes, ends):
-    """Summary of each choice over the scenes that all have done, and the names of these."""
+    """Table rows of the choices over scenes done with all of them, and these scenes' names."""
     rows = computed(path, choices, scenes, ends)
     texts = [json.dumps(asdict(fidelity)) for fidelity in choices.values()]
     done = [one for one in scenes if all((text, one.digest) in rows for text in texts)]

@@ -22,21 +22,21 @@ _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponen
 
 
 def places(sweep):
-    """Places of a sweep at which its boundary is judged."""
+    """Loads and variants of a sweep at which its boundary is judged."""
     return [Target(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
 
 
 def rise_at(sweep, fidelity, place, velocity):
-    """Decisive rise at a place, with its warnings."""
+    """Deciding rise [K] at a place and velocity, and the point's warnings."""
     scene = changed(sweep.variant(place.variant), fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
     return momentary_rise(scene, state, sweep.conditions), warnings(scene, state)
 
 
 def boundary_velocity(sweep, fidelity, place, velocity, exponent=None):
-    """Velocity at which the decisive rise reaches its limit, by secants; and its warnings.
+    """Velocity at which the deciding rise reaches its limit, by secants, and kinds of warnings.
 
-    With a known exponent d ln(rise)/d ln(velocity) a last small step is trusted.
+    With a known exponent d ln(rise)/d ln(velocity) a last small step is not checked.
     """
     limit, before = rise_limit(sweep.conditions), None
     trusted, exponent = exponent is not None, exponent or 0.6
@@ -56,7 +56,7 @@ def boundary_velocity(sweep, fidelity, place, velocity, exponent=None):
 
 
 def exponent_at(sweep, fidelity, place, velocity):
-    """d ln(rise)/d ln(velocity) about a velocity."""
+    """Exponent d ln(rise)/d ln(velocity) about a velocity."""
     low, high = (
         rise_at(sweep, fidelity, place, velocity * math.exp(sign * _APART))[0] for sign in (-1, 1)
     )
@@ -64,9 +64,9 @@ def exponent_at(sweep, fidelity, place, velocity):
 
 
 def true_boundary(sweep):
-    """Velocity at each place.
+    """True boundary velocity at each place.
 
-    It is sought with an eighth of the steps, so that few of the whole are left to be done.
+    The search begins with an eighth of the steps, so that few full simulations are needed.
     """
     middle, found = math.sqrt(sweep.plane.velocities[0] * sweep.plane.velocities[-1]), {}
     for place in places(sweep):
@@ -78,12 +78,12 @@ def true_boundary(sweep):
 
 
 def exponents(sweep, true):
-    """d ln(rise)/d ln(velocity) at each place of a true boundary."""
+    """Exponent d ln(rise)/d ln(velocity) at each place of a true boundary."""
     return {place: exponent_at(sweep, PRESETS["draft"], place, true[place]) for place in true}
 
 
 def boundaries(sweep, fidelity, true, slopes):
-    """Velocity at each place by a fidelity, sought from the true one; and the kinds of warnings.
+    """Boundary velocity at each place by a fidelity, sought from the true one; kinds of warnings.
 
     The slopes are the `exponents` at the places.
     """
@@ -96,5 +96,5 @@ def boundaries(sweep, fidelity, true, slopes):
 
 
 def largest_error(velocities, true):
-    """Largest relative error of a boundary at any place."""
+    """Largest |ln(velocity/true velocity)| of a boundary over all places."""
     return max(abs(math.log(velocities[place] / velocity)) for place, velocity in true.items())

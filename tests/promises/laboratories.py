@@ -48,7 +48,7 @@ REFERENCE = (
 
 
 def log_rise(unknown, inputs, load):
-    """Logarithm of the rise at friction 1 and 1 m/s, shape (n,)."""
+    """Logarithm of the rise at friction 1 and 1 m/s of each row of inputs (n,), by closed form."""
     alone = [one.path for one in unknown].index
     paths = [one.path for one in unknown]
     by_steel = inputs[:, alone(STEEL.path)] if STEEL.path in paths else 45.0
@@ -56,7 +56,7 @@ def log_rise(unknown, inputs, load):
 
 
 def closed_excess(self, draws, load, velocity):
-    """`Ensemble.excess` without an emulator."""
+    """Replacement of `Ensemble.excess` by a closed form, without an emulator."""
     loads, velocities = np.atleast_1d(load), np.atleast_1d(velocity)
     by_load = np.stack([log_rise(self.unknown, draws, one) for one in loads], axis=1)
     values = by_load[:, :, None] + EXPONENT * np.log(velocities)
@@ -66,14 +66,14 @@ def closed_excess(self, draws, load, velocity):
 
 
 def samples_of(unknown):
-    """Samples of a closed form, of which only the inputs count."""
+    """Ensemble for the closed form: only its unknown inputs matter."""
     return dataclasses.replace(ensemble(unknown[:1], 16), unknown=unknown)
 
 
 class Laboratory:
-    """A hidden truth, and a rig that may be wrong.
+    """A rig with hidden true inputs, whose tests may be systematically wrong.
 
-    Long tails of the scatter are those of Student's t of 4 degrees.
+    With long tails its scatter is Student's t with 4 degrees of freedom.
     """
 
     def __init__(self, unknown, number, wrong="", has_long_tails=False):
@@ -87,14 +87,14 @@ class Laboratory:
         self.critical, self.friction = of_truth[CRITICAL.path], of_truth[FRICTION.path]
 
     def boundary(self, load, bulk=ROOM, friction=None):
-        """Critical velocity [m/s]."""
+        """Critical velocity [m/s] at a load [N], by the hidden truth."""
         limit = max(self.critical - bulk, 1e-3) / (friction or self.friction)
         return math.exp(
             (math.log(limit) - log_rise(self.unknown, self.truth[None], load)[0]) / EXPONENT
         )
 
     def tested(self, load, between=0.0, share=0.0):
-        """A transition as the log has it.
+        """A measured transition at a load [N], as an entry of a log.
 
         ``between`` is the scatter of friction between tests, ``share`` that of tests made so far.
         """
@@ -120,7 +120,7 @@ class Laboratory:
 
 
 def covered(count, between):
-    """Shares of laboratories whose boundary at 400 N and friction the intervals hold.
+    """Shares of laboratories in which 90 % intervals hold the truth: boundary at 400 N, friction.
 
     Of friction, by that of six tests alone, Bayes' rule on a grid holds 97, 88 and 86 % where it
     varies by 0, 2 and 8 %, and 90 % where it varies as is assumed: an interval that allows for a
@@ -146,7 +146,7 @@ def covered(count, between):
 
 
 def oils_held(count, tests_each=6):
-    """Shares of pairs of oils on one rig whose differences the intervals hold."""
+    """Shares of pairs of oils on one rig whose true difference is in the 90 % interval."""
     samples, held = samples_of(ALL), []
     for number in range(count):
         first, second = Laboratory(ALL, number), Laboratory(ALL, number)
@@ -170,7 +170,7 @@ def oils_held(count, tests_each=6):
 
 
 def alarms(count, has_long_tails, tests_each=40):
-    """Number of sound logs in which a test is named."""
+    """Number of sound logs in which a test is wrongly named as an outlier."""
     samples, logs = samples_of(ALL_UNKNOWN), 0
     for number in range(count):
         lab = Laboratory(ALL_UNKNOWN, number, has_long_tails=has_long_tails)
@@ -183,7 +183,7 @@ def alarms(count, has_long_tails, tests_each=40):
 
 
 def named(count, wrong, unknown=ALL_UNKNOWN, tests_each=8):
-    """Number of laboratories of which the model is named."""
+    """Number of laboratories with a fault `wrong` in which the model is named as wrong."""
     samples, models = samples_of(unknown), 0
     loads = (LOADS * tests_each)[:tests_each]
     for number in range(count):
@@ -199,7 +199,7 @@ def named(count, wrong, unknown=ALL_UNKNOWN, tests_each=8):
 
 
 def best_possible(unknown, loads, count=200):
-    """Share of rigs with velocities 8 % high that the best of all tests names."""
+    """Share of rigs with velocities 8 % too high that the most powerful test would detect."""
     draws = drawn(unknown, 5, 2**12)
     friction = np.log(draws[:, [one.path for one in unknown].index(FRICTION.path)])
     limit = np.log(draws[:, 0] - ROOM) - friction
@@ -222,7 +222,7 @@ def best_possible(unknown, loads, count=200):
 
 
 def rows(count):
-    """All parts, one after the other."""
+    """Yield the results of all parts of the campaign."""
     yield from (covered(4 * count, between) for between in (0.0, 0.02, 0.08))
     yield oils_held(4 * count)
     yield from (alarms(4 * count, has_long_tails) for has_long_tails in (False, True))

@@ -19,7 +19,7 @@ Rows are ordered by their work; times of these short probes vary by up to a thir
 
 
 def kept(name, bound, errors, excuses):
-    """Row of a promise; scenes with an excuse do not break it in silence."""
+    """Table row of a promise; a scene with an excuse does not break it silently."""
     errors, excused = np.array(errors), np.array([bool(one) for one in excuses])
     silent = np.sum((errors > bound) & ~excused)
     shown = (f"{size:.2%}" for size in (*np.quantile(errors, [0.5, 0.9]), errors.max()))
@@ -35,7 +35,7 @@ def are_right(rows, family):
 
 
 def report(rows_by_seed, family):
-    """Say how many promises were kept, of what is known of each scene by its parts."""
+    """Print the number of kept promises, from the results of each scene; return the exit code."""
     parts = [row for parts in rows_by_seed.values() for row in parts.values()]
     failed = {row["seed"]: row["failed"] for row in parts if "failed" in row}
     judged = [row for row in parts if row["part"] == "accuracies" and "failed" not in row]

@@ -64,7 +64,7 @@ BULKS = {"known": (298.15,), "unknown": (298.15, 338.15, 378.15), "ball": (298.1
 
 
 def add_rig_options(parser):
-    """Add the options that say which rigs are tried."""
+    """Add the command-line options that choose the rigs to try."""
     parser.add_argument("--case", choices=CASES, default="known")
     parser.add_argument("--scene", type=Path, default=WORKFLOWS / "uncertain.toml")
     parser.add_argument("--store", type=Path, help="of the scene's samples; computed if not given")
@@ -72,14 +72,14 @@ def add_rig_options(parser):
 
 
 def rigs_of(options):
-    """Samples of the scene that options name, and a function that makes its rigs by number."""
+    """Ensemble of the scene in the options, and a function from a number to a `Rig`."""
     overrides = {"fidelity.preset": options.preset} | CASES[options.case]
     ensemble = ensemble_of(options.scene, overrides, options.store)
     return ensemble, functools.partial(Rig, ensemble, options.scene, overrides)
 
 
 def ensemble_of(scene, overrides, store=None):
-    """Samples of a scene: of its store, or simulated here."""
+    """Ensemble of a scene's samples, read from a store or simulated now."""
     if store is not None:
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
         return replace(ensemble, tests=())
@@ -92,7 +92,7 @@ def ensemble_of(scene, overrides, store=None):
 
 
 def weighed(ensemble, tests, scatter=SCATTER):
-    """The posterior given tests, with the emulator of the samples fitted once."""
+    """Posterior given tests; the emulator of the samples is fitted only once."""
     tested = replace(ensemble, tests=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
     with mock.patch.object(Ensemble, "excess", _kept), mock.patch.object(weigh, "_FIRST", _FIRST):
@@ -100,7 +100,7 @@ def weighed(ensemble, tests, scatter=SCATTER):
 
 
 def log_transitions(ensemble, inputs, load, bulk):
-    """Logarithm of the velocity of the transition by the emulator, of each draw."""
+    """Logarithm of the emulated critical velocity of each draw at a load and bulk temperature."""
     nodes = np.geomspace(*ensemble.velocities, 9)
     at_bulk = replace(ensemble, conditions=replace(ensemble.conditions, bulk_temperature=bulk))
     vars(at_bulk)["_rise"] = ensemble._rise
@@ -108,7 +108,7 @@ def log_transitions(ensemble, inputs, load, bulk):
 
 
 def boundary_near(excess, place, ends):
-    """Place near another beyond which an excess, which may jump, is positive; None if beyond."""
+    """Root of `excess`, which may jump, near `place` and within `ends`; None if there is none."""
     excess = functools.cache(excess)
     step = _STEP if excess(place) < 0 else -_STEP
     near = far = place
@@ -124,7 +124,7 @@ _excess, _of_prior = Ensemble.excess, {}
 
 
 def _kept(ensemble, draws, load, velocity):
-    """`Ensemble.excess`, kept for the draws of the prior, which all truths share."""
+    """`Ensemble.excess` with a cache for draws of the prior, which all truths share."""
     if len(draws) < weigh._FIRST:
         return _excess(ensemble, draws, load, velocity)
     key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)
@@ -136,7 +136,7 @@ def _kept(ensemble, draws, load, velocity):
 
 
 class Rig:
-    """A hidden truth, tried by direct simulations."""
+    """A rig with hidden true inputs, whose tests are direct simulations."""
 
     def __init__(self, ensemble, scene, overrides, number):
         self.ensemble, self.seed = ensemble, number
@@ -151,13 +151,13 @@ class Rig:
         self.simulated = functools.cache(self._simulated)
 
     def tried(self, load, velocity, bulk, scatter=SCATTER):
-        """A test at a place, as a log has it."""
+        """A test at a load, velocity and bulk temperature, as an entry of a log."""
         is_severe = self._excess(load, bulk, math.log(velocity) + scatter * self._noise()) > 0
         outcome = "severe" if is_severe else "mild"
         return self._logged(load, velocity, bulk) | {"outcome": outcome}
 
     def searched(self, load, bulk, scatter=SCATTER):
-        """A transition at a load, as a log has it; a test where it lies beyond the velocities."""
+        """A measured transition at a load, as an entry of a log; an outcome if out of range."""
         velocity = math.exp(self.transition(load, bulk) + scatter * self._noise())
         low, high = self.ensemble.velocities
         if velocity < low:
@@ -168,7 +168,7 @@ class Rig:
 
     @functools.lru_cache(maxsize=64)  # noqa: B019
     def transition(self, load, bulk):
-        """Logarithm of the velocity of the transition; ± infinite beyond the sweep's."""
+        """Logarithm of the true critical velocity; ± infinite if it is outside the sweep."""
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
         low, high = np.log(self.ensemble.velocities).tolist()
@@ -185,7 +185,7 @@ class Rig:
         return math.log(self.simulated(load, log_velocity) / rise_limit(conditions))
 
     def _simulated(self, load, log_velocity):
-        """Decisive rise at friction 1 [K], from the start of the ramp on."""
+        """Deciding rise [K] at friction 1, simulated from zero load on."""
         columns = run_point(self._scene, load, math.exp(log_velocity)).columns
         return float(worst_rises(columns, load, self._scene.conditions))
 

@@ -40,7 +40,7 @@ def _of_chunk(task):
 
 
 def excess(scene, overrides, inputs, load, velocity):
-    """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
+    """ln(rise/limit) at a point, simulated with inputs given as scene entries."""
     alone = pipeline.load_scene(scene, overrides=overrides | inputs)
     alone = changed(alone, variants=Variants())
     rise = worst_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
@@ -48,19 +48,19 @@ def excess(scene, overrides, inputs, load, velocity):
 
 
 def drawn_anew(ensemble, count):
-    """Inputs by another seed: values, shape (count, n_unknown), and the entries of the scene."""
+    """Random inputs with another seed: values (count, n_unknown), and their scene entries."""
     values = drawn(ensemble.unknown, SEED, count)
     return values, [entries_of(ensemble.unknown, row) for row in values]
 
 
 def entries_of(unknown, values):
-    """Values of unknown inputs [SI] as the scene would give them, by path."""
+    """Scene entries by path for values of unknown inputs [SI]."""
     pairs = zip(unknown, values.tolist(), strict=True)
     return {entry.path: written(entry, value) for entry, value in pairs}
 
 
 def written(unknown, value):
-    """A value as it would stand in the scene."""
+    """Value of an unknown input as a scene file writes it."""
     unit = unknown.shown
     if unit:
         return f"{float(shown_in(value, unit))!r} {unit}"
@@ -68,7 +68,7 @@ def written(unknown, value):
 
 
 def direct(scene, entries, overrides, place, processes):
-    """Logarithms of rise over limit at a point, a direct simulation each."""
+    """ln(rise/limit) at a point for each set of entries, by direct simulations."""
     chunks = np.array_split(np.arange(len(entries)), min(len(entries), 8 * processes))
     without = overrides | {"without": ["unknown", "sweep.samples"]}
     tasks = [(scene, without, place, [entries[i] for i in chunk]) for chunk in chunks]
@@ -79,9 +79,9 @@ def direct(scene, entries, overrides, place, processes):
 
 
 def risk(field, load, velocity):
-    """Share of draws whose wear is severe at a point, and its standard error.
+    """Probability of severe wear at a point by the samples, and its standard error.
 
-    The error of the emulator is taken as one for all draws.
+    The emulator's error is taken as the same for all draws.
     """
     draws = field.draws
     share = float(draws.mean(field.temperatures(load, velocity).is_severe[:, 0]))
@@ -92,7 +92,7 @@ def risk(field, load, velocity):
 
 
 def judged(ensemble, scene, count, overrides, place, processes=1):
-    """The risk beside direct simulations, and the error of the emulated rise of each."""
+    """Risk by the samples beside the risk by direct simulations, and errors of emulated rises."""
     load, velocity = place
     draws = draws_of(ensemble, None)
     of_draws = ensemble.excess(draws.inputs, load, velocity)

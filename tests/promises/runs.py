@@ -37,20 +37,20 @@ _GRID = 241
 
 
 def law_scatters(seed):
-    """Scatter of a rig by law: drawn as the tool assumes it, or fixed."""
+    """Scatter of a rig's runs by law: drawn from the assumed prior, or fixed."""
     drawn = SCATTER * FACTOR ** float(stats.norm.ppf(van_der_corput(seed + 1)))
     return {"drawn": drawn} | {f"{100 * one:g} %": one for one in FIXED}
 
 
 def next_run(ensemble, posterior):
-    """The field of samples that tests have weighed."""
+    """Field of samples weighed by tests, which predicts the next run."""
     return SampleField(ensemble, draws_of(ensemble, posterior.draws), None, posterior)
 
 
 def true_probabilities(field, rig, load, bulk, scatter):
-    """True probabilities that the next run is severe where it is said to be as likely as `SAID`.
+    """True probabilities that the next run is severe where the predicted ones are `SAID`.
 
-    None where that lies beyond the velocities of the sweep, or the transition does.
+    None if such a velocity, or the transition, is outside the sweep.
     """
     transition = rig.transition(load, bulk)
     if not math.isfinite(transition):
@@ -64,7 +64,7 @@ def true_probabilities(field, rig, load, bulk, scatter):
 
 
 def judged(ensemble, rig, scatter, count, bulk):
-    """True probabilities of a rig after so many searches, by load."""
+    """True probabilities of a rig by load, after `count` measured transitions."""
     loads = np.resize(ensemble.loads, count).tolist()
     posterior = weighed(ensemble, [rig.searched(load, bulk, scatter) for load in loads])
     field = next_run(posterior.ensemble, posterior)
@@ -73,7 +73,7 @@ def judged(ensemble, rig, scatter, count, bulk):
 
 
 def reported(rows):
-    """Mean true probability over that said, with its standard error, by law and what is said."""
+    """Yield mean true/predicted probability and its standard error, by law and prediction."""
     for law in dict.fromkeys(row["law"] for row in rows):
         means = [np.mean(row["true"], axis=0) for row in rows if row["law"] == law and row["true"]]
         ratios = np.array(means) / SAID
@@ -89,7 +89,7 @@ def reported(rows):
 
 
 def comes_true(law, result, count):
-    """True if what is said comes true, within the bars and the error of so many truths."""
+    """True if true/predicted probabilities are within the bounds, allowing one standard error."""
     for said in (f"{100 * one:g} %" for one in SAID):
         ratio, error = result[said]["ratio"], result[said]["error"]
         most = _FACTOR if law == "drawn" else _MOST[count]

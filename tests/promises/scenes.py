@@ -29,7 +29,7 @@ SHARES = (0.3, 0.5, 0.7, 1.0)  # of the reference load
 
 
 def random_sweep(seed):
-    """A cylinder of 1 to 20 mm on a ground disk; the same for the same seed.
+    """Random sweep of a cylinder of 1 to 20 mm on a ground disk; the same for the same seed.
 
     Ra is 0.02 to 1 µm, wear none, swept or local at 1e-9 to 1e-4 mm³/(N m). The window holds the
     contact, and the critical temperature is such that the boundary lies among the velocities.
@@ -72,9 +72,9 @@ def random_sweep(seed):
 
 
 def window_guess(sweep, lengths, velocity):
-    """Widen the window until the contact does not touch its edges.
+    """Copy of a sweep with a window so wide that the contact does not touch its edges.
 
-    The lengths are those of correlation, in pixels.
+    `lengths` are the correlation lengths in pixels.
     """
     for _ in range(12):
         sizes = sweep.scene.pixels.spacing
@@ -97,7 +97,7 @@ def window_guess(sweep, lengths, velocity):
 
 
 def _with_boundary(sweep, velocity):
-    """Set the critical temperature to what a rough look gives in the middle of the diagram."""
+    """Copy of a sweep with a critical temperature that puts the boundary in its middle."""
     state = state_at(sweep.scene, sweep.plane.loads[2], velocity)
     rise = momentary_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
@@ -105,7 +105,7 @@ def _with_boundary(sweep, velocity):
 
 
 def state_at(scene, load, velocity):
-    """State of a point that decides: the hottest under its full load."""
+    """The hottest state of a point at its full load."""
     hot = [
         state
         for state in tribo.simulate(scene, load, velocity)

@@ -38,9 +38,9 @@ _WITHIN = 0.8  # of the logarithm of loads, in which runs are to turn severe
 
 
 def staged(load_transition, ends, step, scatter, count, chance):
-    """Tests of some runs, given ln(transition) by ln(load).
+    """Yield the tests of `count` stepwise runs; `load_transition` maps ln(load) to ln(velocity).
 
-    Runs have velocities at which they turn severe at loads of the sweep.
+    Their velocities are such that wear turns severe at loads of the sweep.
     """
     low, high = np.log(ends)
     loads = np.exp(np.arange(low, high, math.log1p(step)))
@@ -59,12 +59,12 @@ def staged(load_transition, ends, step, scatter, count, chance):
 
 
 def transition_line(loads, places):
-    """Logarithm of the transition by that of the load; None if some lie beyond the sweep."""
+    """Spline of ln(critical velocity) over ln(load); None if a transition is outside the sweep."""
     return CubicSpline(np.log(loads), places) if np.isfinite(places).all() else None
 
 
 def judge(ensemble, truth, step, scatter, count, chance, weigh):
-    """Error of the median of the critical velocity in the middle, and if the interval holds it."""
+    """Error of the inferred critical velocity at a middle load; if its interval holds the truth."""
     tests = staged(truth, ensemble.loads[[0, -1]], step, scatter, count, chance)
     posterior = weigh(ensemble, list(tests))
     load = math.exp(np.log(ensemble.loads[[0, -1]]).mean())
@@ -76,7 +76,7 @@ def judge(ensemble, truth, step, scatter, count, chance, weigh):
 
 
 def summarise(rows):
-    """Share of intervals that hold, and the mean error, with their standard errors."""
+    """Share of intervals that hold the truth, and mean error, with their standard errors."""
     off, held = (np.array([row[name] for row in rows], float) for name in ("off", "held"))
     n = len(rows)
     return {
@@ -90,7 +90,7 @@ def summarise(rows):
 
 
 def is_right(result, errors=1.0):
-    """True if intervals hold what they say, and nothing is off, within so many standard errors."""
+    """True if intervals hold as often as stated, and errors are small, within standard errors."""
     low, high = HELD
     spare = errors * result["its_error"]
     is_held = low - spare <= result["held"] <= high + spare
@@ -98,7 +98,7 @@ def is_right(result, errors=1.0):
 
 
 def closed_rigs(count):
-    """Samples of a closed form, and the transition of each truth."""
+    """Yield the ensemble of a closed form, and the transition line of each hidden truth."""
     inputs = (replace(CRITICAL, parameters=(CRITICAL.parameters[0], WIDE)), RATE, FRICTION, LENGTH)
     samples = samples_of(inputs)
     for truth in drawn(inputs, _SEED, count):
@@ -107,7 +107,7 @@ def closed_rigs(count):
 
 
 def direct_rigs(options):
-    """Samples of a scene, and the transition of each truth by simulations."""
+    """Yield the ensemble of a scene, and the simulated transition line of each hidden truth."""
     ensemble, rig_of = rigs_of(options)
     bulk = ensemble.conditions.bulk_temperature
     for rig in map(rig_of, range(options.truths)):
@@ -116,17 +116,17 @@ def direct_rigs(options):
 
 
 def closed_form():
-    """Patch of the emulator by the closed form."""
+    """Context that replaces the emulator by the closed form."""
     return mock.patch.object(Ensemble, "excess", closed_excess)
 
 
 def weigh_closed(ensemble, tests):
-    """The posterior of a closed form."""
+    """Posterior given tests, for an ensemble of the closed form."""
     return pipeline.posterior(replace(ensemble, tests=tuple(tests)))
 
 
 def judged_rows(rigs, count, weigh):
-    """Rows of each kind of stages, of rigs with so many runs."""
+    """Results of `judge` by kind of stages, for rigs with `count` runs each."""
     rows = {kind: [] for kind in KINDS}
     for number, (ensemble, truth) in enumerate(rigs):
         chance = np.random.default_rng((_SEED, number))

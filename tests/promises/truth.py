@@ -23,7 +23,7 @@ TRUTH = Path(__file__).with_name("truth.json")
 
 
 def deciding_rises(sweep, velocity, trunks):
-    """Deciding rise at each load of a sweep and one velocity, at friction 1 [K]."""
+    """Yield the deciding rise [K] at friction 1 at each load of a sweep, at one velocity."""
     conditions = sweep.conditions
     for load in sweep.plane.loads:
         verdict = judge(sweep.scene, load, velocity, conditions, trunks)
@@ -32,7 +32,7 @@ def deciding_rises(sweep, velocity, trunks):
 
 
 def known(case):
-    """Rises of a scene by its velocities, as far as they are known [K]."""
+    """Known true rises [K] of a scene, by velocity as text."""
     return _read().get(case.digest, {})
 
 
@@ -41,14 +41,14 @@ def _read():
 
 
 def _write(case, rises):
-    """Write a scene, in a line of its own."""
+    """Save the true rises of a scene, in a line of the file."""
     scenes = _read() | {case.digest: rises}
     lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in sorted(scenes.items())]
     TRUTH.write_text("{\n" + ",\n".join(lines) + "\n}\n")
 
 
 def compute(case, ends):
-    """Compute what is missing of a scene, until a time."""
+    """Compute missing true rises of a scene, until the time `ends`."""
     rises = known(case)
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))

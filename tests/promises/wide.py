@@ -18,7 +18,7 @@ _MIDDLE = 1  # number of the load whose boundary lies in the middle of the veloc
 
 
 def random_wide_sweep(seed):
-    """A scene whose every part is drawn on its own; the same for the same seed.
+    """Random sweep in which every part of the scene varies; the same for the same seed.
 
     The pin is a cylinder, a ball or crowned, at rest or rolling. Its load is a ramp, with a hold
     or without, or a record with a dip or a late jump. The disk is smooth, rough alike in all
@@ -55,7 +55,7 @@ def random_wide_sweep(seed):
 
 
 class Draw:
-    """Parts of a scene at random."""
+    """Random parts of a scene."""
 
     def __init__(self, seed):
         self.rng = np.random.default_rng([seed, 27])
@@ -134,7 +134,7 @@ class Draw:
 
 
 def hertz(pin, disk, pressure):
-    """Load [N] and half-widths of the contact [m] for a highest pressure, about so for a crown."""
+    """Load [N] and half-widths [m] of a contact with this maximum pressure; rough for a crown."""
     modulus = tribo.contact_modulus(pin.material, disk)
     if isinstance(pin, tribo.Cylinder):
         half_width = 2 * pin.radius * pressure / modulus
@@ -147,7 +147,7 @@ def hertz(pin, disk, pressure):
 
 
 def _with_boundary(sweep, velocity, bulks):
-    """Set bulk temperatures, apart by a share of the warming, and the critical one amid all."""
+    """Copy of a sweep with bulk and critical temperatures that put the boundary inside it."""
     scene = sweep.variant(sweep.variants.names[0])
     warm = changed(scene, unequal_bulks=bulks != 0).scene
     state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
