@@ -26,7 +26,7 @@ from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.remarks import joined
+from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.surface import find_lubrication
 from tribo.types import Array
 
@@ -215,7 +215,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     ):
         boundaries[name] = _described("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
-    notes = joined(scene_caveats(data, field.conditions))
+    notes = join_notes(scene_caveats(data, field.conditions))
     return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
 
 

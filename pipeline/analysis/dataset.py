@@ -67,7 +67,7 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
         title = f"{whole.declared.title or whole.name}, {words}"
-        return whole.below(name).changed("title", title)
+        return whole.samples_of(name).changed("title", title)
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)

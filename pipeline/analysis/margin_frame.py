@@ -24,7 +24,7 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.remarks import joined
+from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
@@ -184,7 +184,7 @@ def margin_frame(
         else:
             values = [_value(one.margin, name) for name in _COLUMNS]
             notes += one.margin.caveats
-        rows.append((*one.place, *values, joined(notes)))
+        rows.append((*one.place, *values, join_notes(notes)))
     answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
     return pd.concat([labels, _copied_columns(points, answers), answers], axis="columns")
 

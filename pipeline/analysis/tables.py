@@ -18,7 +18,7 @@ import pandas as pd
 from pipeline.paths import user_path
 from pipeline.quantities import is_unit_of_head, shown_in
 from pipeline.store.files import replace_files
-from pipeline.sweep.remarks import parted
+from pipeline.sweep.remarks import split_notes
 from tribo import InputError
 
 TABLES = (".csv", ".md", ".json")
@@ -193,7 +193,7 @@ def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
     Notes in `said` are left out.
     """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
-    noted = noted.assign(notes=[parted([cell]) for cell in noted["notes"]]).explode("notes")
+    noted = noted.assign(notes=[split_notes([cell]) for cell in noted["notes"]]).explode("notes")
     for notes, rows in noted[~noted["notes"].isin(said)].groupby("notes", sort=False):
         load, velocity, _ = rows.iloc[0]
         others = f" and {len(rows) - 1} more" * (len(rows) > 1)

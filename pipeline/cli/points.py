@@ -20,7 +20,7 @@ from pipeline.cli.verdicts import place_lines
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
-from pipeline.store.write import stored
+from pipeline.store.write import store_path
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, run_points
 from pipeline.sweep.stages import Report
@@ -38,7 +38,7 @@ def point(options: argparse.Namespace) -> Result:
         require_one_oil(sweep)
     sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
     places = sweep.take_place(*place, options.alone)
-    with stored(None) as path:
+    with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
             store.commit(_simulate(places, Point(*place), progress))
         return _margin_result(pipeline.at(path, oil=options.oil), Place(*place), options.alone)

@@ -35,7 +35,7 @@ from pipeline.figures.overlays import (
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.model import named
+from pipeline.sweep.model import variant_words
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
@@ -72,7 +72,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     if log:
         axes.set(xscale="log", yscale="log")
         style.plain_numbers(axes)
-    style.write_title(axes, ", ".join([style.title_of(data), *named(data.surface)]))
+    style.write_title(axes, ", ".join([style.title_of(data), *variant_words(data.surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     style.legend_below(figure, handles=legend, caption=caption)
     return figure

@@ -23,7 +23,7 @@ from pipeline.gears.reading import read_pair
 from pipeline.gears.scene import scene_toml
 from pipeline.gears.spectrum import conclusion, judge_spectrum
 from pipeline.quantities import si_of
-from pipeline.sweep.remarks import joined, parted
+from pipeline.sweep.remarks import join_notes, split_notes
 from pipeline.sweep.sources import library_tables
 from tribo import InputError
 
@@ -71,8 +71,8 @@ def gears(options: argparse.Namespace) -> Result:
         sentences.append(f"scene: {options.new_scene}")
     text = [part for row in found for part in (upright(row), "")]
     if "notes" not in table:
-        table["notes"] = joined(map(str, (*doubts(found_mesh), *pair.caveats)))
-    caveats = parted(table["notes"])
+        table["notes"] = join_notes(map(str, (*doubts(found_mesh), *pair.caveats)))
+    caveats = split_notes(table["notes"])
     document = {"title": pair.title, "caveats": caveats, "said": sentences}
     return Result(
         document | {"facts": records(found), "rows": records([table])},

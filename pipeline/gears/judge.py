@@ -22,7 +22,7 @@ from pipeline.gears.contact import Mesh
 from pipeline.gears.doubts import doubts
 from pipeline.gears.scene import scene_toml
 from pipeline.sweep.physics import caveat_on_turns
-from pipeline.sweep.remarks import joined
+from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.stages import Report, silent
 
 _WORSE = ("mild", NOT_DECIDED, "severe")
@@ -134,4 +134,4 @@ def _severe_margin(one: Mesh) -> dict[str, Any]:
 
 
 def _notes(one: Mesh, *others: str) -> str | None:
-    return joined([*map(str, doubts(one)), *one.pair.caveats, *others])
+    return join_notes([*map(str, doubts(one)), *one.pair.caveats, *others])

@@ -34,7 +34,7 @@ _CLOSER = 10.0  # divides the tolerance where friction by velocity may nearly ba
 _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
-class _Turn(NamedTuple):
+class _Root(NamedTuple):
     """An expected crossing of the limit by the rise; places are logarithms of velocities."""
 
     place: float
@@ -75,16 +75,16 @@ class BoundarySearch:
         return cls(sweep.plane.loads, *ends, limit, tolerance, scale, factor)
 
     def wanted(
-        self, rises: Mapping[Point, float], hopeless: Iterable[Point] = ()
+        self, rises: Mapping[Point, float], failures: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
         """Points to compute next, given the known rises [K]; empty once the search is done."""
-        past, chosen = {*rises, *hopeless}, set[Point]()
-        turns = {load: self._turns(*row) for load in self.loads if (row := self._row(rises, load))}
-        bends = [bend for found in turns.values() for turn in found for bend in turn.bends]
+        past, chosen = {*rises, *failures}, set[Point]()
+        roots = {load: self._roots(*row) for load in self.loads if (row := self._row(rises, load))}
+        bends = [bend for found in roots.values() for root in found for bend in root.bends]
         curvature = min(max(_LEAST_CURVATURE, 1.5 * max(bends)), 100.0) if bends else _CURVATURE
-        for load, expected in (turns | self._first_turns(turns)).items():
-            here = {Point(load, v) for turn in expected for v in self._next(turn, curvature)}
-            if load not in turns and here <= past:
+        for load, expected in (roots | self._first_roots(roots)).items():
+            here = {Point(load, v) for root in expected for v in self._next(root, curvature)}
+            if load not in roots and here <= past:
                 here = {Point(load, self.lowest), Point(load, self.highest)}
             chosen |= here
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
@@ -101,7 +101,7 @@ class BoundarySearch:
         velocities, values = np.array(known).T
         return np.log(velocities), np.log(values / self.factor(velocities))
 
-    def _turns(self, x: Array, y: Array) -> list[_Turn]:
+    def _roots(self, x: Array, y: Array) -> list[_Root]:
         """Crossings of the limit expected on straight lines through known points, by `_row`."""
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
@@ -109,22 +109,22 @@ class BoundarySearch:
         before = np.flatnonzero((excess[1:] >= 0) != (excess[:-1] >= 0))
         if not before.size:
             is_mild = excess[0] < 0
-            return [_Turn(fine[-1], low=x[-1]) if is_mild else _Turn(fine[0], high=x[0])]
+            return [_Root(fine[-1], low=x[-1]) if is_mild else _Root(fine[0], high=x[0])]
         shares = excess[before] / (excess[before] - excess[before + 1])
         places = fine[before] + shares * (fine[before + 1] - fine[before])
         known = np.concatenate([[-math.inf], x, [math.inf]])
         return [
-            _Turn(place, known[number], known[number + 1], [*_bends(x, y, number)])
+            _Root(place, known[number], known[number + 1], [*_bends(x, y, number)])
             for place, number in zip(places, np.searchsorted(x, fine[before], "right"), strict=True)
         ]
 
-    def _first_turns(self, turns: Mapping[float, Sequence[_Turn]]) -> dict[float, list[_Turn]]:
+    def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
         """Crossings at loads without points: from other loads or, at three loads, from a trend."""
         middle = self.loads[len(self.loads) // 2]
-        loads = self.loads if turns else (self.loads[0], middle, self.loads[-1])
-        known = {math.log(load): found[0].place for load, found in turns.items() if found}
+        loads = self.loads if roots else (self.loads[0], middle, self.loads[-1])
+        known = {math.log(load): found[0].place for load, found in roots.items() if found}
         first = {}
-        for load in {*loads} - turns.keys():
+        for load in {*loads} - roots.keys():
             if known:
                 x, y = np.array([*known.items()]).T
                 place = _line(x, y, _TREND, math.log(load))
@@ -132,20 +132,20 @@ class BoundarySearch:
                 above = _TREND * math.log(load / middle) + math.log(self.scale)
                 number = round(self._intervals / 2 + above / self._span)
                 place = math.log(self.lowest / self.scale) + number * self._span
-            first[load] = [_Turn(float(place))]
+            first[load] = [_Root(float(place))]
         return first
 
-    def _next(self, turn: _Turn, curvature: float) -> set[float]:
+    def _next(self, root: _Root, curvature: float) -> set[float]:
         """Velocities to compute next beside a crossing, of the coarsest grid that has new ones."""
-        if curvature * (turn.high - turn.low) ** 2 / 8 <= self.tolerance:
+        if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()
         for level in range(_FINEST):
             span = self._span / 2**level
             if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:
                 break
-            number = round((turn.place + math.log(self.scale / self.lowest)) / span, 9)
+            number = round((root.place + math.log(self.scale / self.lowest)) / span, 9)
             nodes = {self._node(whole(number), level) for whole in (math.floor, math.ceil)}
-            low, high = turn.low + _ROUNDING, turn.high - _ROUNDING
+            low, high = root.low + _ROUNDING, root.high - _ROUNDING
             if inside := {velocity for velocity in nodes if low < math.log(velocity) < high}:
                 return inside
         return set()
@@ -212,8 +212,8 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
             rises_here = {
                 Point(*point[:2]): rise for point, rise in rises.items() if point.variant == variant
             }
-            hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
-            added = search.wanted(rises_here, () if retry_failed else hopeless)
+            failures = {Point(*point[:2]) for point in failed if point.variant == variant}
+            added = search.wanted(rises_here, () if retry_failed else failures)
             same = alike[sweep.variant(variant).scene]
             chosen |= {Point(*point[:2], other) for point in added for other in same}
         return replace(sweep, chosen=frozenset(chosen))

@@ -121,7 +121,7 @@ class Connection:
     _seen: float = field(default_factory=time.monotonic)
     _kills: int = field(default_factory=oom_kills)
 
-    def tell(self, words: str) -> None:
+    def report(self, words: str) -> None:
         """Report a line to the user, unless it is empty or was reported before."""
         if words and words not in self._reported:
             self._reported.add(words)
@@ -138,7 +138,7 @@ class Connection:
         except GONE as error:
             raise ExecutionError(LOST) from error
 
-    def look(self) -> bool:
+    def update(self) -> bool:
         """Update `workers`, once a second at most; return whether they were updated now.
 
         `ExecutionError` if the scheduler is lost, or if there is no worker for too long.
@@ -160,10 +160,10 @@ class Connection:
                 f"there is no Dask worker, and none has come within {patience}; {SAFE}"
             )
         elif absent >= min(_WORD, self.patience / 2):
-            self.tell(f"there is no Dask worker; waiting up to {patience} for one")
+            self.report(f"there is no Dask worker; waiting up to {patience} for one")
         return True
 
-    def want_of_memory(self, workers: Collection[str]) -> str:
+    def memory_cause(self, workers: Collection[str]) -> str:
         """Message that some of these workers were killed for lack of memory; empty if not known.
 
         The nanny of a worker reports that it has killed the worker for this. The kernel only counts

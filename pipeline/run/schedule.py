@@ -1,6 +1,6 @@
 """Compute the points of a sweep as independent tasks of Dask.
 
-Two policies decide: `HandOut` which task is next, `Losses` what to do about one that was lost. A
+Two policies decide: `TaskQueue` which task is next, `Losses` what to do about one that was lost. A
 worker has one task that it computes and one that waits.
 """
 
@@ -15,9 +15,9 @@ from pipeline.run.cluster import Connection
 from pipeline.run.jobs import ANYWHERE, Job, Jobs, Loss
 from pipeline.run.tally import Tally
 from pipeline.store.write import Writer
-from pipeline.sweep.hand_out import HandOut
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Task
+from pipeline.sweep.task_queue import TaskQueue
 
 TRIALS = 5
 """Times that a point may be lost until it counts as failed; after two it is tried alone."""
@@ -26,7 +26,7 @@ _TO_COME = 16  # tasks handed out for workers that are still to come
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
-def compute(link: Connection, sweep: Sweep, writer: Writer, hand: HandOut, tally: Tally) -> None:
+def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
     """Compute tasks, until the writer has written each of their points as done or failed.
 
     `StoreError` if points cannot be written, `ExecutionError` if the scheduler is lost or no worker
@@ -35,11 +35,11 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, hand: HandOut, tally
     losses = Losses()
     wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
     with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
-        while hand or losses or jobs:
-            has_looked = link.look()
+        while queue or losses or jobs:
+            has_looked = link.update()
             for worker in _free_places(jobs.running.values(), link):
-                if hand:
-                    jobs.submit(Job(hand.take(worker or object()), worker))
+                if queue:
+                    jobs.submit(Job(queue.take(worker or object()), worker))
             on_workers = [*jobs.running.values(), *jobs.computed.values()]  # results die with them
             for job in losses.trials(on_workers, link.workers):
                 jobs.submit(job)
@@ -47,11 +47,11 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, hand: HandOut, tally
             for job, loss in jobs.lost(has_looked):
                 link.workers.pop(job.worker, None)  # until it is seen again: nothing goes there
                 if losses.take(job, loss):
-                    hand.put_back(job.task)
-                elif cause := link.want_of_memory([job.worker]):
-                    link.tell(f"a worker has died: {cause}")
+                    queue.put_back(job.task)
+                elif cause := link.memory_cause([job.worker]):
+                    link.report(f"a worker has died: {cause}")
             for point, workers in losses.failed():
-                cause = link.want_of_memory(workers) or "out of memory, or killed from outside"
+                cause = link.memory_cause(workers) or "out of memory, or killed from outside"
                 words = f"{len(workers)} workers died of it, at last when it was alone: {cause}"
                 writer.add([PointRecord(point, None, words)])
             for result in jobs.results():

@@ -19,7 +19,7 @@ from pipeline.run.tally import Tally, shown_progress
 from pipeline.scene.resume import effective_changes
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.create import grown, writing
+from pipeline.store.create import open_grown, writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summary_of
 from pipeline.store.root import find_sweep
@@ -28,11 +28,11 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store, Writer, opened
-from pipeline.sweep.hand_out import HandOut
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.sweep.task_queue import TaskQueue
 from tribo import InputError
 from tribo.errors import require_positive
 
@@ -145,10 +145,10 @@ def run_sweep(
             most = len(first[2]) if choose_next is None else cores()
             count = min(workers or cores(), most)
             with connected(client, count, patience, report, dashboard) as link:
-                for wanted, store, hand in itertools.chain([first], rounds):
+                for wanted, store, queue in itertools.chain([first], rounds):
                     tally.store = store
                     with Writer(store) as writer:
-                        compute(link, wanted, writer, hand, tally)
+                        compute(link, wanted, writer, queue, tally)
         summary = summary_of(store)
     counts = summary.total, summary.done, tally.computed
     return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)
@@ -167,15 +167,15 @@ def _require_cluster(client: Client | None) -> None:
 
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
-) -> Iterator[tuple[Sweep, Store, HandOut]]:
+) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
     """Yield the sweep, its store and pending tasks; in a search, again for each further sweep."""
     while True:
-        if hand := HandOut(tasks(store.pending(), sweep)):
-            yield sweep, store, hand
+        if queue := TaskQueue(tasks(store.pending(), sweep)):
+            yield sweep, store, queue
         following = choose_next(store) if choose_next else sweep
         if following.chosen == sweep.chosen:
             return
-        sweep, store = following, grown(store.place, following, store.lock)
+        sweep, store = following, open_grown(store.place, following, store.lock)
 
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:

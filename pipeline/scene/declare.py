@@ -28,7 +28,7 @@ from typing import (
     get_type_hints,
 )
 
-from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
+from pipeline.scene.faults import Faults, did_you_mean, key_path, quoted
 from pipeline.scene.kinds import (
     Flag,
     Kind,
@@ -254,14 +254,14 @@ class Table(Kind):
             if key not in known:
                 hint = did_you_mean(key, known)
                 problem = f"unknown key{hint}; give one of {', '.join(known)}"
-                faults.refuse(joined(place, key), problem)
+                faults.refuse(key_path(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():
             entries[key] = None if faults.is_complete else entry.default
             if key in value:
-                entries[key] = entry.kind.read(value[key], joined(place, key), faults)
+                entries[key] = entry.kind.read(value[key], key_path(place, key), faults)
             elif entry.is_needed:
-                faults.refuse(joined(place, key), f"missing; give {entry.kind}")
+                faults.refuse(key_path(place, key), f"missing; give {entry.kind}")
         return self.make(**entries)
 
 
@@ -278,7 +278,7 @@ class Tables(Kind):
     def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             raise UnfitError(f"{quoted(value)} is not a table that holds tables")
-        return {name: self.of.read(one, joined(place, name), faults) for name, one in value.items()}
+        return {key: self.of.read(one, key_path(place, key), faults) for key, one in value.items()}
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.quantities import display
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span
-from pipeline.scene.faults import joined
+from pipeline.scene.faults import key_path
 from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
 from pipeline.scene.reference import number_at
@@ -42,7 +42,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Warnings of values outside their usual range, where several entries determine the value."""
     for name, material in (sweep.parts.declared.materials or {}).items():
-        yield joined(joined("materials", name), "hardness"), soft_or_hard(material)
+        yield key_path(key_path("materials", name), "hardness"), soft_or_hard(material)
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.plane.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps

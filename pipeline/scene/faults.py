@@ -156,7 +156,7 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
     return f' (did you mean "{known[near[0]]}"?)' if near else ""
 
 
-def joined(place: str, key: str) -> str:
+def key_path(place: str, key: str) -> str:
     """Path of a key within the table `place`, quoted as TOML needs it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
     return f"{place}.{bare}" if place else bare

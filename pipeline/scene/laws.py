@@ -10,7 +10,7 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted
-from pipeline.sweep.laws import ASKED, Law, is_given, law_record, name_of
+from pipeline.sweep.laws import ASKED, Law, is_user_law, law_record, name_of
 from pipeline.sweep.model import Parts
 from pipeline.sweep.tables import entry_at, replace_value
 from tribo.errors import law_errors
@@ -123,7 +123,7 @@ def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():
         is_kept = _NAMES[kind].partition(".")[0] in entries or not like or present[kind] != part
-        if not (is_given(part) and is_kept):
+        if not (is_user_law(part) and is_kept):
             continue
         law, table = law_record(part), _NAMES[kind].rpartition(".")[0]
         for path in _REPLACED[kind]:

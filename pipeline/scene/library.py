@@ -12,7 +12,7 @@ from importlib import resources
 from typing import Any
 
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import Faults, joined, quoted
+from pipeline.scene.faults import Faults, key_path, quoted
 from pipeline.scene.format import Material
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import entry_at
@@ -48,7 +48,7 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
-            name: _filled(table, name, "materials", joined("materials", name), taken, faults)
+            name: _filled(table, name, "materials", key_path("materials", name), taken, faults)
             for name, table in tables.items()
         }
     return entries, tuple(taken)

@@ -124,7 +124,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         read.append(parts)
     made = replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
     if not sweep.variants.columns:
-        made.keep_parts(read)
+        made.cache_parts(read)
     return made
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.scene.written import differing_entries
 from pipeline.sweep.digest import digest
-from pipeline.sweep.model import Sweep, named
+from pipeline.sweep.model import Sweep, variant_words
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, TriboError
@@ -79,7 +79,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*effective_changes(old, new, lambda one: one.scene)]:
-            row = f"scene with {', '.join(named(name))}: " if name else ""
+            row = f"scene with {', '.join(variant_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
             return
 

@@ -15,7 +15,7 @@ from pipeline.scene.resume import join
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.arrays import Document, Encoder
 from pipeline.store.files import PARTIAL
-from pipeline.store.layout import Axes, block_of, bytes_of_a_point, grown_axes
+from pipeline.store.layout import Axes, bytes_of_a_point, chunk_sizes, grown_axes
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     ROOT,
@@ -23,8 +23,8 @@ from pipeline.store.place import (
     PathLike,
     StoreError,
     StorePlace,
+    io_errors,
     place_of,
-    reaches,
 )
 from pipeline.store.root import Root, find_root, require_same_scene, with_others
 from pipeline.store.schema import POINT, path_of, variables_of
@@ -46,19 +46,19 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     find_root(place)  # before a lock is put into a folder that is no store
     with locked(place, progress) as lock:
         if isinstance(place, Folder):
-            with reaches(place, "written"):
+            with io_errors(place, "written"):
                 for file in [*place.path.rglob(f"*{PARTIAL}")]:
                     file.unlink()
-        yield grown(place, sweep, lock)
+        yield open_grown(place, sweep, lock)
 
 
-def grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
+def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
     if before is None or root.documents() != before.documents():
-        with reaches(place, "written"):
+        with io_errors(place, "written"):
             _write_root(place, root)
     store = Store(place, root, lock)
     store.ask(sweep)
@@ -76,7 +76,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
     if before:
         _require_room(place, before, axes)
-    block = before.block if before else block_of(sizes, bytes_of_a_point(wanted, axes))
+    block = before.block if before else chunk_sizes(sizes, bytes_of_a_point(wanted, axes))
     lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
     return Root(
         sweep=kept,
@@ -94,7 +94,7 @@ def _write_root(place: StorePlace, root: Root) -> None:
     parts = [(name, ..., values) for name, values in root.coordinates().items()]
     documents = {f"{path_of(name)}/{ROOT}": array for name, array in root.arrays.items()}
     if root.found:
-        documents = {key: with_others(_found(place, key), one) for key, one in documents.items()}
+        documents = {key: with_others(_stored(place, key), one) for key, one in documents.items()}
     groups = root.documents()
     last = {ROOT: groups.pop(ROOT)}
     arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
@@ -102,7 +102,7 @@ def _write_root(place: StorePlace, root: Root) -> None:
     place.put(last)
 
 
-def _found(place: StorePlace, key: str) -> Document:
+def _stored(place: StorePlace, key: str) -> Document:
     """Read a JSON document of a store; empty if it is missing or damaged."""
     with suppress(ValueError):
         return dict(json.loads(place.read(key) or b"{}"))

@@ -30,7 +30,7 @@ _LEAST = {"velocity": 16, POINT: _MOST}  # least points in a chunk, since more c
 _ROOM = 2  # multiple of the reference load up to which a course has room for its steps
 
 
-def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
+def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Points in a chunk along each dimension: up to 1024 in all, fewer where points are large.
 
     A chunk has all loads, which one ramp computes, then neighbouring velocities, then surfaces or

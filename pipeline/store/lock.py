@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.store.files import open_file
-from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, reaches
+from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, io_errors
 from pipeline.sweep.stages import Progress, Report, silent
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
@@ -39,13 +39,13 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         progress(unlocked)
         yield lambda: True
         return
-    with reaches(place, "written"):
+    with io_errors(place, "written"):
         descriptor = open_file(place.path, LOCK)
     try:
-        with reaches(place, "written"):
+        with io_errors(place, "written"):
             if not _is_flocked(place, descriptor):
                 progress(unlocked)
-            name, host = _named(descriptor)
+            name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):
                 raise StoreError(
                     f"{place} is in use by {name}; if that has ended, delete {place}/{LOCK}"
@@ -74,7 +74,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
             raise
         else:
             return True
-    holder = _named(descriptor)[0]
+    holder = _read_holder(descriptor)[0]
     raise StoreError(f"{folder} is in use by {holder}; wait for it, or write to another store")
 
 
@@ -93,7 +93,7 @@ def holder_of(place: StorePlace) -> str | None:
     with suppress(OSError):
         descriptor = os.open(place.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)
         try:
-            name, host = _named(descriptor)
+            name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):
                 return name
             fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
@@ -104,7 +104,7 @@ def holder_of(place: StorePlace) -> str | None:
     return None
 
 
-def _named(descriptor: int) -> tuple[str, str | None]:
+def _read_holder(descriptor: int) -> tuple[str, str | None]:
     """Process named in a lock file, and the host on which it runs."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

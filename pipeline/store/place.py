@@ -163,7 +163,7 @@ def place_of(path: PathLike) -> StorePlace:
 
 
 @contextmanager
-def reaches(place: StorePlace, verb: str = "read") -> Iterator[None]:
+def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
     """Turn an error of a disk or network into a `StoreError` that names the file and the reason."""
     try:
         yield
@@ -179,9 +179,9 @@ def reaches(place: StorePlace, verb: str = "read") -> Iterator[None]:
 
 
 @contextmanager
-def reads(place: StorePlace, name: str) -> Iterator[None]:
+def read_errors(place: StorePlace, name: str) -> Iterator[None]:
     """Turn errors into a `DamagedError` for wrong data, or a `StoreError` if reading failed."""
-    with reaches(place):
+    with io_errors(place):
         try:
             yield
         except (RuntimeError, ValueError, DamagedError) as error:

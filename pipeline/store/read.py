@@ -22,9 +22,9 @@ from pipeline.store.place import (
     StoreError,
     StorePlace,
     damaged,
+    io_errors,
     place_of,
-    reaches,
-    reads,
+    read_errors,
 )
 from pipeline.store.root import Root
 from pipeline.store.schema import (
@@ -59,7 +59,7 @@ def open_store(path: PathLike) -> xr.Dataset:
 
 def _open_copy(place: StorePlace) -> xr.Dataset | None:
     """A dataset of a sweep that xarray wrote, as netCDF or Zarr; None for anything else."""
-    with reaches(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
+    with io_errors(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
         if isinstance(place, Folder) and place.path.is_file():
             copy = xr.open_dataset(place.path, chunks=None)
         elif place.read(f"{ABOUT}/{ROOT}") is None:
@@ -102,7 +102,7 @@ class _Backend(BackendEntrypoint):
 def _require_chunks(store: Store) -> None:
     """Raise a `StoreError` if a chunk of a done point is missing."""
     done = store.flags == DONE
-    with reaches(store.place):
+    with io_errors(store.place):
         keys = store.place.keys()
     for name in itertools.filterfalse(is_coordinate, store.arrays):
         chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
@@ -150,15 +150,15 @@ class _Masked(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part that is given by an orthogonal index."""
         count = self._mask.ndim
-        mask = _taken(self._mask, key[:count])
-        with reads(self._place, self._name):
+        mask = _select(self._mask, key[:count])
+        with read_errors(self._place, self._name):
             if self._rows is None:
                 values = np.array(self._array.oindex[key], self.dtype)
                 values[~mask] = self._array.fill_value
                 return values
-            inner = _taken(np.broadcast_to(False, self._inner), key[count:]).shape
+            inner = _select(np.broadcast_to(False, self._inner), key[count:]).shape
             values = np.full((*mask.shape, *inner), self._array.fill_value, self.dtype)
-            rows = _taken(self._rows, key[:count])[mask]
+            rows = _select(self._rows, key[:count])[mask]
             values[mask] = self._array.oindex[(rows, *key[count:])]
         return values
 
@@ -168,7 +168,7 @@ def _spread(values: Any, rows: Indices | None) -> Any:
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
-def _taken(values: Any, key: tuple[Any, ...]) -> Any:
+def _select(values: Any, key: tuple[Any, ...]) -> Any:
     """Select values by an orthogonal index, which has one independent index for each dimension."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 

@@ -30,9 +30,9 @@ from pipeline.store.place import (
     StoreError,
     StoreMismatchError,
     StorePlace,
+    io_errors,
     place_of,
-    reaches,
-    reads,
+    read_errors,
 )
 from pipeline.store.schema import (
     ABOUT,
@@ -166,7 +166,7 @@ def read_root(place: StorePlace) -> Root:
 
 def find_root(place: StorePlace) -> Root | None:
     """Read the root of a store; None if there is no store yet; a `StoreError` for anything else."""
-    with reaches(place):
+    with io_errors(place):
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
     if content is not None:
@@ -222,7 +222,7 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}
     array = open_arrays(place.zarr(), array_documents(wanted, shape, {}))[INPUTS]
-    with reads(place, INPUTS):
+    with read_errors(place, INPUTS):
         return split_arrays(array[:], array.attrs)
 
 

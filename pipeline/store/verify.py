@@ -21,8 +21,8 @@ from pipeline.store.place import (
     Bucket,
     DamagedError,
     PathLike,
+    io_errors,
     place_of,
-    reaches,
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root import find_root, read_root, require_same_scene
@@ -32,8 +32,8 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 
-_MARKS = ("status", "asked")
-_TOLD = {*RECORDS} - {*_MARKS, "steps"}  # variables that a failed point has, too
+_FLAGS = ("status", "asked")
+_OF_FAILED = {*RECORDS} - {*_FLAGS, "steps"}  # variables that a failed point has, too
 
 
 @shown
@@ -99,7 +99,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
         damage = _find_damage(store, silent)
         # Statuses first, so that a done point is whole even after a kill in between.
         store.write({}, dict.fromkeys(damage.points, PENDING))
-        with reaches(place, "written"):
+        with io_errors(place, "written"):
             place.put(store.encoder(damage.files.values()))
         return len(damage.points) + len(damage.files)
 
@@ -114,7 +114,7 @@ class _Damage(NamedTuple):
 def _find_damage(store: Store, progress: Report) -> _Damage:
     """Find what is damaged in a store: read all, set `flags` and `asked`, and write nothing."""
     damage = _Damage({}, {})
-    with reaches(store.place):
+    with io_errors(store.place):
         keys = store.place.keys()
         begun = [
             (numbers, block)
@@ -122,7 +122,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
             if any(store.key(name, numbers) in keys for name in RECORDS)
         ]
         for numbers, block in begun:
-            _read_marks(store, damage, numbers, block)
+            _read_flags(store, damage, numbers, block)
         for count, (numbers, block) in enumerate(begun, 1):
             values = read_block(store, block)
             for name in (name for name, of_block in values.items() if of_block is None):
@@ -136,7 +136,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     return damage
 
 
-def _read_marks(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
+def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
     """Read into the store which points are done and which are asked for; note damaged chunks."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
@@ -160,7 +160,7 @@ def _read(store: Store, name: str, block: Any) -> Any:
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
     """Values in a chunk of points by variable, None if damaged; not ``status`` and ``asked``."""
-    names = [name for name in store.arrays if not (name in _MARKS or is_coordinate(name))]
+    names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
         read = threads.map(lambda name: _read(store, name, block), names)
         return dict(zip(names, read, strict=True))
@@ -180,7 +180,7 @@ def stored_entries(
         entries: dict[str, Any] = {
             name: None if of_block is None else of_block[within]
             for name, of_block in values.items()
-            if is_done or name in _TOLD
+            if is_done or name in _OF_FAILED
         }
         if is_done:
             steps = entries["steps"]

@@ -27,9 +27,9 @@ from pipeline.store.place import (
     PathLike,
     StoreError,
     StorePlace,
+    io_errors,
     place_of,
-    reaches,
-    reads,
+    read_errors,
 )
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
@@ -111,7 +111,7 @@ class Store:
 
     def read(self, name: str, key: Any) -> Any:
         """Read a part of a variable; raise a `StoreError` if a chunk is damaged."""
-        with reads(self.place, name):
+        with read_errors(self.place, name):
             return self.arrays[name][key]
 
     def read_steps(self) -> dict[str, Any]:
@@ -153,8 +153,8 @@ class Store:
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
         changed, self.asked = self.asked != wanted, wanted
-        self._put_marks("status", self.flags, changed)  # lost ones would look like none
-        self._put_marks("asked", wanted, changed)
+        self._write_flags("status", self.flags, changed)  # lost ones would look like none
+        self._write_flags("asked", wanted, changed)
 
     def write(
         self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
@@ -171,7 +171,7 @@ class Store:
         flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
         for index, status in statuses.items():
             flags[index], changed[index] = status, True
-        self._put_marks("status", flags, changed)
+        self._write_flags("status", flags, changed)
         self.flags = flags
 
     def _changed(
@@ -189,7 +189,7 @@ class Store:
                 part[within] = value
         return name, block, part
 
-    def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
+    def _write_flags(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
         """Write whole chunks of a small variable, those in which a value has changed."""
         parts = [(name, block, values[block]) for _, block in blocks(changed, self.block)]
         with self._writes():
@@ -199,7 +199,7 @@ class Store:
     def _writes(self) -> Iterator[None]:
         """Require the lock before and after writing, since another run may have begun meanwhile."""
         self._require_lock()
-        with reaches(self.place, "written"):
+        with io_errors(self.place, "written"):
             yield
         self._require_lock()
 
@@ -218,7 +218,7 @@ def opened(path: PathLike) -> Store:
 
 
 @contextmanager
-def stored(path: PathLike | None) -> Iterator[PathLike]:
+def store_path(path: PathLike | None) -> Iterator[PathLike]:
     """Yield `path` or, if it is None, a path in a temporary folder, deleted after the block."""
     with TemporaryDirectory(prefix="irg-") as folder:
         yield Path(folder) / "points.zarr" if path is None else path

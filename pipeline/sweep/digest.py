@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.laws import MissingSurface, is_given, law_record
+from pipeline.sweep.laws import MissingSurface, is_user_law, law_record
 from tribo import MeasuredRoughness
 from tribo.surface import array_digest
 
@@ -30,7 +30,7 @@ def _plain(value: Any) -> Any:
         return array_digest(value)
     if isinstance(value, MeasuredRoughness | MissingSurface):
         return value.digest
-    if is_given(value):
+    if is_user_law(value):
         value = law_record(value)
     if is_dataclass(value):
         counted = [one.name for one in fields(value) if one.init and one.compare]

@@ -96,7 +96,7 @@ class Law(UnknownHeights):
         return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.parameters)})"
 
 
-def is_given(part: Any) -> bool:
+def is_user_law(part: Any) -> bool:
     """True for a law of the user's own, or the `Law` that a store keeps of it."""
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
@@ -117,7 +117,7 @@ def law_record(law: Any) -> Law:
         return law
     names = [one.name for one in fields(law) if one.name != "rise"]
     names += [name for name in ASKED if name not in names and hasattr(law, name)]
-    parameters = tuple((name, _kept(getattr(law, name))) for name in names)
+    parameters = tuple((name, _storable(getattr(law, name))) for name in names)
     return Law(name_of(law), parameters, _source_sha256(code_of(law)))
 
 
@@ -137,10 +137,10 @@ def code_of(law: Any) -> Any:
 
 def given_laws(scene: Scene) -> list[Any]:
     """Laws of a scene that are a user's own."""
-    return [part for part in (scene.wear, scene.roughness, scene.pin) if is_given(part)]
+    return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 
-def _kept(value: Any) -> Any:
+def _storable(value: Any) -> Any:
     """A parameter of a law as a store keeps it: an array as its digest."""
     if not isinstance(value, np.ndarray):
         return value

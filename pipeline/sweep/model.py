@@ -33,10 +33,10 @@ class Point(NamedTuple):
     variant: Variant = ()
 
     def __str__(self) -> str:
-        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *named(self.variant)])
+        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *variant_words(self.variant)])
 
 
-def named(variant: Variant) -> list[str]:
+def variant_words(variant: Variant) -> list[str]:
     """Words for each value in the name of a variant, such as "surface 3"."""
     return [
         f"{'surface' if name == 'realization' else name} "
@@ -252,7 +252,7 @@ class Sweep:
             self._alone[name] = replace(self, written=written, variants=Variants())
         return self._alone[name]
 
-    def keep_parts(self, parts: Iterable[Parts]) -> None:
+    def cache_parts(self, parts: Iterable[Parts]) -> None:
         """Cache the parts of each row of the table, since reading them takes 0.2 ms a row."""
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
@@ -265,9 +265,9 @@ class Sweep:
         """Hash of what is simulated at a point."""
         return self.variant(point.variant)._scene_hash
 
-    def below(self, name: Variant) -> Self:
+    def samples_of(self, name: Variant) -> Self:
         """The sweep of the samples that are drawn for one variant."""
-        return replace(self.variant(name), variants=self.variants.below(name))
+        return replace(self.variant(name), variants=self.variants.samples_of(name))
 
     @cached_property
     def contact_sources(self) -> Mapping[Variant, ContactSource]:

@@ -30,11 +30,11 @@ def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
     return (str(Remark("", grade, one)) for one in words if one)
 
 
-def joined(notes: Iterable[str]) -> str | None:
+def join_notes(notes: Iterable[str]) -> str | None:
     """Join notes to the text of one cell of a table, each once; None without notes."""
     return _SEPARATOR.join(dict.fromkeys(notes)) or None
 
 
-def parted(cells: Iterable[str | None]) -> list[str]:
-    """Split cells of a table, which `joined` wrote, into their notes, each once."""
+def split_notes(cells: Iterable[str | None]) -> list[str]:
+    """Split cells of a table, which `join_notes` wrote, into their notes, each once."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

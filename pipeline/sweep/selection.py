@@ -50,7 +50,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
         without_effect |= {"averaging", "fewest_summits"}
         if fidelity.history_coarsening == 1 and fidelity.contact_tolerance <= TIGHTEST:
             without_effect |= {"elements_per_summit", "fewest_elements"}
-    own, least = (_acting(one) for one in (fidelity, preset))
+    own, least = (_effective_fields(one) for one in (fidelity, preset))
     return all(
         _FINER.get(name, operator.eq)(value, least[name])
         for name, value in own.items()
@@ -58,7 +58,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
     )
 
 
-def _acting(fidelity: Fidelity) -> dict[str, Any]:
+def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
     """Fields by effect: 0 hold increments count as the ramp's number, imprint 0 as no parts."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {

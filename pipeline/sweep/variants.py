@@ -169,7 +169,7 @@ class Variants:
         keys = {one.name: one.key for one in self.columns}
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
-    def below(self, name: Variant) -> Variants:
+    def samples_of(self, name: Variant) -> Variants:
         """Rows drawn for one combination of the other labels; a single row if none are drawn."""
         columns = self._drawn
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]

@@ -13,12 +13,12 @@ import numpy as np
 from pipeline.machine import cores
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
-from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.task_queue import makespan
 from tribo import Scene, State
 from tribo.simulation import Trunks, contacts, fit_elements, heat
 from tribo.simulation.trunks import MOST_BYTES
@@ -82,7 +82,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     workers = workers or available
     every = [*tasks(points_of(sweep), sweep)]
     given = list(sweep.variants.given)
-    scene = sweep.below(given[len(given) // 2])
+    scene = sweep.samples_of(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
     work = _Work(scene, contact_time, heat_time, is_course)

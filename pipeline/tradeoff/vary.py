@@ -25,7 +25,7 @@ from pipeline.scene.scenefile import load_scene
 from pipeline.scene.units import NUMBER
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.store.write import opened, stored
+from pipeline.store.write import opened, store_path
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report
@@ -120,7 +120,7 @@ def vary(
     variations = [(_UNCHANGED, ""), *others]
     scenes = [sweep, *others.values()]
     varied = _combine(sweep.variant(), variations, scenes)
-    with stored(out) as path:
+    with store_path(out) as path:
         run_sweep(varied, path, workers, client, progress, boundary_only=tolerance)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))

@@ -13,7 +13,7 @@ from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
-from pipeline.store.write import opened, stored
+from pipeline.store.write import opened, store_path
 from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
@@ -145,7 +145,7 @@ def critical_temperatures(
     for crossing in transitions:
         require_positive(friction=crossing.friction)
     asked = _transition_rows(sweep.variant(), surfaces(seeds))
-    with stored(out) as path:
+    with store_path(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True)
         rises, failed = results_of(opened(path), asked)
     if failed:

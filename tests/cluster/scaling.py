@@ -3,9 +3,9 @@
     OMP_NUM_THREADS=1 python -m tests.cluster.scaling irg_transition standard
 
 Points at four velocities are computed here, one after the other: what an increment of a ramp takes
-with its heat, and what the end of each load takes, in CPU time [s]. From these the hand-out of
-`pipeline.sweep.hand_out` is replayed, without any cluster, so that no cores are needed: what Dask,
-the network and the store take is left out. Beside it stand chains of loads, one worker each.
+with its heat, and what the end of each load takes, in CPU time [s]. From these the queue of tasks,
+`pipeline.sweep.task_queue`, is replayed without any cluster, so that no cores are needed: what
+Dask, the network and the store take is left out. Beside it stand chains of loads, one worker each.
 Prints a table in Markdown.
 """
 
@@ -15,9 +15,9 @@ import time
 import numpy as np
 
 import pipeline
-from pipeline.sweep.hand_out import makespan
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.task_queue import makespan
 from pipeline.tradeoff.forecast import _steps
 from tests.helpers.entries import changed
 from tribo.simulation import Trunks

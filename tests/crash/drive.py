@@ -78,9 +78,9 @@ def computing(records, pace):
 
     link = Connection(None)
 
-    def compute(link, sweep, writer, hand, tally):
-        while hand:
-            points = hand.take("here").points
+    def compute(link, sweep, writer, queue, tally):
+        while queue:
+            points = queue.take("here").points
             writer.add([record_of(records, sweep, point) for point in points])
             tally.count(writer.flush(), 1)
             time.sleep(pace)

@@ -13,7 +13,7 @@ import pytest
 import pipeline
 import pipeline.gears as gears
 from pipeline.analysis.tables import frame_of
-from pipeline.sweep.remarks import joined
+from pipeline.sweep.remarks import join_notes
 
 ROOT = Path(__file__).parents[3]
 DUTY = "torque [Nm],speed [rpm],hours,bulk temperature [degC],name\n"
@@ -34,7 +34,7 @@ def warm(monkeypatch):
         distance = pair.critical - hot.temperature
         return (
             one.duty.torque, one.duty.turns, one.duty.bulk, verdict, severe, hot.temperature, 1.0,
-            distance, f"{verdict} by {distance:.0f} K", joined(pair.caveats),
+            distance, f"{verdict} by {distance:.0f} K", join_notes(pair.caveats),
         )  # fmt: skip
 
     def judge(meshes, preset=None, workers=None, progress=None):

@@ -324,5 +324,5 @@ def test_a_cluster_here_talks_to_its_driver_only_with_its_settings_and_replaces_
         end = time.monotonic() + 60.0
         while len(link.workers) < 2:
             assert time.monotonic() < end
-            link.look()
+            link.update()
             time.sleep(0.1)

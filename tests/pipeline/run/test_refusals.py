@@ -48,7 +48,7 @@ REFUSALS = {
 ELSEWHERE = {
     "cluster._start_cluster ExecutionError": "test_cluster.py, by processes that do not start",
     "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
-    "cluster.look ExecutionError": "test_cluster.py, without a worker",
+    "cluster.update ExecutionError": "test_cluster.py, without a worker",
     "jobs._send_run ExecutionError": "test_driver.py, by a worker without this program",
     "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
     "work.require_same_code ExecutionError": "test_cluster.py, by a worker with other code",

@@ -5,7 +5,7 @@ import pytest
 import tribo
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.store import schema
-from pipeline.store.layout import block_of
+from pipeline.store.layout import chunk_sizes
 from pipeline.sweep.variants import Variants, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows, rows
@@ -26,7 +26,7 @@ def test_the_page_of_the_dataset_is_what_the_variables_say():
     ],
 )
 def test_a_chunk_holds_some_hundred_points_all_loads_first(sizes, bytes_of_a_point, block):
-    assert block_of(sizes, bytes_of_a_point) == block
+    assert chunk_sizes(sizes, bytes_of_a_point) == block
 
 
 RAMPS = rows("ramp", {"slow": {"loading": tribo.Ramp(50.0, 750.0)}, "fast": {}})

@@ -11,7 +11,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import Task
 
 
-class HandOut:
+class TaskQueue:
     """Waiting tasks, ramp by ramp, and the ramps that each worker has.
 
     A worker with a free place gets the next load of a ramp that it has; else the lowest load of a
@@ -68,7 +68,7 @@ def makespan(
 
     `cost` gives the time of a task [s]. It may read and change a dictionary of its worker.
     """
-    waiting = HandOut(tasks)
+    waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)
     free, wall, total = [(0.0, worker) for worker in range(workers)], 0.0, 0.0
     while waiting:
