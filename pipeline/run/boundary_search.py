@@ -35,19 +35,19 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Root(NamedTuple):
-    """An expected crossing of the limit by the rise; places are logarithms of velocities."""
+    """An expected velocity, as a logarithm, at which the rise crosses its limit."""
 
     place: float
-    low: float = -math.inf  # velocities beside it whose rise is known; infinite without one
+    low: float = -math.inf  # nearest velocities whose rise is known, as logarithms; else infinite
     high: float = math.inf
-    bends: Sequence[float] = ()  # κ from three velocities about the crossing
+    bends: Sequence[float] = ()  # values of κ from three velocities about the crossing
 
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search, at each of several loads, for the velocities at which the rise passes a limit [K].
+    """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
-    Velocities to compute are round figures divided by `scale`.
+    Velocities to compute are numbers of six digits divided by `scale`.
     """
 
     loads: Sequence[float]
@@ -61,7 +61,10 @@ class BoundarySearch:
 
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
-        """A search between a sweep's lowest and highest velocity; `InputError` if it has none."""
+        """Set up the search between a sweep's lowest and highest velocity.
+
+        Raises an `InputError` if the sweep has no two velocities, or no friction.
+        """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
         limit = rise_limit(sweep.conditions)
@@ -77,7 +80,10 @@ class BoundarySearch:
     def wanted(
         self, rises: Mapping[Point, float], failures: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
-        """Points to compute next, given the known rises [K]; empty once the search is done."""
+        """Points to compute next, given the known rises [K] and the points that failed.
+
+        Empty once the search is done.
+        """
         past, chosen = {*rises, *failures}, set[Point]()
         roots = {load: self._roots(*row) for load in self.loads if (row := self._row(rises, load))}
         bends = [bend for found in roots.values() for root in found for bend in root.bends]
@@ -90,7 +96,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """Logarithms of velocity and of rise over `factor` at a load's known points; or None."""
+        """ln(velocity) and ln(rise/factor) at the known points of a load; None without any."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
@@ -102,7 +108,7 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Crossings of the limit expected on straight lines through known points, by `_row`."""
+        """Crossings of the limit expected on straight lines through known points from `_row`."""
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
         excess = _line(x, y, _EXPONENT, fine) + np.log(self.factor(np.exp(fine)) / self.limit)
@@ -119,7 +125,10 @@ class BoundarySearch:
         ]
 
     def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
-        """Crossings at loads without points: from other loads or, at three loads, from a trend."""
+        """Expected crossings at loads without points, from other loads or from a usual trend.
+
+        Without any known crossing only three loads are begun.
+        """
         middle = self.loads[len(self.loads) // 2]
         loads = self.loads if roots else (self.loads[0], middle, self.loads[-1])
         known = {math.log(load): found[0].place for load, found in roots.items() if found}
@@ -136,7 +145,10 @@ class BoundarySearch:
         return first
 
     def _next(self, root: _Root, curvature: float) -> set[float]:
-        """Velocities to compute next beside a crossing, of the coarsest grid that has new ones."""
+        """Velocities to compute next on both sides of a crossing, from the coarsest grid.
+
+        `curvature` is κ. Empty once the crossing is known to the tolerance.
+        """
         if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()
         for level in range(_FINEST):
@@ -160,7 +172,7 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals
 
     def _node(self, number: int, level: int) -> float:
-        """Velocity `number` of the grid of a level: a round figure over `scale`, kept in range."""
+        """Velocity at node `number` of the grid that is halved `level` times, kept in range."""
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
@@ -169,7 +181,7 @@ class BoundarySearch:
 
 
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
-    """Interpolate points linearly at `at`; extrapolate with slopes close to the usual `slope`."""
+    """Interpolate points linearly at `at`; extrapolate with slopes near the usual `slope`."""
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
     slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
@@ -180,7 +192,7 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
-    """Curvature over slope, κ, of each three points around a crossing before point `number`."""
+    """Values of κ, |curvature/slope|, from three points each around a crossing before `number`."""
     for k in (number - 2, number - 1) if 0 < number < len(x) else ():
         if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
             slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
@@ -190,9 +202,10 @@ def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
 
 
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
-    """Return a function that gives the sweep of a store's points and of those to compute next.
+    """Return a function that chooses the next points, given the store of a sweep.
 
-    `tolerance` is the relative error that the search adds to the critical velocity.
+    It returns the sweep of all points in the store and of those to compute next. `tolerance` is the
+    relative error that the search adds to the critical velocity.
     """
     sweep.require_search()
     searches = {

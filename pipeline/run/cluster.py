@@ -67,7 +67,7 @@ _OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing
 
 @contextmanager
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
-    """Run worker processes within the block; they talk on loopback, and to this user alone."""
+    """Run worker processes on this machine within the block, which only this user can reach."""
     forkserver.start()
     with block_interrupts():
         cluster = _start_cluster(workers, dashboard)
@@ -108,7 +108,7 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
 
 @dataclass
 class Connection:
-    """A Dask client and its workers when last listed; it also reports to the user."""
+    """A Dask client and its list of workers; it also reports to the user."""
 
     client: Client
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
@@ -122,14 +122,14 @@ class Connection:
     _kills: int = field(default_factory=oom_kills)
 
     def report(self, words: str) -> None:
-        """Report a line to the user, unless it is empty or was reported before."""
+        """Report a message to the user, unless it is empty or was reported before."""
         if words and words not in self._reported:
             self._reported.add(words)
             self.progress(Progress(words))
 
     @contextmanager
     def reached(self) -> Iterator[None]:
-        """Turn an error of Dask in the block into an `ExecutionError` if the scheduler is lost."""
+        """Turn an error that Dask raises without a scheduler into an `ExecutionError`."""
         limit = time.monotonic() + self.patience
         while self.client.status == "connecting" and time.monotonic() < limit:
             time.sleep(0.1)  # the scheduler may be starting again
@@ -139,9 +139,9 @@ class Connection:
             raise ExecutionError(LOST) from error
 
     def update(self) -> bool:
-        """Update `workers`, once a second at most; return whether they were updated now.
+        """Update `workers`, at most once a second; return True if they were updated now.
 
-        `ExecutionError` if the scheduler is lost, or if there is no worker for too long.
+        Raises an `ExecutionError` if the scheduler is lost, or there is no worker for too long.
         """
         now = time.monotonic()
         if now - self._looked < POLL:
@@ -164,7 +164,7 @@ class Connection:
         return True
 
     def memory_cause(self, workers: Collection[str]) -> str:
-        """Message that some of these workers were killed for lack of memory; empty if not known.
+        """Message that one of these workers was killed for lack of memory; empty if not known.
 
         The nanny of a worker reports that it has killed the worker for this. The kernel only counts
         the processes that it has killed.
@@ -186,7 +186,10 @@ def connected(
     progress: Report = silent,
     dashboard: bool = False,
 ) -> Iterator[Connection]:
-    """Use a client, or start workers here and end them; `ExecutionError` if they do not start."""
+    """Context manager: connect to the workers of a client, or start workers here.
+
+    Workers that were started here are ended. Raises an `ExecutionError` if they do not start.
+    """
     with ExitStack() as stack:
         cluster = None
         if client is None:
@@ -209,7 +212,7 @@ def connected(
 def client_of(
     address: str | None = None, file: Path | None = None, patience: float = PATIENCE
 ) -> Client:
-    """Client of a scheduler by its address or file; raise an `ExecutionError` if none answers."""
+    """Connect to a scheduler by its address or scheduler file; `ExecutionError` if none answers."""
     try:
         if file is not None:  # Dask would wait for a missing file without end
             address = str(json.loads(file.read_text())["address"])

@@ -27,7 +27,7 @@ WORKER_ENVIRONMENT = {
 
 
 def start() -> None:
-    """Start the process from which workers are forked, unless it runs."""
+    """Start the process from which workers are forked, unless it already runs."""
     main = vars(sys.modules["__main__"])
     if not Path(main.get("__file__", "")).is_file():
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
@@ -59,7 +59,7 @@ def block_interrupts() -> Iterator[None]:
 
 
 def end_if_imported() -> None:
-    """Exit without a message if this process is a worker that imports its driver's script."""
+    """Exit silently if this process is a worker that runs its driver's script by importing it."""
     script = sys.modules.get("__mp_main__")  # under this name, and before the worker has a parent
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # an exception would show a traceback for each worker

@@ -32,7 +32,7 @@ _CANNOT = "a Dask worker cannot run this program"
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task, the worker that it is for, and whether it runs there alone."""
+    """A task given to Dask, the address of its worker, and whether it runs there alone."""
 
     task: Task
     worker: str = ANYWHERE
@@ -41,7 +41,7 @@ class Job:
 
 
 class Loss(Enum):
-    """How a task was lost."""
+    """How a task was lost: why it has no result."""
 
     KILLED = "its worker died"
     LEFT = "its worker left"
@@ -49,7 +49,7 @@ class Loss(Enum):
 
 
 class Jobs:
-    """Tasks that Dask has: `running` without a result yet, `computed` with one on a worker."""
+    """Tasks given to Dask: `running` have no result yet, `computed` have one on a worker."""
 
     def __init__(self, link: Connection, sweep: Sweep, with_fields: bool) -> None:
         self._link, self._client = link, link.client
@@ -79,7 +79,7 @@ class Jobs:
         return bool(self.running or self.computed or self._without_result)
 
     def _send_run(self) -> None:
-        """Send the run to the scheduler, which hands it to all workers, also to later ones."""
+        """Send the sweep to the scheduler, which gives it to all present and later workers."""
         try:
             self._client.register_plugin(self._run)
         except GONE:  # a worker or the scheduler is gone, as the next look finds
@@ -106,14 +106,15 @@ class Jobs:
         self._news.set()
 
     def wait(self) -> None:
-        """Wait until a task ends or results come, a second at most."""
+        """Wait until a task ends or results arrive, at most a second."""
         self._news.wait(POLL)
         self._news.clear()
 
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
-        """Tasks that are lost, also with a result that a worker took along, and how each was lost.
+        """Return tasks that were lost since the last call, each with how it was lost.
 
-        Tasks of workers that are gone are searched only if the workers were just listed.
+        A task with a result is lost, too, if its worker is gone before the result was fetched.
+        Workers that are gone are looked for only if the list of workers is new (`has_looked`).
         """
         lost, self._without_result = self._without_result, []
         while self._ended:
@@ -131,7 +132,7 @@ class Jobs:
         return lost
 
     def _loss(self, job: Job) -> Loss:
-        """How a task was lost; raise an `ExecutionError` if the run cannot go on."""
+        """Find out how a task was lost; `ExecutionError` if the run cannot go on."""
         error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker
@@ -147,7 +148,7 @@ class Jobs:
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
     def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Tasks for a worker that is gone, which Dask may never end, and how they were lost."""
+        """Tasks whose worker is gone, which Dask may never end, each with how it was lost."""
         present = {ANYWHERE, *self._link.workers}
         for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:
@@ -158,9 +159,10 @@ class Jobs:
                     yield job, loss
 
     def results(self) -> Iterator[bytes]:
-        """Yield results that have come; request new ones once a second, and at the end.
+        """Yield pickled results that have arrived; request others at most once a second.
 
-        A worker that hangs delays the results that are requested with its own, but no later ones.
+        A worker that hangs delays the results that are requested together with its own, but no
+        later ones.
         """
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]

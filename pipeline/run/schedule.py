@@ -27,10 +27,10 @@ _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
 def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
-    """Compute tasks, until the writer has written each of their points as done or failed.
+    """Compute all tasks of a queue, and write each of their points as done or failed.
 
-    `StoreError` if points cannot be written, `ExecutionError` if the scheduler is lost or no worker
-    can compute.
+    Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
+    or no worker can compute.
     """
     losses = Losses()
     wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
@@ -45,7 +45,7 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
                 jobs.submit(job)
             jobs.wait()
             for job, loss in jobs.lost(has_looked):
-                link.workers.pop(job.worker, None)  # until it is seen again: nothing goes there
+                link.workers.pop(job.worker, None)  # gets no task until it is listed again
                 if losses.take(job, loss):
                     queue.put_back(job.task)
                 elif cause := link.memory_cause([job.worker]):
@@ -62,7 +62,10 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
 
 
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
-    """Workers with room for a task, idle ones first, then `ANYWHERE` for workers still to come."""
+    """Addresses of workers with room for a task, idle ones first; an address for each task.
+
+    `ANYWHERE` stands for a worker that is still to come.
+    """
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]
     # A cluster that adapts starts as many workers as its tasks need.
@@ -72,9 +75,9 @@ def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
 
 
 class Losses:
-    """What to do about lost tasks: hand them out again, or try their points alone in the end.
+    """Policy for lost tasks: queue them again, or try each of their points alone at the end.
 
-    A worker that dies takes all of its tasks along, so that each point of these is suspected.
+    If a worker dies, all of its tasks are lost, and each of their points may have killed it.
     """
 
     def __init__(self) -> None:
@@ -85,7 +88,7 @@ class Losses:
         return bool(self._suspects)
 
     def take(self, job: Job, loss: Loss) -> bool:
-        """Note a lost task; return whether it is to be handed out again as it is."""
+        """Record a lost task; return True if it is to be queued again unchanged."""
         for point in job.task.points if loss is not Loss.FORGOTTEN else ():
             self._workers[point].append(job.worker)
         # A worker that leaves may have died of the task: the second time its points are suspected.
@@ -96,16 +99,16 @@ class Losses:
         return False
 
     def failed(self) -> list[tuple[Point, list[str]]]:
-        """Points that were lost too often, and the workers that were lost with them."""
+        """Remove and return points that were lost too often, each with the workers lost with it."""
         failed = [point for point in self._suspects if len(self._workers[point]) >= TRIALS]
         for point in failed:
             del self._suspects[point]
         return [(point, self._workers[point]) for point in failed]
 
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Jobs that each try one suspected point alone; points that lost fewest workers come first.
+        """Jobs that try one suspected point each, alone on a free worker, least suspected first.
 
-        There are none while jobs of several points run.
+        There are none while ordinary jobs are `present`.
         """
         if not all(job.is_alone for job in present):
             return

@@ -63,7 +63,7 @@ def run_sweep(
     dashboard: bool = False,
     source: PathLike | None = None,
 ) -> Outcome:
-    """Compute every point of a sweep that its store does not have yet, or its boundary alone.
+    """Compute all points of a sweep, or of its boundary alone, that its store does not have yet.
 
     In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
 
@@ -168,7 +168,7 @@ def _require_cluster(client: Client | None) -> None:
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
-    """Yield the sweep, its store and pending tasks; in a search, again for each further sweep."""
+    """Yield the sweep, its store and the queue of pending tasks; in a search, one after another."""
     while True:
         if queue := TaskQueue(tasks(store.pending(), sweep)):
             yield sweep, store, queue
@@ -179,7 +179,10 @@ def _rounds(
 
 
 def _notes(store: Store, before: Sweep) -> Iterator[str]:
-    """Notes for the user on a store that is resumed; `before` is the sweep that it had."""
+    """Notes for the user if a store is resumed under other conditions or program versions.
+
+    `before` is the sweep that the store had.
+    """
     if changed := [*effective_changes(before, store.sweep, lambda one: one.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "

@@ -35,7 +35,7 @@ _FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
 
 
 def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
-    """Hash of the source files of packages, by their names and contents."""
+    """Hash of the names and contents of all source files in package folders."""
     digest = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
@@ -66,9 +66,9 @@ class ExecutionError(TriboError):
 
 
 class Run(WorkerPlugin):  # type: ignore[misc]
-    """The sweep of a run, as a plugin that Dask hands to each worker, also to later ones.
+    """Dask plugin that brings the sweep of a run to each worker, also to later ones.
 
-    It carries the user's laws by value, since their modules are not on the workers.
+    It carries the code of the user's laws, since their modules are not on the workers.
     """
 
     def __init__(self, name: str, sweep: Sweep, with_fields: bool) -> None:
@@ -78,12 +78,12 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
     @cached_property
     def sweep(self) -> Sweep:
-        """The sweep, unpickled once by a process."""
+        """The sweep, unpickled once a process."""
         sweep: Sweep = pickle.loads(self._sweep)
         return sweep
 
     def require_same_code(self, worker: str) -> None:
-        """Raise an `ExecutionError` on a worker with other code than the driver."""
+        """Raise an `ExecutionError` if the worker runs other code than the driver."""
         if self.code != CODE:
             raise ExecutionError(
                 f"the Dask worker {worker} runs code {CODE} of tribo and pipeline from {FOLDER}, "
@@ -92,7 +92,7 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
 
 def _pickled(sweep: Sweep) -> bytes:
-    """Pickle a sweep, with the user's laws by value."""
+    """Pickle a sweep together with the code of the user's laws."""
     laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
     for name in {code_of(law).__module__ for law in laws} & sys.modules.keys():
         cloudpickle.register_pickle_by_value(sys.modules[name])
@@ -105,9 +105,9 @@ _trunks = Trunks()
 
 
 def compute_points(name: str, points: Sequence[Point]) -> bytes:
-    """Compute a point, or points at one load that share a contact, of the run of this name.
+    """On a worker: compute points that share a contact, of the run with this name.
 
-    Return the pickled list of their records, which Dask sends as one piece.
+    Returns the pickled list of their records, which Dask sends as one piece.
     """
     worker = get_worker()
     run: Run = worker.plugins[name]
@@ -117,7 +117,7 @@ def compute_points(name: str, points: Sequence[Point]) -> bytes:
 
 
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
-    """Simulate points that share one contact, and return their records."""
+    """Simulate points that share a contact; return their records, with the reason of a failure."""
     try:
         results = run_points(run.sweep, points, _trunks)
         return [packed(result.record(run.with_fields), run.sweep) for result in results]

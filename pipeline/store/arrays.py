@@ -38,9 +38,9 @@ _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and lab
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's Zstd codec, but it unpacks no more than the size of a chunk of its array.
+    """Zarr's Zstd codec, limited to unpack no more bytes than a chunk of its array has.
 
-    Some kilobytes can unpack to gigabytes, and one flipped bit can state any size.
+    A damaged chunk of some kilobytes could otherwise unpack to gigabytes.
     """
 
     async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
@@ -57,7 +57,10 @@ class _BoundedZstd(ZstdCodec):
 def array_documents(
     wanted: Mapping[str, Variable], sizes: Mapping[str, int], block: Mapping[str, int]
 ) -> dict[str, Document]:
-    """Zarr metadata of arrays by name, from the dimensions' sizes and the points in a chunk."""
+    """Zarr metadata of the variables `wanted`, as JSON documents by name.
+
+    `sizes` are the lengths of dimensions, `block` is the number of points in a chunk along each.
+    """
     memory: dict[str, Any] = {}
     group = zarr.open_group(MemoryStore(memory), mode="w")
     for name, variable in wanted.items():
@@ -81,7 +84,7 @@ def array_documents(
 
 
 def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, Any]:
-    """Open the arrays of a store by their metadata."""
+    """Open the arrays of a Zarr store, whose metadata are `documents`, by name."""
     # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
     # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}
@@ -94,14 +97,14 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 
 
 class Encoder:
-    """Encodes parts of arrays as chunks; a part is (array name, index of whole chunks, values)."""
+    """Encodes parts of arrays as Zarr chunks; a part is (name, slices of whole chunks, values)."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._memory: dict[str, Any] = {}
         self._arrays = open_arrays(MemoryStore(self._memory), documents)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
-        """Encode parts of arrays; return the bytes of each chunk by its key."""
+        """Return the bytes of all chunks of some parts, by the chunks' keys."""
         self._memory.clear()
         for name, place, values in parts:
             self._arrays[name][place] = values

@@ -20,7 +20,10 @@ _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
 def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Hash of the simulated scene, a point's place, and the CRC of each of its variables."""
+    """Checksum of a point: hash of its scene, its place, and the CRC of each of its variables.
+
+    `simulated` is its `Sweep.scene_hash`, and `entries` are its variables by name.
+    """
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
     for name in sorted(entries.keys() & _COVERED):
@@ -32,7 +35,7 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
-    """A record with its values as they are stored, and its checksum."""
+    """The record with values of the types that are stored, and with its checksum."""
     if record.checksum is not None:
         return record
     data = {

@@ -37,10 +37,10 @@ from pipeline.sweep.stages import Report, silent
 
 @contextmanager
 def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
-    """Create the store of a sweep, or open it and make room for what the sweep adds.
+    """Context manager: create the store of a sweep, or open it with room for the sweep's points.
 
-    Raise a `StoreMismatchError` if it belongs to another scene, a `StoreError` if something else is
-    in its place, another process writes to it, or it cannot be read or written.
+    Raises a `StoreMismatchError` if it belongs to another scene, and a `StoreError` if something
+    else is at `path`, another process writes to the store, or it cannot be read or written.
     """
     place = place_of(path)
     find_root(place)  # before a lock is put into a folder that is no store
@@ -53,7 +53,7 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
 
 
 def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
-    """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
+    """Open a store whose lock is held, with room for the sweep's points; raises as `writing`."""
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
@@ -66,7 +66,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
-    """Root of a store with room for a sweep."""
+    """Root of a store with room for the points of a sweep; `before` is its root until now."""
     if before and (POINT in before.axes) != (sweep.chosen is not None):
         raise _no_room(place, "a plane and a search of its boundary have a store each")
     kept = join(before.sweep if before else None, sweep)
@@ -90,7 +90,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
 
 
 def _write_root(place: StorePlace, root: Root) -> None:
-    """Write coordinates and metadata of arrays, then the root."""
+    """Write the coordinates and the metadata of arrays, and last the root."""
     parts = [(name, ..., values) for name, values in root.coordinates().items()]
     documents = {f"{path_of(name)}/{ROOT}": array for name, array in root.arrays.items()}
     if root.found:
@@ -103,14 +103,14 @@ def _write_root(place: StorePlace, root: Root) -> None:
 
 
 def _stored(place: StorePlace, key: str) -> Document:
-    """Read a JSON document of a store; empty if it is missing or damaged."""
+    """Read a JSON document of a store by its key; empty if it is missing or damaged."""
     with suppress(ValueError):
         return dict(json.loads(place.read(key) or b"{}"))
     return {}
 
 
 def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
-    """Raise a `StoreError` if axes do not begin with the values that a store has along them."""
+    """Raise a `StoreError` unless new axes only append values to the axes of a store."""
     old = before.axes
     for name, values in axes.items():
         if name not in old or values[: len(old[name])] != old[name]:

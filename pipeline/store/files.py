@@ -21,7 +21,7 @@ _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems canno
 
 
 def _path_of(root: Path, key: str) -> Path:
-    """Path of a file; raise an `OSError` if it lies behind a symbolic link."""
+    """Path of a file in the store `root`; `OSError` if a folder on the way is a symbolic link."""
     path = root / key
     for folder in reversed(path.parents[: key.count("/")]):
         _require_no_link(folder)
@@ -35,7 +35,7 @@ def _require_no_link(path: Path) -> None:
 
 
 def open_file(root: Path, key: str) -> int:
-    """Open a file to read and write, made if need be; return its descriptor."""
+    """Open a file of a store to read and write, and create it if missing; return its descriptor."""
     path = _path_of(root, key)
     _require_no_link(path)
     make_folder(path.parent)
@@ -43,7 +43,7 @@ def open_file(root: Path, key: str) -> int:
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Replace files, each atomically; return once all are on the disk, names included."""
+    """Replace files of a store, each atomically; return once all are safe on the disk."""
     paths = [_path_of(root, key) for key in contents]
     folders = {path.parent for path in paths}
     for folder in folders:
@@ -54,7 +54,7 @@ def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file beside its place, wait until it is on the disk, and rename it."""
+    """Write a file under a temporary name, wait until it is on the disk, and rename it."""
     begun = path.with_name(path.name + PARTIAL)
     _require_no_link(begun)
     try:
@@ -69,7 +69,7 @@ def write_file(path: Path, content: bytes) -> None:
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and those above it; return once their names are on the disk."""
+    """Make a folder and the folders above it; return once they are safe on the disk."""
     if not folder.is_dir():
         make_folder(folder.parent)
         folder.mkdir(exist_ok=True)
@@ -77,7 +77,7 @@ def make_folder(folder: Path) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk, as far as its system can tell."""
+    """Wait until the names of a folder's files are on the disk, if the file system can do that."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -15,14 +15,17 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable that holds a scene's input arrays, by its name; `sizes` are by digest."""
+    """The variable that holds all input arrays of a scene, by its name; {} if there are none.
+
+    `sizes` are the numbers of values in each array, by its SHA-256.
+    """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"
     return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Split the values of that variable into input arrays by digest, as its attributes say."""
+    """Split the values of the variable `INPUTS` into arrays by SHA-256, by its attributes."""
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
     return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

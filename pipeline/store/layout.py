@@ -26,12 +26,12 @@ Slices = tuple[slice, ...]
 
 _LARGEST = 2**22  # bytes of a chunk
 _FEWEST, _MOST = 1, 1024  # points in a chunk
-_LEAST = {"velocity": 16, POINT: _MOST}  # least points in a chunk, since more come later
-_ROOM = 2  # multiple of the reference load up to which a course has room for its steps
+_LEAST = {"velocity": 16, POINT: _MOST}  # least points in a chunk, since later runs add more
+_ROOM = 2  # multiple of the reference load up to which all steps of a ramp have room
 
 
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Points in a chunk along each dimension: up to 1024 in all, fewer where points are large.
+    """Number of points in a chunk along each dimension: 1024 in all, fewer if points are large.
 
     A chunk has all loads, which one ramp computes, then neighbouring velocities, then surfaces or
     samples.
@@ -44,7 +44,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Size of a point in the largest variable [B]."""
+    """Size of a point in the variable that needs most bytes a point [B]."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
@@ -53,9 +53,10 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
 
 
 def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
-    """Axes of a store: those that it had before, and what a sweep adds, ascending.
+    """Axes of a store, with the values that it had `before` and those that a sweep adds.
 
-    `kept` is the sweep of the store after the run (rows of both), and `wanted` are its variables.
+    `kept` is the sweep of the store after the run, with the variants of both, and `wanted` are its
+    variables.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
@@ -80,7 +81,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Values of the dimensions of a sweep's rows, ascending, and of columns that follow these."""
+    """Labels along each dimension of variants, in order, and of columns that follow from these."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {
@@ -89,7 +90,7 @@ def row_axes(sweep: Sweep) -> Axes:
 
 
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Values of the dimensions within a point, such as step, x and y; steps may have spare room."""
+    """Values of the dimensions within a point, such as step, x and y; there may be spare steps."""
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
@@ -108,7 +109,7 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at given indices along each dimension of points."""
+    """Points at some indices, which `where` has for each dimension of points."""
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
         numbers = where[dims.index(wanted[name].dims[0])]
@@ -122,7 +123,7 @@ def points_at(
 def points_on(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], dims: Sequence[str]
 ) -> list[Point]:
-    """Points at every index along `dims`; of their other dimensions only the first index."""
+    """Points at every index along `dims`, and at the first index along all other dimensions."""
     sizes = [len(axes[dim]) if dim in dims else 1 for dim in wanted["status"].dims]
     return points_at(sweep, axes, wanted, np.nonzero(np.ones(sizes)))
 
@@ -130,9 +131,10 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Time, load and distance at each step, NaN before a point's first; and the scene ids of rows.
+    """Coordinates that follow from the scene: time, load and distance at each step; and scene ids.
 
-    `ids` are the scene ids of the sweep's rows, in the order of the rows.
+    They are NaN at the spare steps before a point's first. `ids` are the scene ids of the sweep's
+    variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))
@@ -162,12 +164,15 @@ def made_coordinates(
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Yield numbers and slices of each chunk, of these sizes, that has a point of `mask`."""
+    """Yield index and slices of each chunk that has a point where `mask` is True.
+
+    `sizes` are the numbers of points in a chunk along each dimension.
+    """
     for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
         if mask[block := slices_of(numbers, sizes)].any():
             yield numbers, block
 
 
 def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
-    """Slices of the chunk with these numbers along the dimensions; chunks have these sizes."""
+    """Slices of the chunk with an index, if chunks have these sizes along the dimensions."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))

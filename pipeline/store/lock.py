@@ -21,7 +21,7 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
-_TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` has the lock for a moment
+_TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` takes the lock for a moment
 
 
 Lock = Callable[[], bool]
@@ -30,9 +30,10 @@ Lock = Callable[[], bool]
 
 @contextmanager
 def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
-    """Hold the lock of a store within the block; raise a `StoreError` if another process has it.
+    """Hold the lock of a store within the block; `StoreError` if another process has it.
 
-    Yields the check that the lock is still there. Where there are no locks, that is reported.
+    Yields a function that returns True if the lock is still there. On a disk or object store
+    without locks, this is reported, and the block runs without one.
     """
     unlocked = Progress(f"{place} has no locks: let one run at a time write to it")
     if isinstance(place, Bucket):
@@ -62,7 +63,10 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
 
 
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
-    """Lock a file; False if its file system has no locks. `StoreError` if another run has it."""
+    """Lock an open file, and return True; False if its file system has no locks.
+
+    Raises a `StoreError` if another run has the lock.
+    """
     for _ in range(_TRIES):
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -79,7 +83,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
-    """True if nobody has deleted or replaced the file of a lock."""
+    """True if the lock file that this process has open was not deleted or replaced."""
     try:
         return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
     except OSError:  # also on a file server that no longer knows the folder
@@ -87,7 +91,7 @@ def _is_in_place(folder: Folder, descriptor: int) -> bool:
 
 
 def holder_of(place: StorePlace) -> str | None:
-    """Name the process that writes to a store; None if there is none."""
+    """Process and host that write to a store, in words; None if nobody does."""
     if isinstance(place, Bucket):
         return None
     with suppress(OSError):
@@ -105,6 +109,6 @@ def holder_of(place: StorePlace) -> str | None:
 
 
 def _read_holder(descriptor: int) -> tuple[str, str | None]:
-    """Process named in a lock file, and the host on which it runs."""
+    """Read the name of the process in a lock file, and its host; None for an unknown host."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

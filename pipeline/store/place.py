@@ -69,12 +69,12 @@ class StoreMismatchError(StoreError):
 
 
 class DamagedError(StoreError):
-    """Data of a store that were read, and are not what was written."""
+    """Data of a store that differ from what was written, such as a chunk that cannot be decoded."""
 
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder of a disk, by its absolute path."""
+    """Place of a store: a folder of a disk, by its absolute path."""
 
     path: Path
 
@@ -98,14 +98,14 @@ class Folder:
         files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
-        """Names of all files below the folder; no link to a folder is followed."""
+        """Names of all files below the folder; links to folders are not followed."""
         paths = filter(Path.is_file, self.path.rglob("*"))
         return {path.relative_to(self.path).as_posix() for path in paths}
 
 
 @dataclass(frozen=True)
 class Bucket:
-    """An address of an object store, such as ``s3://bucket/sweep.zarr``."""
+    """Place of a store: an address of an object store, such as ``s3://bucket/sweep.zarr``."""
 
     address: str
 
@@ -119,7 +119,7 @@ class Bucket:
         return FsspecStore.from_url(self.address, read_only=True, storage_options=_OPTIONS)
 
     def _opened(self) -> tuple[Any, str]:
-        """File system of fsspec, and the beginning of the names of the objects."""
+        """File system of fsspec, and the beginning of the names of the store's objects."""
         import fsspec  # which stores in folders do without
 
         system, path = fsspec.core.url_to_fs(self.address, **_OPTIONS)
@@ -152,7 +152,7 @@ StorePlace = Folder | Bucket
 
 
 def place_of(path: PathLike) -> StorePlace:
-    """Place of a store by its path or address; raises a `StoreError` for the top of a disk."""
+    """Place of a store from its path or address; `StoreError` for the root of a file system."""
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))
@@ -164,7 +164,7 @@ def place_of(path: PathLike) -> StorePlace:
 
 @contextmanager
 def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
-    """Turn an error of a disk or network into a `StoreError` that names the file and the reason."""
+    """Turn an error of disk or network in the block into a `StoreError` with file and reason."""
     try:
         yield
     except Exception as error:
@@ -180,7 +180,7 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
 
 @contextmanager
 def read_errors(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn errors into a `DamagedError` for wrong data, or a `StoreError` if reading failed."""
+    """Turn an error in the block into a `DamagedError` for bad data, a `StoreError` for others."""
     with io_errors(place):
         try:
             yield
@@ -191,12 +191,12 @@ def read_errors(place: StorePlace, name: str) -> Iterator[None]:
 
 
 def damaged(place: StorePlace, name: str) -> str:
-    """Message that data of a store cannot be read."""
+    """Error message for damaged data of a store."""
     return f"{place}: {name} cannot be read; irg verify names what is damaged; {REMEDY}"
 
 
 def is_lack_of_memory(error: BaseException) -> bool:
-    """True for an error by which Python reports that memory has run out."""
+    """True if an error means that memory has run out."""
     if isinstance(error, OSError):
         return error.errno in (errno.ENOMEM, errno.EAGAIN)
     said = ("start new thread", "failed to map segment", "annot allocate memory")

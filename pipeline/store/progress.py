@@ -17,7 +17,10 @@ from pipeline.sweep.variants import Variant
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that failed or is damaged: load [N], velocity [m/s], why, variant, place in words."""
+    """A point that failed or is damaged: load [N], velocity [m/s], reason and variant.
+
+    `place` is the point in words, with entries in the user's units.
+    """
 
     load: float
     velocity: float
@@ -32,7 +35,7 @@ class FailedPoint:
 @shown
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Progress of a sweep: numbers of points by state, failures, and who computes now."""
+    """Progress of a sweep: number of points by state, failed points, and the process at work."""
 
     #: Name and title of the scene.
     name: str
@@ -70,7 +73,7 @@ def summary_of(store: Store) -> Summary:
 
 
 def summary(path: PathLike) -> Summary:
-    """Count the points of a store by state, and list warnings, without reading their data.
+    """Count the points of a store by state, and those with warnings, without reading results.
 
     Parameters
     ----------

@@ -45,10 +45,10 @@ from tribo.types import Indices
 
 
 def open_store(path: PathLike) -> xr.Dataset:
-    """Open a store as a dataset, as it is now; data are read when they are used.
+    """Open a store as a dataset of its present state; data are read when they are used.
 
-    The store may be written to meanwhile. A copy that xarray wrote elsewhere is opened as it is.
-    Raise a `StoreError` if there is no readable store, or done points lack chunks.
+    The store may be written to meanwhile. A copy that xarray wrote elsewhere is opened, too.
+    Raises a `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
     if (copy := _open_copy(place)) is not None:
@@ -58,7 +58,7 @@ def open_store(path: PathLike) -> xr.Dataset:
 
 
 def _open_copy(place: StorePlace) -> xr.Dataset | None:
-    """A dataset of a sweep that xarray wrote, as netCDF or Zarr; None for anything else."""
+    """Open a copy of a sweep that xarray wrote as netCDF or Zarr; None for anything else."""
     with io_errors(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
         if isinstance(place, Folder) and place.path.is_file():
             copy = xr.open_dataset(place.path, chunks=None)
@@ -72,7 +72,7 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
 
 
 class _Backend(BackendEntrypoint):
-    """Backend of xarray for a store, which takes axes and metadata from its root."""
+    """Backend of xarray that opens a store, with axes and metadata from the store's root."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
@@ -111,10 +111,10 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:
-    """The root of the dataset to show, and for each of its points the number of its stored row.
+    """Root with the axes of the dataset, and for each of its places the number of a stored point.
 
-    Points of a search are shown in the plane of all their loads and velocities; −1 stands for a
-    place without a point. A store of a plane is shown as it is, with None instead of numbers.
+    The points of a boundary search are placed in the plane of all their loads and velocities; −1 is
+    a place without a point. A store of a whole plane is returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None
@@ -130,7 +130,10 @@ def _plane(root: Root) -> tuple[Root, Indices | None]:
 
 
 class _Masked(BackendArray):
-    """A stored variable, with fill values at points without data; `rows` are from `_plane`."""
+    """A stored variable, read when it is indexed, with fill values at points without data.
+
+    `rows` are the numbers of stored points from `_plane`.
+    """
 
     def __init__(self, store: Store, name: str, rows: Indices | None) -> None:
         self._place, self._name, self._rows = store.place, name, rows
@@ -148,7 +151,7 @@ class _Masked(BackendArray):
         )
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        """Read a part that is given by an orthogonal index."""
+        """Read a part of the variable by an index for each dimension."""
         count = self._mask.ndim
         mask = _select(self._mask, key[:count])
         with read_errors(self._place, self._name):
@@ -164,17 +167,17 @@ class _Masked(BackendArray):
 
 
 def _spread(values: Any, rows: Indices | None) -> Any:
-    """Spread values of points over the plane of loads and velocities; 0 where there is no point."""
+    """Place values of stored points in the plane of loads and velocities; 0 without a point."""
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
 def _select(values: Any, key: tuple[Any, ...]) -> Any:
-    """Select values by an orthogonal index, which has one independent index for each dimension."""
+    """Select values by an independent index for each dimension (orthogonal indexing)."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 
 class Keeper:
-    """Cache of what commands compute, in the store from which a dataset was read."""
+    """Cache in a store for results of commands that take long to compute from its dataset."""
 
     def __init__(self, place: StorePlace) -> None:
         self._place = place
@@ -184,17 +187,17 @@ class Keeper:
         return self
 
     def messages(self) -> xr.DataArray:
-        """Warnings of points, and reasons of failures, as they are now."""
+        """Read anew the warnings of points, and the reasons why points failed."""
         return open_store(str(self._place))["message"].load()
 
     def kept(self, name: str) -> bytes | None:
-        """Content that is cached under a name; None if there is none."""
+        """Read the content that is cached under a name; None without one."""
         with suppress(OSError):
             return self._place.read(KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
-        """Cache content under a name, if this process may write to the store, and can."""
+        """Cache content under a name; does nothing if this process may not or cannot write."""
         with suppress(OSError):
             if self.may_keep:
                 self._place.put({KEPT + name: content})

@@ -59,15 +59,15 @@ _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
 
 @dataclass(frozen=True, kw_only=True)
 class Root:
-    """What the root document of a store says; the metadata of all arrays follow from it."""
+    """Content of a store's root document, from which the metadata of all arrays follow."""
 
     sweep: Sweep
     text: str  # of the sweep
     axes: Axes
-    ids: list[int]  # of the scenes of the sweep's rows, in their order
+    ids: list[int]  # scene ids of the sweep's variants, in the order of the table
     block: dict[str, int]  # points in a chunk along each dimension
     history: list[str]  # versions of the programs that computed
-    found: Document  # the document that was read, to which users may have added, or an empty one
+    found: Document  # the document as it was read, with additions of users; empty if it is new
 
     @cached_property
     def variables(self) -> dict[str, Variable]:
@@ -76,7 +76,7 @@ class Root:
 
     @cached_property
     def _inputs(self) -> dict[str, int]:
-        """Sizes of the arrays of the scene, by their digests."""
+        """Sizes of the input arrays of the scene, by SHA-256."""
         return {digest: array.size for digest, array in file_contents(self.sweep).items()}
 
     @cached_property
@@ -87,7 +87,7 @@ class Root:
         return array_documents(self.variables, sizes, self.block)
 
     def coordinates(self) -> dict[str, Any]:
-        """Values of coordinates and inputs by name, which follow from the root."""
+        """Values of coordinates and of input arrays, by name."""
         made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
         values: dict[str, Any] = self.axes | made
         if arrays := file_contents(self.sweep):
@@ -96,7 +96,7 @@ class Root:
 
     @cached_property
     def attributes(self) -> dict[str, str]:
-        """Attributes of the dataset: texts for people, and the JSON of the sweep and of its ids."""
+        """Attributes of the dataset: texts for people, and the sweep and its scene ids as JSON."""
         return {
             "Conventions": "CF-1.11",
             "title": self.sweep.title,
@@ -109,14 +109,14 @@ class Root:
 
     @property
     def others(self) -> dict[str, Document]:
-        """Zarr metadata that were read, by path: the store's own, and what users have added."""
+        """Zarr metadata of all arrays and groups in the store, also those added by users."""
         return dict(self.found[_CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
-        """JSON documents of the groups, by key; the root, with consolidated metadata, comes last.
+        """JSON documents of the groups, by key; the last one is the root, with all metadata.
 
-        Zarr itself would write the root in two steps. The other documents repeat parts of it, for
-        programs that consolidate it anew.
+        They are made here since Zarr would write the root in two steps. The other documents repeat
+        parts of it, for programs that consolidate the metadata anew.
         """
         values = (FORMAT, self.axes, self.block, self.history, self._inputs)
         facts = dict(zip(_FACTS, values, strict=True))
@@ -138,13 +138,13 @@ def _group(attributes: Document) -> Document:
 
 
 def with_others(found: Any, new: Document) -> Document:
-    """The new document, plus the attributes that users have added to the document `found`."""
+    """The document `new` with the attributes that users have added to `found`, its old version."""
     others = found.get("attributes") if isinstance(found, dict) else None
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
 def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
-    """Hash of a root's facts, leaving out texts for people and what users have added."""
+    """SHA-256 of all in a root but texts for people and additions of users."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], attributes["sweep"], attributes[SCENE_ID], numbers
@@ -152,10 +152,7 @@ def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read a root; raise a `StoreError` if it is missing, damaged or of another version.
-
-    A root that was lost is not written anew; the message says what to do.
-    """
+    """Read the root of a store; `StoreError` if it is missing, damaged or of another version."""
     if root := find_root(place):
         return root
     if holder := holder_of(place):
@@ -165,7 +162,7 @@ def read_root(place: StorePlace) -> Root:
 
 
 def find_root(place: StorePlace) -> Root | None:
-    """Read the root of a store; None if there is no store yet; a `StoreError` for anything else."""
+    """Read the root of a store; None if there is nothing yet, `StoreError` for anything else."""
     with io_errors(place):
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
@@ -178,13 +175,13 @@ def find_root(place: StorePlace) -> Root | None:
 
 
 def _is_beginning(key: str) -> bool:
-    """True for a file that a creation cut short may leave: metadata, a coordinate or the lock."""
+    """True for a file that an interrupted creation may leave: metadata, coordinate or lock."""
     name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Read a root from its document; a `StoreError` if it is damaged or of another origin."""
+    """Make a root from its JSON document; `StoreError` if it is damaged or not ours."""
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:
@@ -217,7 +214,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
-    """Arrays of the scene that a store has."""
+    """Read the input arrays of a scene from its store, by SHA-256."""
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}
@@ -227,7 +224,7 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
-    """Raise a `StoreMismatchError` if a sweep cannot go on with the store of a root."""
+    """Raise a `StoreMismatchError` if a sweep cannot continue the store with this root."""
     if differing := [*misfits(root.sweep, sweep)]:
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(
@@ -236,6 +233,6 @@ def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
-    """The sweep of a store, None if nothing is there; raises as `read_root` does."""
+    """Read the sweep of a store; None if there is nothing yet, `StoreError` for anything else."""
     root = find_root(place_of(path))
     return root.sweep if root else None

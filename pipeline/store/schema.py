@@ -20,7 +20,7 @@ COMPRESSION: dict[str, Any] = {"level": 1, "checksum": True}
 
 
 class Variable(NamedTuple):
-    """Dimensions, unit, meaning, NumPy type and further attributes of a variable."""
+    """A variable of the dataset: dimensions, unit, meaning, NumPy type and further attributes."""
 
     dims: tuple[str, ...]
     units: str | None
@@ -41,7 +41,7 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    """A field at the end of each point, in single precision: half the size, relative error 1e-7."""
+    """Variable with a field (x, y) at the end of each point, in single precision to save space."""
     return Variable(_FIELD, units, long_name, "float32")
 
 
@@ -130,37 +130,37 @@ AT_END = FIELDS | BULK_FIELDS
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:
-    """Attributes of a variable in the dataset."""
+    """Attributes of a variable as the dataset has them: meaning, units and others."""
     units = {} if variable.units is None else {"units": variable.units}
     return {"long_name": variable.long_name, **units, **variable.attributes}
 
 
 def path_of(name: str) -> str:
-    """Path of a variable in a store; texts of points, and fields, are in groups of their own."""
+    """Path of a variable in a store; texts are in the group ``about``, fields in ``fields``."""
     if name in ("message", "checksum"):
         return f"{ABOUT}/{name}"
     return f"{AT_ENDS}/{name}" if name in AT_END or name in ("x", "y") else name
 
 
 def is_coordinate(name: str) -> bool:
-    """True if a variable has no data of points: a dimension, made from the scene, or an input."""
+    """True if a variable has no results: a dimension, one that the scene determines, an input."""
     return name in COORDINATES or name in MADE or name not in VARIABLES
 
 
 def is_of_points(dim: str) -> bool:
-    """True for a dimension along which points lie; False for one within a point."""
+    """True for a dimension along which points lie; False for one within a point, such as step."""
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
 def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable that stores a column of the table of variants; its type is that of a label."""
+    """Variable for a column of the table of variants, with the type of its labels."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
     return Variable(dims, column.unit, column.meaning, kinds[type(label)])
 
 
 def require_free_names(sweep: Sweep) -> None:
-    """Raise an `InputError` if a column of the rows has the name of another variable."""
+    """Raise an `InputError` if a column of the table of variants has the name of a variable."""
     names = Counter(one.name for one in sweep.variants.columns)
     used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
     for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):
@@ -172,7 +172,7 @@ def require_free_names(sweep: Sweep) -> None:
 
 
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
-    """Variables of the store of a sweep, by name."""
+    """All variables that the store of a sweep has, by name."""
     require_free_names(sweep)
     first = sweep.variants.rows[0].labels
     table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
@@ -204,7 +204,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of the rows along which a coordinate of steps varies."""
+    """Dimensions of variants along which time, load or distance at steps vary."""
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

@@ -15,10 +15,10 @@ from pipeline.sweep.station_choice import choose_stations
 
 
 def take_points(store: Store, other: Store) -> int:
-    """Commit points of another store that are pending in this one, and count them.
+    """Copy done points of `other` that are pending in `store`; return their number.
 
-    Points are the same if scene, load and velocity are, whatever their rows are called. Points with
-    a wrong checksum are not taken.
+    Points are equal if scene, load and velocity are equal, whatever their variants are called.
+    Points with a wrong checksum are not copied.
     """
     data = store.arrays.keys() & {*STEPPED, *AT_END, *OF_POINT}
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():

@@ -52,7 +52,7 @@ class Verification:
 
 
 def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
-    """Read everything in a store, name what is damaged, and write nothing.
+    """Check a whole store for damage; nothing is written.
 
     Parameters
     ----------
@@ -85,9 +85,10 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 
 
 def mend_store(path: PathLike, sweep: Sweep) -> int:
-    """Make damaged points of a folder pending and repair shared files; count what was damaged.
+    """Mark damaged points of a store in a folder as pending, and repair its shared files.
 
-    Raise as `writing` does. Nothing is changed in a store of another scene, nor in a bucket.
+    Returns the number of damaged points and files. Raises as `writing` does. Does nothing on an
+    object store.
     """
     place = place_of(path)
     if isinstance(place, Bucket) or not find_root(place):
@@ -105,14 +106,14 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
 
 class _Damage(NamedTuple):
-    """Damaged points, and damaged shared files by key with what has to be written there."""
+    """Damaged points, and damaged files that several points share, with their right content."""
 
     points: dict[Index, FailedPoint]
-    files: dict[str, tuple[str, Any, Any]]  # the variable, the place in it and the values
+    files: dict[str, tuple[str, Any, Any]]  # by key: variable, slices of the chunk, right values
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Find what is damaged in a store: read all, set `flags` and `asked`, and write nothing."""
+    """Read all of a store to find damage, and set its `flags` and `asked`; nothing is written."""
     damage = _Damage({}, {})
     with io_errors(store.place):
         keys = store.place.keys()
@@ -137,7 +138,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
-    """Read into the store which points are done and which are asked for; note damaged chunks."""
+    """Read the flags of a chunk of points into the store; damaged ones are added to `damage`."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
@@ -147,19 +148,19 @@ def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) ->
 
 
 def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
-    """Note a damaged chunk, which is to be replaced by fill values."""
+    """Add a damaged chunk to `damage`, to be replaced by fill values."""
     damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Values in a chunk, fill values if it is missing; None if it is damaged."""
+    """Read the values of a variable in a chunk; fill values if it is missing, None if damaged."""
     with suppress(DamagedError):
         return store.read(name, block)
     return None
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Values in a chunk of points by variable, None if damaged; not ``status`` and ``asked``."""
+    """Read a chunk of points: values by variable, None if damaged; no ``status`` or ``asked``."""
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
         read = threads.map(lambda name: _read(store, name, block), names)
@@ -169,9 +170,9 @@ def read_block(store: Store, block: Slices) -> dict[str, Any]:
 def stored_entries(
     store: Store, block: Slices, values: Mapping[str, Any]
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
-    """Index, point and values of each point in a chunk that is not pending.
+    """Yield index, point and values by variable of each point in a chunk that is not pending.
 
-    A value that is lost is None.
+    `values` are those of the chunk, from `read_block`. A value that is damaged is None.
     """
     indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
     places = map(tuple, indices.tolist())
@@ -191,7 +192,7 @@ def stored_entries(
 
 
 def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
-    """Fault of a point's stored values in words; empty if they are sound."""
+    """Tell what is wrong with a point's stored values; empty if nothing is."""
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed
@@ -202,9 +203,9 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Coordinates whose stored values differ from the root; plain xarray reads the stored ones.
+    """Yield key, and part to write, of coordinates whose stored values differ from the root.
 
-    A growth that was killed may have left arrays longer than the root says.
+    Such values matter to plain xarray. They arise if a run is killed while the store grows.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

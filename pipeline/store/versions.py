@@ -19,5 +19,5 @@ def package_versions() -> dict[str, str]:
 
 
 def in_words(versions: Mapping[str, str]) -> str:
-    """Versions of packages in words."""
+    """Write package versions as text, such as "numpy 2.1, scipy 1.15"."""
     return ", ".join(f"{name} {version}" for name, version in versions.items())

@@ -52,11 +52,11 @@ Index = tuple[int, ...]
 
 
 class Store:
-    """A store, open to be read, or to be written by the process that holds its lock.
+    """An open store; it may be written if this process holds its lock.
 
     `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
-    `flags` are statuses; `asked` is 1 for each point that the last run asked for. If `is_damaged`,
-    both are not read, and 0.
+    `flags` has the status of each point, and `asked` is 1 for each point that the last run asked
+    for. If `is_damaged`, both are 0, and not read.
     """
 
     def __init__(
@@ -91,18 +91,18 @@ class Store:
         return tuple(i % n for i, n in zip(index, self.block, strict=True))
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at given indices along each dimension."""
+        """Points at some indices, which `where` has for each dimension of points."""
         return points_at(self.sweep, self.axes, self.root.variables, where)
 
     def in_words(self, point: Point) -> str:
-        """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
+        """Write a point as text, with entries as in the scene file, such as ``2 mm``."""
         written = self.sweep.variants.written(point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
     def key(self, name: str, numbers: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `numbers` are those of the chunk along the dimensions of points; others have a single chunk.
+        `numbers` are the chunk's index along the dimensions of points; a point lies in one chunk.
         """
         within = [0] * (self.arrays[name].ndim - len(numbers))
         return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
@@ -115,7 +115,7 @@ class Store:
             return self.arrays[name][key]
 
     def read_steps(self) -> dict[str, Any]:
-        """Variables at steps, with time, load and distance, as arrays of the same dimensions."""
+        """Read all variables at steps, with time, load and distance, as arrays of equal shape."""
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
         wanted, made = self.root.variables, self.root.coordinates()
         sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
@@ -131,7 +131,7 @@ class Store:
     # What is written: every method raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
-        """Put points on the disk: data first, then statuses."""
+        """Write the records of points: data first and statuses last, so that done means safe."""
         values, statuses = {}, {}
         for record in records:
             record = packed(record, self.sweep)
@@ -148,7 +148,7 @@ class Store:
         self.write({}, {self.index(point): PENDING for point in points})
 
     def ask(self, sweep: Sweep) -> None:
-        """Record in the store which points this run asks for."""
+        """Write to the store which points the present run asks for."""
         wanted = np.zeros_like(self.asked)
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
@@ -159,7 +159,7 @@ class Store:
     def write(
         self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
     ) -> None:
-        """Write values of points by name and, once these are on the disk, statuses."""
+        """Write the values of points by variable, and once they are safe, the points' statuses."""
         chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
         for index, of_point in values.items():
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
@@ -177,7 +177,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Part for the encoder: a variable's values in a chunk, with new ones at some points."""
+        """Part for `Encoder`: a variable's values in a chunk, with new values at some points."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
@@ -190,14 +190,14 @@ class Store:
         return name, block, part
 
     def _write_flags(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
-        """Write whole chunks of a small variable, those in which a value has changed."""
+        """Write the chunks of ``status`` or ``asked`` in which a value has changed."""
         parts = [(name, block, values[block]) for _, block in blocks(changed, self.block)]
         with self._writes():
             self.place.put(self.encoder(parts))
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        """Require the lock before and after writing, since another run may have begun meanwhile."""
+        """Check that the lock is held before and after the block, which writes."""
         self._require_lock()
         with io_errors(self.place, "written"):
             yield
@@ -219,7 +219,7 @@ def opened(path: PathLike) -> Store:
 
 @contextmanager
 def store_path(path: PathLike | None) -> Iterator[PathLike]:
-    """Yield `path` or, if it is None, a path in a temporary folder, deleted after the block."""
+    """Context manager: yield `path`, or if it is None a temporary path, deleted after the block."""
     with TemporaryDirectory(prefix="irg-") as folder:
         yield Path(folder) / "points.zarr" if path is None else path
 
@@ -231,7 +231,10 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 
 
 class Writer:
-    """Commits records about once a second, in a thread; `written` raises an error of a commit."""
+    """Writes records to a store about once a second, in a thread.
+
+    An error of the thread is raised by `written` and `flush`.
+    """
 
     def __init__(self, store: Store) -> None:
         self.store = store
@@ -249,11 +252,11 @@ class Writer:
             self.flush()
 
     def add(self, records: Iterable[PointRecord]) -> None:
-        """Take records, to be written soon."""
+        """Add records to those that wait to be written."""
         self._waiting += records
 
     def written(self, at_once: bool = False) -> list[PointRecord]:
-        """Records that have been written since the last call; begin to write others if due."""
+        """Return records that were written since the last call; begin to write others if due."""
         records = []
         if self._writing and self._writing.done():
             records, self._writing = self._writing.result(), None

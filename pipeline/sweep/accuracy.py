@@ -18,7 +18,7 @@ _FEW = 0.05  # failing share below which the deciding temperature counts as the 
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest known relative error of the boundary velocity, measured or promised; else None."""
+    """Largest relative error of the boundary velocity, as measured or promised; None if unknown."""
     if selection := sweep.selection:
         return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions
@@ -29,13 +29,13 @@ def velocity_error(sweep: Sweep) -> float | None:
 
 
 def has_unknown_error(sweep: Sweep) -> bool:
-    """True if there is a boundary to find whose error is neither promised nor measured."""
+    """True if a sweep has a boundary, whose error is neither promised nor measured."""
     is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
     return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
 
 
 def error_in_words(sweep: Sweep) -> str:
-    """The known error of a sweep's boundary velocity and its origin, in words."""
+    """Describe the error of a sweep's boundary velocity, and how it is known."""
     if selection := sweep.selection:
         return str(selection)
     error = velocity_error(sweep)
@@ -45,5 +45,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, or the finest preset than which its fidelity is nowhere coarser."""
+    """Preset of a sweep, else the finest preset that no numerical choice is coarser than."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

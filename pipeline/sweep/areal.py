@@ -36,7 +36,7 @@ class ArealRoughness:
     sal : float
         Shortest distance over which the autocorrelation falls, Sal [m], here to 1/e and not 0.2.
     aspect : float
-        Str, the shortest over the longest such distance; 0 if that is beyond the area.
+        Str, the shortest over the longest such distance; 0 if the longest is beyond the area.
     lay : float or None
         Direction of the lay, from x towards y, from −90 to 90 [°]; None without one.
     """
@@ -102,7 +102,7 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Heights above a form fitted with the first `count` terms, and the fitted factors."""
+        """Fit the first `count` terms of the form; return heights above it, and the factors."""
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

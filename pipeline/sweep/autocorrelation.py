@@ -68,9 +68,9 @@ def autocorrelation_lengths(
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
-    """Autocorrelation up to lags of half a side, 1 at lag 0; and the index of lag 0.
+    """Autocorrelation at lags up to half a side, with 1 at lag 0; and the index of lag 0.
 
-    Heights that are not measured are 0, and make no pair.
+    Heights must be 0 where `measured` is False; they are left out of the means.
     """
     reach = [n // 2 + 1 for n in heights.shape]
     kept = [np.arange(-far, far + 1) for far in reach]
@@ -83,7 +83,7 @@ def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
 
 
 def _lagged(values: Array) -> Array:
-    """Sum over an area of the products of values at each lag."""
+    """For each lag, the sum of products of values that are so far apart; zero beyond the edges."""
     shape, axes = [2 * n for n in values.shape], (0, 1)
     result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
     return result

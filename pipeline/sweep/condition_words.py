@@ -10,7 +10,10 @@ from pipeline.sweep.shown import Line
 
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
-    """Subjects and words on when wear is severe; entries in `drawn` read "of each sample"."""
+    """Pairs of subject and text that tell when wear is severe, for a table.
+
+    Entries whose paths are in `drawn` read "of each sample".
+    """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
@@ -25,7 +28,7 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """A line on when wear is severe under several conditions, without repetitions."""
+    """One line that tells when wear is severe under several conditions, without repetitions."""
     each = [
         (
             severe_words(one, drawn),
@@ -39,7 +42,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Words on when wear is severe; entries in `drawn` read "of each sample"."""
+    """Tell above which temperature wear is severe; paths in `drawn` read "of each sample"."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"
@@ -52,6 +55,6 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 
 
 def critical_in_words(value: float, sd: float | None) -> str:
-    """Words on a critical temperature [K] and on its standard deviation, if it has one."""
+    """Tell a critical temperature [K] and its standard deviation [K], if it has one."""
     doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
     return f"the critical temperature is {display(value, '°C', 4)}{doubt}"

@@ -97,7 +97,7 @@ class Conditions(Judging):
         return Criterion(self.criterion, self.failing_share, self.rule)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data, with the name of a rule."""
+        """Return all values as plain data; of a rule the name alone."""
         plain = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "rule"}
         plain["corrections"] = self.corrections and self.corrections.as_dict()
         rare = ("disk_temperature", "critical_sd", "corrections")
@@ -113,7 +113,7 @@ class Conditions(Judging):
         return bool(self.friction_law.by_velocity)
 
     def friction_factor(self, velocity: Array | float) -> Array:
-        """Friction at sliding velocities [m/s] over the coefficient of friction."""
+        """Friction at sliding velocities [m/s], divided by the coefficient of friction."""
         factor: Array = replace(self.friction_law, coefficient=1.0).at(velocity)
         return factor
 
@@ -125,9 +125,9 @@ class Conditions(Judging):
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
-        """The conditions, with those replaced that a row of a table gives.
+        """The conditions with the values that a row of a table has in their place.
 
-        A row may have the ``friction`` measured there, a ``bulk_temperature`` of both bodies and a
+        A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies and a
         ``critical_temperature`` [K].
         """
         own = self.changed(
@@ -137,7 +137,7 @@ class Conditions(Judging):
         return own.replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
-        """The conditions whose corrections have the course or the rate of a loading."""
+        """The conditions, with the load history of `loading` filled into their corrections."""
         corrections = self.corrections and self.corrections.under(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)
 
@@ -163,7 +163,7 @@ def changes_of(
     share: float | None = None,
     criterion: str | Rule | None = None,
 ) -> dict[str, Any]:
-    """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
+    """Arguments that are not None as fields of `Conditions`; a share alone sets the criterion."""
     entries: dict[str, Any] = {
         "friction": friction,
         "critical_temperature": critical_temperature,
@@ -177,7 +177,7 @@ def changes_of(
 
 
 def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
-    """Entries of `Conditions` for one bulk temperature, or for one of each body [K]."""
+    """Fields of `Conditions` for one bulk temperature [K], or for one of pin and one of disk."""
     if not isinstance(bulks, Mapping):
         return {"bulk_temperature": bulks, "disk_temperature": None}
     if set(bulks) != {"pin", "disk"}:

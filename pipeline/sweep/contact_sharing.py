@@ -13,14 +13,14 @@ _DIGITS = 12  # digits of a wear number that are compared: equal ones differ by 
 
 
 class ContactSource(NamedTuple):
-    """The variant whose ramp of contacts another variant shares, and at which velocity."""
+    """The variant whose contacts another variant shares, and at which of its velocities."""
 
     variant: Variant
     ratio: float = 1.0  # velocity of the source over that of the variant, at the same wear number
     places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:
-        """The source's velocity with the same contacts [m/s]; None where there is no point."""
+        """Velocity of the source that has the contacts of a velocity [m/s]; None without one."""
         if self.places:
             own, shared = self.places
             return shared if velocity == own else None
@@ -28,7 +28,7 @@ class ContactSource(NamedTuple):
 
 
 def drop_last_digits(number: float) -> float:
-    """A number rounded to 12 digits, which drops rounding errors."""
+    """Round a number to 12 digits, so that equal numbers do not differ by rounding errors."""
     return float(f"{number:.{_DIGITS}g}")
 
 
@@ -37,7 +37,11 @@ def contact_sources(
     places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, ContactSource]:
-    """Map each variant to the first with equal contacts; `places` are own velocities, or None."""
+    """Find for each variant the first variant that has the same contacts.
+
+    `places` are the velocities of variants that have a single one [m/s], else None. `velocities`
+    are those of all others.
+    """
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
     sources = {}
     for (name, scene), place in zip(scenes, places, strict=True):
@@ -53,7 +57,7 @@ def contact_sources(
         else:
             source = ContactSource(variant, places=(place, its_place))
             slides = [(place, its_place)]
-        # Contacts may depend on more than their key.
+        # Contacts may depend on more than the key: `inseparable` says when.
         is_shared = variant != name and not any(inseparable(scene, some) for some in slides)
         sources[name] = source if is_shared else ContactSource(name)
     return sources
@@ -62,9 +66,9 @@ def contact_sources(
 def contact_sources_of_samples(
     samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
 ) -> Mapping[Variant, ContactSource]:
-    """Map each sample to the first one with the same contact, which `size` samples share.
+    """Find for each sample the first sample with the same contact; `size` samples share each.
 
-    `samples` has (name, name of its scene in `scenes`, row). The samples' entries are not read.
+    `samples` are (name, name of its scene in `scenes`, row). For speed their entries are not read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}

@@ -14,9 +14,10 @@ from pipeline.sweep.variants import Variant
 
 
 def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
-    """Digest of all that acts on the simulation and the verdict of each row of a sweep, int32.
+    """Scene ids: for each row of a sweep a hash of all that acts on simulation and verdict, int32.
 
-    `choices` are about tests: the oil whose tests count, and the scatter that weighs samples.
+    `choices` are further things that act on answers: which oil's tests count, and the scatter that
+    weighs samples.
     """
     table, ids = sweep.variants, list[int]()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces

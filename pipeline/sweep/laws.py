@@ -31,7 +31,7 @@ _KEPT: Final = "_source_sha256"
 
 
 class LawError(InputError, AttributeError):
-    """A law whose object is needed, and not at hand: a store has its name alone."""
+    """A law is needed as a Python object, and only its name is known, from a store."""
 
 
 class MissingError(InputError):
@@ -46,7 +46,7 @@ class MissingSurface(UnknownHeights):
     words: str
 
     def heights(self, pixels: Any) -> Any:
-        """Raise a `MissingError`."""
+        """Raise a `MissingError`: the heights are not known."""
         raise MissingError(self.words)
 
     def __str__(self) -> str:
@@ -79,11 +79,11 @@ class Law(UnknownHeights):
         return known[name]
 
     def over(self, begin: float, end: float) -> Any:
-        """Raise a `LawError`: the wear law's object is not at hand."""
+        """Raise a `LawError`: the wear law is known by name alone."""
         raise self._lost()
 
     def heights(self, pixels: Any) -> Any:
-        """Raise a `LawError`: the surface's object is not at hand."""
+        """Raise a `LawError`: the surface is known by name alone."""
         raise self._lost()
 
     def _lost(self) -> LawError:
@@ -97,7 +97,7 @@ class Law(UnknownHeights):
 
 
 def is_user_law(part: Any) -> bool:
-    """True for a law of the user's own, or the `Law` that a store keeps of it."""
+    """True if a part of a scene is a law of the user's own, or the `Law` stored for one."""
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
@@ -136,23 +136,23 @@ def code_of(law: Any) -> Any:
 
 
 def given_laws(scene: Scene) -> list[Any]:
-    """Laws of a scene that are a user's own."""
+    """Parts of a scene that are laws of the user's own."""
     return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 
 def _storable(value: Any) -> Any:
-    """A parameter of a law as a store keeps it: an array as its digest."""
+    """Convert a parameter of a law for a store: an array to text with its SHA-256."""
     if not isinstance(value, np.ndarray):
         return value
-    sha256 = hashlib.sha256(value.tobytes()).hexdigest()  # of numbers of any type
+    sha256 = hashlib.sha256(value.tobytes()).hexdigest()  # numbers may be of any type
     return f"{' × '.join(map(str, value.shape))} numbers, SHA-256 {sha256[:16]}…"
 
 
 def _source_sha256(code: Any) -> str:
-    """SHA-256 of the file of a class or function; of its source where there is no file.
+    """SHA-256 of the file that defines a class or function; of its source if there is no file.
 
-    The hash is kept in the class, and goes to workers with it. If the file is edited later, neither
-    the class nor the hash changes.
+    The hash is kept as an attribute of the class, and goes to workers with it. If the file is
+    edited later, the hash stays that of the code that runs.
     """
     try:
         if _KEPT not in vars(code):
@@ -163,7 +163,7 @@ def _source_sha256(code: Any) -> str:
 
 
 def _source(code: Any) -> bytes:
-    """Content of the file of a class or function; else its source."""
+    """Content of the file that defines a class or function, else its source."""
     file = getattr(sys.modules.get(code.__module__), "__file__", None)
     if file and Path(file).is_file():
         return Path(file).read_bytes()

@@ -13,7 +13,7 @@ OUTCOMES = ("mild", "severe")
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A test on a rig: a transition to severe wear, or a point that was mild or severe."""
+    """A test on a rig: a measured transition to severe wear, or a point with its outcome."""
 
     normal_load: float  # on the whole pin [N]
     velocity: float  # [m/s]
@@ -29,29 +29,29 @@ class Measurement:
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """The test that an entry of a scene describes."""
+        """Make a test from its entries in a scene, in SI."""
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """The test as seen from `oil`: it names no oil if it has that one; unchanged if None."""
+        """The test relative to `oil`: no oil is named if it is this one; unchanged if None."""
         if oil is None:
             return self
         name = self.oil or _UNNAMED
         return replace(self, oil=None if name == oil else name)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the fields as plain data; those after the friction only if they are known."""
+        """Return the fields as plain data; without None, except for the friction."""
         always = ("normal_load", "velocity", "friction")
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
 
 def oils_of(names: Iterable[str | None]) -> list[str]:
-    """Oils of tests, sorted by name; "" stands for the scene's oil, of tests that name none."""
+    """Names of the oils of tests, each once and sorted; "" is the scene's oil."""
     return sorted({name or "" for name in names})
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    """Tests of the scene's own oil; if all tests name an oil, those of the first by name."""
+    """Tests that name no oil: the scene's own; if all name one, tests of the first by name."""
     first, *_ = [*oils_of(test.oil for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)

@@ -37,7 +37,7 @@ class Point(NamedTuple):
 
 
 def variant_words(variant: Variant) -> list[str]:
-    """Words for each value in the name of a variant, such as "surface 3"."""
+    """Texts for the values that name a variant, such as "surface 3"."""
     return [
         f"{'surface' if name == 'realization' else name} "
         + (f"{value:g}" if isinstance(value, float) else f"{value}")
@@ -47,7 +47,7 @@ def variant_words(variant: Variant) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Typed parts of a scene, which are read from its entries."""
+    """Objects that are made from the entries of a scene."""
 
     declared: Any  # the file, read into its declared classes
     scene: Scene
@@ -64,8 +64,8 @@ class Parts:
 class Sweep:
     """A scene, where to simulate it and in which variants, and how to judge the results.
 
-    It has the entries of a scene file, and rows that replace some of them. What they mean is read
-    when it is first needed, and cached.
+    It has the entries of a scene file, and rows of variants, which replace some entries. Objects
+    such as `scene` are made from the entries when they are first needed, and cached.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class Sweep:
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __eq__(self, other: object) -> bool:
-        """True if the entries of both mean the same, in each row."""
+        """True if the entries of both sweeps mean the same, in each variant."""
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
     def __hash__(self) -> int:
@@ -137,7 +137,7 @@ class Sweep:
 
     @cached_property
     def parts(self) -> Parts:
-        """Typed parts, which are read from the entries."""
+        """Objects made from the entries."""
         parts: Parts = self.reader.read(self.written)
         return parts
 
@@ -165,7 +165,7 @@ class Sweep:
 
     @property
     def title(self) -> str:
-        """Title for people, with the oil whose tests count."""
+        """Title of the scene, with the oil whose tests count."""
         title = self.declared.title or self.name
         return title if self.oil is None else f"{title}, oil {self.oil}"
 
@@ -196,23 +196,23 @@ class Sweep:
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """Inputs of verdicts other than the simulation and the conditions."""
+        """All that acts on verdicts beside the simulation and the conditions."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
     @cached_property
     def entries(self) -> dict[str, Any]:
-        """All entries: with defaults, values of the library and choices of the preset."""
+        """Entries, with all defaults, values of the library and choices of the preset filled in."""
         entries: dict[str, Any] = self.reader.complete(self.written, self.parts)
         return entries
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Labels of each row, and all entries that it replaces."""
+        """Rows of the table of variants: the values that name each, and the entries it replaces."""
         return self.variants.rows
 
     def changed(self, path: str, value: Any) -> Self:
-        """The sweep with another value of an entry, as a scene file has it; None leaves it out.
+        """The sweep with another value of an entry, as in a scene file; None leaves it out.
 
         Raises
         ------
@@ -243,7 +243,7 @@ class Sweep:
         return {}
 
     def variant(self, name: Variant = ()) -> Self:
-        """The sweep of one row of its table alone; of the scene itself if none is given."""
+        """The sweep of one variant alone; of the scene itself, without variants, by default."""
         if not name and not self.variants.columns:
             return self
         if name not in self._alone:
@@ -253,7 +253,7 @@ class Sweep:
         return self._alone[name]
 
     def cache_parts(self, parts: Iterable[Parts]) -> None:
-        """Cache the parts of each row of the table, since reading them takes 0.2 ms a row."""
+        """Cache the parts of all variants, since making them takes 0.2 ms a variant."""
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
 
@@ -262,16 +262,16 @@ class Sweep:
         return digest(self.scene)
 
     def scene_hash(self, point: Point) -> str:
-        """Hash of what is simulated at a point."""
+        """SHA-256 of the scene that is simulated at a point."""
         return self.variant(point.variant)._scene_hash
 
     def samples_of(self, name: Variant) -> Self:
-        """The sweep of the samples that are drawn for one variant."""
+        """The sweep of the samples that were drawn for one variant."""
         return replace(self.variant(name), variants=self.variants.samples_of(name))
 
     @cached_property
     def contact_sources(self) -> Mapping[Variant, ContactSource]:
-        """For each row of the table, the first with the same contacts; see `ContactSource`."""
+        """For each variant, the first variant with the same contacts; see `ContactSource`."""
         table = self.variants
         if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())
@@ -282,13 +282,13 @@ class Sweep:
         return contact_sources(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
-        """Velocity and variant whose ramp of contacts passes through a point."""
+        """Velocity [m/s] and variant of the ramp whose contacts a point shares."""
         source = self.contact_sources.get(point.variant)
         velocity = source and source.velocity_at(point.velocity)
         return point[1:] if source is None or velocity is None else (velocity, source.variant)
 
     def require_search(self) -> None:
-        """Raise an `InputError` where no boundary can be looked for along velocities."""
+        """Raise an `InputError` if a boundary cannot be sought: variants have one velocity each."""
         if any(map(self.variants.labels, PLACE_UNITS)):
             raise InputError(
                 "each row has its own velocity, as samples have, and answers need all rows; leave "
@@ -296,7 +296,7 @@ class Sweep:
             )
 
     def with_hold(self, duration: float) -> Self:
-        """The sweep with another duration at the full load [s]; not if the load is a record."""
+        """The sweep with another hold at full load [s]; `InputError` if the load is recorded."""
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
                 f"hold is {duration:g} s, but the load follows a record, which has its own end; "
@@ -305,7 +305,7 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
-        """The sweep on the random surface of a seed alone; itself if None."""
+        """The sweep on a single random surface, that of a seed; the sweep itself if None."""
         if seed is None:
             return self
         if not isinstance(self.scene.roughness, SelfAffineRoughness):
@@ -316,7 +316,7 @@ class Sweep:
         return replace(self.changed(SEED, seed), variants=Variants())
 
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
-        """The scene at one load [N] and velocity [m/s], and at those of its tests unless alone.
+        """The sweep of one load [N] and velocity [m/s], and of its tests unless `alone`.
 
         `pipeline.margin` at that place, in a store of this sweep, is the verdict of ``irg point``.
         """

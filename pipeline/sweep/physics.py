@@ -11,7 +11,10 @@ from tribo import Corrections, Track
 
 
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
-    """Tracks of rolling bodies whose earlier turns are not counted, by names in `Corrections`."""
+    """Tracks of rolling bodies whose warming by earlier turns is left out.
+
+    Keys are the names of the tracks in `Corrections`.
+    """
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
     if not (is_rolling and any(sweep.plane.velocities)):
@@ -24,7 +27,10 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of earlier turns is left out, None if it is not; `severe`: its effect."""
+    """Caveat that heat of earlier turns is left out; None if it is not.
+
+    `severe` tells where wear is severe with that heat, if it is known.
+    """
     if not cold_tracks(sweep):
         return None
     effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
@@ -32,7 +38,7 @@ def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
 
 
 def note_on_turns(sweep: Sweep) -> str | None:
-    """Note that earlier turns of rolling bodies are not counted, and what counts them; or None."""
+    """Note that heat of earlier turns is left out, and how to include it; None if it is not."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None
@@ -47,7 +53,7 @@ def note_on_turns(sweep: Sweep) -> str | None:
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Note on when wear is severe at sharp ends of a pin; None for other pins."""
+    """Note that the sharp ends of a cylinder wear severely sooner; None for other pins."""
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None

@@ -44,7 +44,7 @@ from tribo.types import Array
 
 Moment = Mapping[str, float | Array]
 
-_MADE = ("time", "normal_load", "sliding_distance")  # which follow from the scene
+_MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
@@ -72,7 +72,8 @@ class PointResult:
     def fields(self) -> dict[str, Array]:
         """Pressure [Pa], rise per unit friction [K] and wear depth [m] at the end, shape (nx, ny).
 
-        With unequal bulk temperatures the response to their difference, too; means over elements.
+        With unequal bulk temperatures also the response to their difference. Values are means over
+        the scene's elements, if the point was computed on smaller ones.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)
@@ -90,7 +91,7 @@ class PointResult:
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
     def record(self, with_fields: bool) -> PointRecord:
-        """Return the stored record of the point: fields at its end only if wanted."""
+        """Return the record of the point for a store, with fields at its end if wanted."""
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,
@@ -105,7 +106,7 @@ class PointResult:
         )
 
     def verdict(self, conditions: Conditions) -> Verdict:
-        """Verdict on the wear at the point under these conditions, by its worst moment."""
+        """Mild or severe wear at the point's worst moment, under these conditions."""
         is_solved = conditions.solved_friction == self.solved
         coupled = self.coupled if is_solved else UNSOLVED
         return verdict(self.columns, self.point.load, conditions, coupled)
@@ -113,7 +114,7 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point: variables of the dataset, None if it failed."""
+    """Result of a point as it is stored; `data` are variables of the dataset, None if it failed."""
 
     point: Point
     data: Mapping[str, Array | bytes] | None
@@ -124,7 +125,7 @@ class PointRecord:
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
-    """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
+    """All points of a sweep, sorted by variant, then by velocity, then by load."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
     plane = sweep.plane
@@ -137,19 +138,19 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a row: its own one if it has one, else the usual ones."""
+    """Loads or velocities of a variant: its own single one, else those of the sweep."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
 class Task(NamedTuple):
-    """Points that share a contact, and the loading ramp that this contact branches off."""
+    """Points that share a contact, and the loading ramp that leads to this contact."""
 
     points: tuple[Point, ...]
     ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Group points into tasks by the contacts that they share; ramp by ramp, loads ascending."""
+    """Group points that share a contact into tasks; yield them by ramp, loads ascending."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)
@@ -180,7 +181,7 @@ def run_points(
     trunks: Trunks | None = None,
     progress: Report = silent,
 ) -> tuple[PointResult, ...]:
-    """Simulate points of one contact: one point, or variants that share it, at one load.
+    """Simulate points that share a contact: one point, or several variants at one load.
 
     `trunks` are ramps of other points, which these points continue and lengthen. `progress` is
     called after each step.
@@ -212,7 +213,7 @@ def run_points(
         states = [moment[number] for moment in heated]
         course = [moment[number] for moment in states[-1].course]
         columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
-        # Samples differ in friction: parts of a contact have the friction of their temperatures.
+        # Friction by temperature is not solved for samples: they share contacts, not friction.
         solved = None if sweep.variants.draw else variant.scene.solved_friction
         coupled = UNSOLVED
         if solved:
@@ -234,7 +235,7 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """State of a contact at a velocity [m/s] of the same wear number, with its temperature."""
+    """Add the temperature at a velocity [m/s] to a contact of the same wear number."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)
@@ -242,7 +243,7 @@ def _heated(scene: Scene, velocity: float, contact: State) -> State:
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values to record of a contact at an increment of a ramp, on the ramp's coarse grid."""
+    """Values to record after an increment of a ramp, from a contact on the ramp's coarse grid."""
     try:
         return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it
@@ -254,7 +255,7 @@ def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
 
 
 def record_at(scene: Scene, state: State) -> Moment:
-    """Values at one moment of a point, by variable of the dataset."""
+    """Values to record at one moment of a point, by name of the variable in the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {
         "own_grid": state.pressure.size >= math.prod(scene.grid.shape),

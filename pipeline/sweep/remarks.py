@@ -10,7 +10,10 @@ _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
-    """A remark beside a result, about the entry at path `place`; empty if about no single entry."""
+    """A note or warning beside a result; `place` is the path of the entry that it is about.
+
+    `place` is empty if the remark is about no single entry.
+    """
 
     place: str
     grade: Grade
@@ -18,7 +21,7 @@ class Remark(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The words, after their place."""
+        """The remark as text, after the path of its entry."""
         return f"{self.place}: {self.words}" if self.place else self.words
 
     def __str__(self) -> str:
@@ -26,15 +29,15 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Lines of remarks that are about no single entry, one for each text that is not empty."""
+    """Write texts as lines such as "note: text"; empty ones are left out."""
     return (str(Remark("", grade, one)) for one in words if one)
 
 
 def join_notes(notes: Iterable[str]) -> str | None:
-    """Join notes to the text of one cell of a table, each once; None without notes."""
+    """Join notes, each once, to the text of one cell of a table; None without notes."""
     return _SEPARATOR.join(dict.fromkeys(notes)) or None
 
 
 def split_notes(cells: Iterable[str | None]) -> list[str]:
-    """Split cells of a table, which `join_notes` wrote, into their notes, each once."""
+    """Split texts that `join_notes` wrote into notes, each once."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

@@ -38,13 +38,13 @@ _FINER = {
 
 
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Finest preset than which no numerical choice is coarser; None if there is none."""
+    """Finest preset that no numerical choice of a fidelity is coarser than; None without one."""
     names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
 
 
 def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
-    """True if no field is coarser than that of a preset, except those that a scene keeps."""
+    """True if no numerical choice that matters is coarser than that of a preset."""
     without_effect = {*KEPT_FIELDS}
     if fidelity.pixels_per_element == 1:
         without_effect |= {"averaging", "fewest_summits"}
@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields by effect: 0 hold increments count as the ramp's number, imprint 0 as no parts."""
+    """Fields of a fidelity, with 0 in `hold_increments` and `imprint` replaced by what it means."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,
@@ -69,7 +69,7 @@ def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One fidelity against the reference: a row of the table of choices."""
+    """Measured error and cost of one fidelity, compared with the reference."""
 
     name: str  # a preset's, or "the scene's own fidelity"
     fidelity: Fidelity
@@ -82,7 +82,7 @@ class Choice:
 @shown
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A fidelity that was picked, and why; or the scene's own, and its error."""
+    """A fidelity that was picked for an accuracy, or the scene's own, and its measured error."""
 
     #: Largest relative error of the boundary velocity that was asked for; None: the scene's own.
     accuracy: float | None

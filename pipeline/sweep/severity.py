@@ -49,37 +49,38 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Equally likely limits of the rise [K], shape (n,), by errors of the critical temperature.
+    """Limits of the rise [K] for equally likely errors of the critical temperature, shape (n,).
 
-    Where the critical temperature is below the bulk, its limit is negative.
+    A limit is negative if the critical temperature is below the bulk temperature.
     """
     critical = conditions.known_critical_temperature()
     return np.array([conditions.limit(critical + error) for error in critical_errors(conditions)])
 
 
 def critical_errors(conditions: Conditions) -> list[float]:
-    """Equally likely errors of the critical temperature [K]; 0 alone where it is exact."""
+    """Equally likely errors of the critical temperature [K]; only 0 if it is exact."""
     sd = conditions.critical_sd
     return [0.0] if sd is None else [sd * score for score in _SCORES]
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact above the critical temperature, by its quantiles of the rise [K]."""
+    """Share of the contact area above the critical temperature, from quantiles of the rise [K]."""
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
-    """Temperature rise that decides on severe wear, at one moment of a simulation [K]."""
+    """Rise per unit friction that decides on severe wear, at one moment of a simulation [K]."""
     moment = state_rises(scene, state, conditions.corrections)
     rises = rises_above_colder(moment, replace(conditions, corrections=None))
     return float(conditions.decisive.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
-    """Temperature rise that decides on severe wear at points, at their worst moments [K], or NaN.
+    """Rise per unit friction that decides on severe wear, at the worst moment of each point [K].
 
-    `columns` are those of `rises_above_colder`, ``normal_load`` (..., n_step) [N], and
-    ``quantile`` unless the quantiles are `tribo.QUANTILES`; loads are (..., 1) [N].
+    It is NaN where there is no result. `columns` are those of `rises_above_colder`,
+    ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are
+    `tribo.QUANTILES`; `load` has the shape (..., 1) [N].
     """
     rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -93,23 +94,26 @@ def verdict(
     conditions: Conditions,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, from its columns and its load [N]."""
+    """Mild or severe wear at a point, from its columns and its load [N], as in `tribo`."""
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
     return tribo_verdict.verdict(columns, load, conditions, coupled)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary's velocity, from the error of the rise near it."""
+    """Relative error of the boundary velocity if the rise there is `rise`, and not `expected`.
+
+    `exponent` is d ln(rise)/d ln(velocity).
+    """
     return math.expm1(-math.log(rise / expected) / exponent)
 
 
 def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Rises of the contact above the colder body, divided by `Conditions.rise_factor` [K].
+    """Correct rises, and convert them to rises above the colder body per `rise_factor` [K].
 
-    Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
-    pin's bulk at friction 1 [K], and `columns_needed`. The result has all of
-    them, those of `RISES` converted.
+    `columns` are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above
+    the pin's bulk at friction 1 [K], and `columns_needed`. The result has the same columns, with
+    those of `RISES` converted.
     """
     columns = corrected_columns(columns, conditions)
     if conditions.bulk_ratio:
@@ -118,18 +122,18 @@ def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Ma
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Columns that `rises_above_colder` needs beside the deciding columns of some conditions."""
+    """Names of columns that `rises_above_colder` needs beside the rises, under some conditions."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 
 
 def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Columns whose rises have the corrections of some conditions, at all bulk ratios."""
+    """Columns with the corrections of some conditions added to the rises, at all bulk ratios."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
-    """Raise an `InputError` for unequal bulk temperatures if nothing is stored for them."""
+    """Raise an `InputError` if bulk temperatures are unequal, and `columns` are for equal ones."""
     kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
     if conditions.disk_temperature is None or kept:
         return

@@ -19,7 +19,7 @@ _MOST = 6  # values that are listed, at most
 
 
 def shown(cls: type[T]) -> type[T]:
-    """Let a dataclass print a line for each field, or for each row of its ``description()``.
+    """Class decorator: print a dataclass as a line for each field, or row of ``description()``.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def _text(answer: Any) -> str:
 
 
 def _html(answer: Any) -> str:
-    """HTML table of the values; data frames among them follow below it."""
+    """HTML table of an answer's values, and below it the data frames among them."""
     title, rows = _titled_rows(answer)
     cells = "".join(
         f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows
@@ -58,7 +58,7 @@ def _html(answer: Any) -> str:
 
 
 def _titled_rows(answer: Any) -> tuple[str, list[Line]]:
-    """Title and rows of an answer."""
+    """Title of an answer, and its rows of name and text."""
     headline = getattr(answer, "sentence", "") or getattr(answer, "title", "")
     title = ": ".join(filter(None, (type(answer).__name__, headline)))
     values = _values(answer)
@@ -76,7 +76,7 @@ def _values(answer: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _value_text(value: Any) -> str:
-    """A value in a line; empty if it holds nothing."""
+    """Write a value on one line; empty for None and empty tables."""
     if isinstance(value, float | np.floating):
         return "not known" if math.isnan(value) else f"{value:.4g}"
     if hasattr(value, "to_html"):

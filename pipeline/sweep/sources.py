@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class FromLibrary(NamedTuple):
-    """A number that a scene takes from the library: key path, value with unit, and its source."""
+    """A value that a scene takes from the library: key path, value with unit, and its source."""
 
     key: str
     value: str
@@ -15,7 +15,7 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """For each table and source: the numbers that were taken, in words, and the source."""
+    """Yield pairs, by table of the scene and source: the values taken, in words, and the source."""
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

@@ -15,7 +15,7 @@ _SOON = 2.0  # [s] before which no time is predicted
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of a long computation: a line for the user if it has words, else its state."""
+    """Progress of a long computation: a message in `words`, else how much is done."""
 
     words: str = ""  #: The stage that begins, or a note.
     #: Number of parts done, and of all parts; of a sweep its points, earlier runs included.
@@ -44,7 +44,7 @@ Report = Callable[[Progress], None]
 
 
 def silent(progress: Progress) -> None:
-    """Report progress to nobody."""
+    """Ignore a report of progress."""
 
 
 def staged(
@@ -53,7 +53,10 @@ def staged(
     name: Callable[[T], str] = str,
     weight: Callable[[T], float] = lambda item: 1.0,
 ) -> Iterator[T]:
-    """Yield items; before each, report which it is, of how many, and the time to go."""
+    """Yield items; report before each its name, its number and the estimated time to go.
+
+    `weight` estimates the relative duration of an item.
+    """
     everything = list(items)
     weights = [weight(item) for item in everything]
     began, total = time.monotonic(), len(everything)
@@ -69,7 +72,7 @@ def staged(
 
 
 def duration(seconds: float) -> str:
-    """Write a duration in the unit that suits it."""
+    """Write a duration [s] as text in a suitable unit, such as "5 min"."""
     if not seconds < 100 * _YEAR:
         return "more than 100 years"
     if seconds < 60:

@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations (moments of the loading) to store: as in the sweep's store, else by its scene."""
+    """Choose the stations (moments of the loading) to store: as in the store, else by the scene."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
@@ -18,17 +18,18 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """Default of `steps`: all ("course") if the scene wears on a ramp, and shares no contacts."""
+    """Default of `steps`: "course" if pins wear on a ramp without shared contacts, else "end"."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
-    # Rows that share contacts would take 2.9 to 4.4 times as long for their temperatures.
+    # With temperatures at all steps, variants that share contacts would take 2.9 to 4.4 times as
+    # long.
     are_alone = all(name == source.variant for name, source in sweep.contact_sources.items())
     return "course" if are_ramps and wears and are_alone else "end"
 
 
 def _warms_in_hold(sweep: Sweep) -> bool:
-    """True if the load is held, and a body of some variant keeps heat."""
+    """True if the load is held, and a body gets warmer meanwhile in some variant."""
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False

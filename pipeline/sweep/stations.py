@@ -16,7 +16,7 @@ Steps = Literal["course", "end"]
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Choice of the stations (moments of the loading) that are stored of each point."""
+    """Which stations (moments of the loading) of each point are stored."""
 
     steps: Steps
     # True if a hold is judged at each step: bodies warm while wear widens the contact.
@@ -24,7 +24,7 @@ class Stations:
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of the steps whose temperature is computed on the scene's own grid.
+        """Indices of the steps to a load [N] whose temperature is computed on the scene's own grid.
 
         The steps that reach the load and end the loading have a temperature in any case.
         """
@@ -43,7 +43,7 @@ class Stations:
         return frozenset([*kept, *tested])
 
     def kept(self, scene: Scene, load: float) -> list[Station]:
-        """Steps of a point at a load that are stored, its end last."""
+        """Stations of a point at a load [N] that are stored, the end last."""
         heated = self.heat_steps(scene, load)
         steps = list(scene.stations(load, heated))
         return [

@@ -38,7 +38,7 @@ class SurfaceFacts:
 
     @property
     def words(self) -> str:
-        """Roughness, slope, lay and level in words."""
+        """Roughness, slope, lay, curvature and tilt in words."""
         lay = "no lay" if self.lay is None else f"grooves at {self.lay:.0f}° to sliding"
         slope = "" if self.slope is None else f"rms slope {self.slope:.2g}, "
         heights = f"Ra {display(self.ra, 'µm', 3)}, Rq {display(self.rq, 'µm', 3)}, {slope}{lay}"
@@ -57,13 +57,13 @@ class SurfaceFacts:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Facts of the disk's surface, beyond 10⁶ pixels estimated from its Ra; None if smooth."""
+    """Roughness of the disk's surface, estimated from Ra beyond 10⁶ pixels; None if smooth."""
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
 
 def surface_words(sweep: Sweep) -> str | None:
-    """The disk's surface in words, with what was done to a scan; None if it is smooth."""
+    """Describe the disk's surface, and how a scan was prepared; None if it is smooth."""
     if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
         return str(unknown)
     facts = surface_facts(sweep)
@@ -102,7 +102,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
     """Lubrication of a scene; None if its oil or its roughness is missing or not fully known.
 
-    From a store, a surface or a pin of the user's own is not known.
+    A surface or a pin of the user's own is not known if the scene comes from a store.
     """
     scene, oil = sweep.scene, sweep.lubricant
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))

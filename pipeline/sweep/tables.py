@@ -16,7 +16,7 @@ _CONTENTS = {
 
 
 def entry_at(tables: Any, path: str) -> Any:
-    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
+    """Look up the entry at a path such as "pin.radius"; None if there is none."""
     entry = tables
     for key in path.split("."):
         entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
@@ -24,7 +24,7 @@ def entry_at(tables: Any, path: str) -> Any:
 
 
 def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
-    """Return tables with a value set at a path; None removes the path."""
+    """Return tables with the entry at a path set to a value, or removed if the value is None."""
     first, _, rest = path.partition(".")
     if value is None and first not in tables:
         return dict(tables)
@@ -37,7 +37,10 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
 
 
 def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Paths and values of nested tables; an empty one, or one with a key of `ends`, is a value."""
+    """Pairs of path and value of nested tables.
+
+    A table that is empty, or has a key of `ends`, counts as a value. Paths begin with `above`.
+    """
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):
@@ -47,7 +50,7 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 
 
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Paths at which tables differ, and the value afterwards; None where it is left out."""
+    """Paths at which two nested tables differ, each with the value in `after`, else None."""
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
         path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}
@@ -59,10 +62,10 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
-    """Return tables with values set at their paths.
+    """Return tables with several entries set, by their paths.
 
-    A coefficient of friction scales the friction by velocity and by temperature, unless these are
-    given, too.
+    A new coefficient of friction also scales the friction by velocity and by temperature, unless
+    these are set, too.
     """
     values = dict(values)
     old, new = entry_at(tables, FRICTION), values.get(FRICTION)

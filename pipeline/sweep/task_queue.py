@@ -12,14 +12,14 @@ from pipeline.sweep.plan import Task
 
 
 class TaskQueue:
-    """Waiting tasks, ramp by ramp, and the ramps that each worker has.
+    """Waiting tasks by loading ramp, and the ramps that each worker has cached.
 
-    A worker with a free place gets the next load of a ramp that it has; else the lowest load of a
-    ramp that nobody has begun; else the next load of the ramp with most points left.
+    A worker gets the next load of a ramp that it has cached; else the lowest load of a ramp that
+    nobody has begun; else the next load of the ramp with most points left.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        # Points of each ramp, the next one last; those of a task have one load.
+        # Points of each ramp, the next one last; points of one task have the same load.
         self._left: dict[tuple[Any, ...], list[Point]] = {}
         for task in tasks:
             self._left.setdefault(task.ramp, []).extend(task.points)
@@ -35,7 +35,7 @@ class TaskQueue:
         return bool(self._left)
 
     def take(self, worker: Hashable) -> Task:
-        """The next task of a worker; there must be one."""
+        """Remove and return the next task for a worker; the queue must not be empty."""
         ramp = self._ramp(has := self._has[worker])
         left = self._left[ramp]
         points = [left.pop()]
@@ -48,7 +48,7 @@ class TaskQueue:
         return Task(tuple(points), ramp)
 
     def put_back(self, task: Task) -> None:
-        """Take back a task that was not computed."""
+        """Put a task that was not computed back to the front of its ramp."""
         self._left.setdefault(task.ramp, []).extend(reversed(task.points))
 
     def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
@@ -64,9 +64,9 @@ class TaskQueue:
 def makespan(
     tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
 ) -> tuple[float, float]:
-    """Time until all tasks are done on some workers, and the sum of the tasks' times [s].
+    """Simulate the queue: time until some workers have done all tasks, and sum of task times [s].
 
-    `cost` gives the time of a task [s]. It may read and change a dictionary of its worker.
+    `cost` returns the time of a task [s]. It may read and change a dictionary, one a worker.
     """
     waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

@@ -30,9 +30,9 @@ SEED = "disk.roughness.seed"
 
 
 class Row(NamedTuple):
-    """Labels of a row by column [SI], and the entries of the scene that it replaces by path.
+    """One variant of a scene: its label in each column [SI], and the entries that it replaces.
 
-    If a column is called by a path that is not among these entries, its label is the entry's value.
+    If a column is named by the path of an entry that `values` lacks, the label is its value.
     """
 
     labels: Mapping[str, Label]
@@ -41,14 +41,14 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the table: a dimension, or values that follow from a dimension."""
+    """A column of the table of variants: a dimension, or values that follow from a dimension."""
 
     name: str
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension from which the values follow; empty for a dimension
-    is_drawn: bool = False  # rows that differ in it alone are equally likely draws
+    is_drawn: bool = False  # rows that differ in this column alone are equally likely draws
     meaning: str = ""
-    entry: str = ""  # path of the entry that it gives, if not the name
+    entry: str = ""  # path of the entry that the column sets, if the name is another
 
     @property
     def key(self) -> str:
@@ -57,7 +57,7 @@ class Column:
 
 
 class Sampling(NamedTuple):
-    """Properties of the rule by which rows were drawn, as the add-on that draws them reports."""
+    """How samples were drawn at random, as the extra that draws them reports."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
     movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
@@ -68,9 +68,10 @@ class Sampling(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """A table of the variants of a scene: every combination of the labels of its dimensions.
+    """The table of the variants of a scene: a row for each combination of labels of its dimensions.
 
-    Rows with a velocity or a load are simulated there alone, others at every load and velocity.
+    Rows with a label for velocity or load are simulated there alone, others at all loads and
+    velocities of the sweep.
     """
 
     columns: tuple[Column, ...] = ()
@@ -85,14 +86,14 @@ class Variants:
         return len(self.rows)
 
     def __mul__(self, other: Variants) -> Variants:
-        """Every row of one table combined with every row of another, whose entries override."""
+        """Combine every row with every row of `other`, whose entries override."""
         pairs = itertools.product(self.rows, other.rows)
         rows = (Row({**a.labels, **b.labels}, {**a.values, **b.values}) for a, b in pairs)
         return Variants(self.columns + other.columns, tuple(rows), self.draw or other.draw)
 
     @cached_property
     def by_name(self) -> dict[Variant, Row]:
-        """Rows by their names."""
+        """Rows by name: a tuple of (dimension, label) pairs."""
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row.labels[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):
@@ -106,13 +107,13 @@ class Variants:
 
     @cached_property
     def axes(self) -> dict[str, tuple[Label, ...]]:
-        """Dimensions in front of load and velocity, with their values."""
+        """Labels along each dimension of the table."""
         dims = [one.name for one in self.columns if not one.along]
         return {dim: tuple(dict.fromkeys(row.labels[dim] for row in self.rows)) for dim in dims}
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """Columns that follow from a dimension, each with its values by labels of the dimension."""
+        """For each column that follows from a dimension, its values by the dimension's labels."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -121,30 +122,33 @@ class Variants:
 
     @property
     def chosen(self) -> tuple[Column, ...]:
-        """Dimensions whose values are no random draws."""
+        """Dimensions whose labels the user chose, and that are no random draws."""
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
     def given(self) -> tuple[Variant, ...]:
-        """Every combination of labels along the dimensions that are no random draws."""
+        """Every combination of labels along the dimensions of `chosen`."""
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
     def base(self, name: Variant) -> Variant:
-        """Name of the scene of which a row is a sample; its own name if it is no sample."""
+        """Name of the variant for which a row was drawn; its own name if it was not drawn."""
         return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
 
     @cached_property
     def rule(self) -> Sampling:
-        """The rule by which rows were drawn; empty if none were drawn."""
+        """How samples were drawn at random; empty if there are none."""
         return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
-        """Labels of the rows in a column; None without such a column."""
+        """Label of each row in a column; None without such a column."""
         is_there = any(one.name == name for one in self.columns)
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
-        """Entries that a row replaces; for a name without its draws, those that are not drawn."""
+        """Entries that a row replaces, by path.
+
+        A name without the labels of draws gives the entries that are not drawn at random.
+        """
         if name in self.by_name:
             labels, values = self.by_name[name]
             paths = [one for one in self.columns if "." in one.key and one.key not in values]
@@ -159,30 +163,30 @@ class Variants:
 
     @property
     def _drawn(self) -> tuple[Column, ...]:
-        """Columns whose values are random draws, or follow from a column of draws."""
+        """Columns whose labels are random draws, or follow from random draws."""
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
     def written(self, name: Variant) -> dict[str, Any]:
-        """Values of a row along its dimensions, in the words of a scene file."""
+        """Labels of a row by dimension, written as in a scene file."""
         values = self.values(name) if name else {}
         keys = {one.name: one.key for one in self.columns}
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def samples_of(self, name: Variant) -> Variants:
-        """Rows drawn for one combination of the other labels; a single row if none are drawn."""
+        """Table of the rows that were drawn for one variant; a single row if none were."""
         columns = self._drawn
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
         return Variants(columns, tuple(rows), self.draw) if columns else Variants()
 
     def union(self, other: Variants) -> Variants:
-        """Rows of both tables, which have the same dimensions; a row in both is that of `other`.
+        """Join two tables of the same dimensions; a row in both is taken from `other`.
 
         Raises
         ------
         InputError
-            If neither has some combination of labels.
+            If neither table has some combination of labels.
         """
         axes = {dim: in_order([*self.axes[dim], *more]) for dim, more in other.axes.items()}
         names, rows = combinations(axes), self.by_name | other.by_name
@@ -196,21 +200,21 @@ class Variants:
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """Every combination of the values of some dimensions; just ``()`` without dimensions."""
+    """Names of all combinations of labels along some dimensions; just ``()`` without dimensions."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
 
 
 def in_order(labels: Iterable[Any]) -> list[Any]:
-    """Labels, each once: numbers ascending, text in the order given."""
+    """Return labels, each once: numbers in ascending order, texts in the order given."""
     once = dict.fromkeys(labels)
     is_text = any(isinstance(label, str) for label in once)
     return [*once] if is_text else sorted(once)
 
 
 def surfaces(seeds: Sequence[int]) -> Variants:
-    """Variants on random surfaces, by their seeds; a single one without seeds."""
+    """Table of variants on random surfaces, one for each seed; a single variant without seeds."""
     name = "realization"
     column = Column(name, is_drawn=True, meaning=ROWS[name], entry=SEED)
     rows = tuple(Row({name: seed}, {SEED: seed}) for seed in seeds)
@@ -220,7 +224,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Variants by the numbers of rows, with columns that follow from the numbers."""
+    """Table of variants that are numbered from 0; `columns` follow from the number."""
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
@@ -230,7 +234,10 @@ def numbered_rows(
 def labelled_rows(
     name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
 ) -> Variants:
-    """Variants by label: the entries that each changes, and its own load or velocity [SI]."""
+    """Table of variants by label; each replaces some entries, and may have one load or velocity.
+
+    `places` are loads [N] or velocities [m/s], one for each variant.
+    """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
     own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)
