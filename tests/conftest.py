@@ -50,7 +50,7 @@ def pytest_collection_finish():
 
 @pytest.fixture
 def say(capsys):
-    """Print past pytest's capture."""
+    """Function that prints even while pytest captures output."""
 
     def print_now(*words):
         with capsys.disabled():

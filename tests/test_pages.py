@@ -14,7 +14,7 @@ WORKFLOWS = ROOT / "workflows"
 
 @pytest.mark.parametrize("has_reference", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_site_builds_without_a_warning(tmp_path, has_reference):
-    """In a short run without the reference of names, which takes most of the time."""
+    """A short run leaves out the reference of names, which takes most of the time."""
     shutil.copy(ROOT / "README.md", tmp_path)
     (tmp_path / "pipeline").symlink_to(ROOT / "pipeline")
     pages = shutil.copytree(WORKFLOWS, tmp_path / "workflows")

@@ -25,7 +25,7 @@ PAGES = ["README.md", *(f"workflows/{path.name}" for path in (ROOT / "workflows"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A place where the README's paths lead somewhere, with one point of its diagram computed."""
+    """Folder in which the README's paths exist, with one computed point of its diagram."""
     folder = tmp_path_factory.mktemp("readme")
     (folder / "workflows").symlink_to(ROOT / "workflows")
     sweep = pipeline.load_scene(ROOT / "workflows" / "first_try.toml")

@@ -20,7 +20,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """A folder with what the wheel holds, and nothing of the source beside it."""
+    """Folder with the content of the wheel, without the source."""
     folder = tmp_path_factory.mktemp("wheel")
     wheel = next(WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"]))
     zipfile.ZipFile(wheel).extractall(folder / "site")
@@ -94,7 +94,7 @@ def test_the_wheel_holds_all_of_both_packages(installed):
 
 
 def tracked():
-    """Files that git tracks; none where this is no checkout."""
+    """Files that git tracks; empty outside a checkout."""
     done = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
     )

@@ -14,7 +14,7 @@ from tests.helpers import tiny
 
 
 def commit_all(path, sweep, skip=()):
-    """Make the store of a sweep, computed here and point by point."""
+    """Create the store of a sweep, and compute its points in this process."""
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
         store.commit(run_point(sweep, *point).record(sweep.plane.fields) for point in wanted)
@@ -22,7 +22,7 @@ def commit_all(path, sweep, skip=()):
 
 @pytest.fixture(scope="session")
 def alone(tmp_path_factory):
-    """Store of the full tiny sweep, each of its points computed from the start."""
+    """Store of the tiny sweep with fields, each point simulated from the start."""
     path = tmp_path_factory.mktemp("alone") / "tiny.zarr"
     with np.errstate(all="raise", under="ignore"):
         commit_all(path, tiny.full())
@@ -31,13 +31,13 @@ def alone(tmp_path_factory):
 
 @pytest.fixture
 def path(tmp_path):
-    """Where a store may be made."""
+    """Path for a new store."""
     return tmp_path / "tiny.zarr"
 
 
 @pytest.fixture
 def copy(alone, tmp_path):
-    """A copy of this store, to be changed."""
+    """Path of a copy of the store `alone`, which a test may change."""
     return shutil.copytree(alone, tmp_path / "tiny.zarr")
 
 
@@ -46,9 +46,9 @@ _PROGRESS = re.compile(r"^irg: .*, [^,]+ so far(, [^,]+ to go)?\n", re.MULTILINE
 
 @pytest.fixture
 def irg(capsys):
-    """Run a command: what it printed, or with --json its document, if it exits as expected.
+    """Function that runs a command and returns its output, or its document with --json.
 
-    Lines on its progress are left out: only a slow machine prints them.
+    It asserts the exit code. Progress lines are left out: only a slow machine prints them.
     """
 
     def run_command(*arguments, code=0):
@@ -68,7 +68,7 @@ def irg(capsys):
 
 @pytest.fixture
 def irg_both(irg, capsys, monkeypatch):
-    """Run a command once: what it prints of its result as text, and its document."""
+    """Function that runs a command once, and returns its result as text and as document."""
     show = output.show
 
     def run_command(*arguments, code=0):

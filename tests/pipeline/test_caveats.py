@@ -14,7 +14,7 @@ OWN = "Not validated: no test of this steel."
 
 @pytest.fixture
 def store(tmp_path):
-    """A small sweep of a scene with a caveat of its own."""
+    """Store of a small sweep whose scene has its own caveat."""
     few = {"sweep.loads": ["300 N", "500 N"], "sweep.velocities": ["1 m/s", "3 m/s"]}
     own = {"caveat": OWN, "temperature.critical_sd": "8 K"}
     scene = pipeline.load_scene("first_try", overrides=few | own)
@@ -23,7 +23,7 @@ def store(tmp_path):
 
 
 def doors(irg, store, tmp_path):
-    """Caveats by door: as data, and the text that says them."""
+    """Yield, for each command and page, its caveats as data and the text that prints them."""
     place = "--load=400 N", "--velocity=2 m/s"
     for command in (("margin", store, *place), ("boundary", store)):
         out = tmp_path / f"{command[0]}.csv"

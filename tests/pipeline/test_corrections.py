@@ -91,7 +91,7 @@ def test_corrections_cost_no_point_and_change_no_stored_number(store):
 
 
 def test_each_command_has_the_friction_of_the_temperature_itself(store):
-    """Fixed points iterated here, on the rises of the store; and the limit at 345 K."""
+    """Expected temperatures are fixed points, iterated here on the stored rises."""
     nodes, factors = (300.0, 360.0), (1.1, 0.8)
     curve = tribo.Friction(by_temperature=tuple(zip(nodes, factors, strict=True)))
     conditions = replace(CONDITIONS, corrections=tribo.Corrections(friction=curve))
@@ -142,7 +142,7 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
-    """A diameter stands for its circumference, over which the pin's wear spreads, too."""
+    """A diameter stands for its circumference, over which the pin's wear also spreads."""
     (tmp_path / "plain.toml").write_text(SCENE)
     entries = {"motion": {"slide_roll_ratio": 0.5}, "pin.diameter": "10 cm", "pin.width": "1 cm"}
     entries |= {"disk.track_length": "40 cm"}
@@ -173,7 +173,7 @@ UNKNOWN = """
 
 
 def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
-    """Each is the scene with its values by hand, whose table of friction its friction scales."""
+    """Each sample equals the scene with its values; its friction scales the friction table."""
     plain = SCENE.replace("fields = true", "").replace("increments = 10", "increments = 3")
     (tmp_path / "plain.toml").write_text(plain)
     (tmp_path / "known.toml").write_text(BESIDE)

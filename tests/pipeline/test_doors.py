@@ -36,7 +36,7 @@ def half_done():
 
 
 def band():
-    """Points near the transition alone, as a search of the boundary leaves them."""
+    """Sweep with points only near the transition, as a search of the boundary leaves them."""
     ds = synthetic.sweep()
     hot = synthetic.rise(ds["load"], ds["velocity"]) / synthetic.limit()
     done = (hot > 0.7) & (hot < 1.6)
@@ -48,7 +48,7 @@ def judged_otherwise():
 
 
 def one_column():
-    """Points of one velocity alone, so that places beside it are not known."""
+    """Sweep with points at only one velocity, so that other velocities are unknown."""
     ds = synthetic.sweep()
     done = ds["velocity"] == ds["velocity"][3]
     return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
@@ -76,7 +76,7 @@ STORES = {
 
 
 def places(ds, count):
-    """Places within a sweep, half of them its own points [N, m/s]."""
+    """Pairs of load [N] and velocity [m/s] inside a sweep, half of them computed points."""
     rng = np.random.default_rng(1)
     ends = {name: ds[name].values[ds[name].values > 0] for name in ("load", "velocity")}
     inside = [rng.uniform(x.min(), x.max(), count) for x in ends.values()]
@@ -200,7 +200,7 @@ def test_the_ends_of_the_boundary_s_band_are_those_of_margins(name):
 
 @pytest.fixture(scope="module")
 def places_computed(tmp_path_factory):
-    """A scene, and the margins of some of its points: in its plane, alone, and as rows."""
+    """Scene, and margins of some points: from a plane, computed alone, and from rows."""
     folder = tmp_path_factory.mktemp("doors")
     scene, rows = folder / "small.toml", [(200.0, 2.0), (400.0, 5.0), (400.0, 1.0)]
     # Of a preset, whose error is known.

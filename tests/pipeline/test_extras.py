@@ -21,12 +21,12 @@ PLACE = ["--load", "600 N", "--velocity", "2.2 m/s"]
 
 @pytest.fixture(scope="module")
 def store(folder_with_results):
-    """A store that the whole package has made."""
+    """Path of a store written by the complete package."""
     return folder_with_results / "results/first_try.zarr"
 
 
 def copy_without(left_out, folder):
-    """Copy the packages into a folder, but for some extras, as git leaves them."""
+    """Copy the packages into a folder, without some extras, as a git checkout would be."""
     # Python's compiled files come along, but for those that are just being written.
     ignored = shutil.ignore_patterns(*left_out, "*.pyc.*", "*.png")
     for package in ("tribo", "pipeline", "workflows"):
@@ -36,7 +36,7 @@ def copy_without(left_out, folder):
 
 
 def listed(text):
-    """Commands that the help lists."""
+    """Set of commands that the help lists."""
     return set(re.findall(r"^    (\w+) ", text, flags=re.MULTILINE))
 
 
@@ -81,7 +81,7 @@ for line in sys.stdin:
 
 @pytest.fixture(scope="module")
 def ask(tmp_path_factory):
-    """Ask one copy of the packages after another, which share the imports of all libraries."""
+    """Function that runs commands in copies of the packages, by forks of one process."""
     process = subprocess.Popen(
         [sys.executable, "-c", _FORKING],
         cwd=tmp_path_factory.mktemp("forking"), stdin=subprocess.PIPE, stdout=subprocess.PIPE,

@@ -41,7 +41,7 @@ def bump(tmp_path_factory):
 
 @pytest.mark.parametrize("preset", ["draft", "standard"])
 def test_a_bump_of_friction_is_solved_and_not_taken_part_by_part(preset):
-    """155.0 to 155.1 °C by plain iteration with steps of 0.3; 149 °C by each part alone."""
+    """Plain iteration in steps of 0.3 gives 155.0 to 155.1 °C; each part alone 149 °C."""
     sweep = pipeline.load_scene("first_try", preset=preset, overrides=BUMP)
     verdict = pipeline.run_point(sweep, "600 N", "1.5 m/s").verdict(sweep.conditions)
     assert verdict.friction == "solved"
@@ -80,7 +80,7 @@ def test_an_answer_takes_the_solved_temperature_with_no_error_of_friction(bump):
 
 
 def test_other_values_than_those_solved_for_have_the_error_of_the_whole_curve(bump):
-    """0.3 of the largest difference of its logarithm from the bulk to the limit."""
+    """The error is 0.3 of the largest change of ln(friction) between bulk and limit."""
     here = pipeline.margin(pipeline.at(bump, critical_temperature="150 degC"), "600 N", "1.6 m/s")
     assert here.error.counted == 0  # the critical temperature alone stays a condition
     warm = pipeline.margin(pipeline.at(bump, friction=0.11), "600 N", "1.6 m/s")

@@ -14,7 +14,7 @@ from tests.helpers import synthetic
 
 
 def answers():
-    """What the doors say of a scene with quantities in many digits, and of a sweep."""
+    """Text of several answers, on a scene whose quantities have many digits and on a sweep."""
     scene = pipeline.load_scene(
         "first_try",
         overrides={

@@ -76,7 +76,7 @@ def test_an_answer_that_finds_no_room_is_an_error_in_a_line():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")
 def test_where_memory_is_short_a_line_says_so(alone, tmp_path):
-    """Below 650 MB OpenBLAS or a thread that cannot start may wait for ever."""
+    """Below 650 MB OpenBLAS, or a thread that cannot start, may wait for ever."""
     done = python(
         *("-m", "pipeline", "plot", alone, "-o", "a.png"),
         variables={"OPENBLAS_NUM_THREADS": "2"},

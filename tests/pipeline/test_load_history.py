@@ -58,7 +58,7 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
 
 
 def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
-    """µV∫F dt of the record over the capacity, by which every temperature of the contact rises."""
+    """The bulk warms by µV∫F dt of the record over its capacity, and the contact with it."""
     sweep = sweep_of(RECORD, steps="end")
     kept = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=500.0))
     sweep = changed(sweep, conditions=replace(sweep.conditions, corrections=kept))

@@ -27,7 +27,7 @@ from tribo import Corrections, Friction
 
 
 def done_only(ds, is_done):
-    """The sweep with the other points pending."""
+    """Copy of a sweep in which only some points are done, and the others pending."""
     mask = is_done & (ds["status"] == 1)
     steps = ["normal_load", "time", "rise_quantile", "mean_rise", "max_rise", "bulk_rise_quantile"]
     columns = {name: ds[name].where(mask) for name in steps if name in ds}
@@ -39,7 +39,7 @@ def full(seed=0):
 
 
 def interrupted(ds):
-    """Half of the velocities are done, and one more point."""
+    """Copy of a sweep with half of the velocities done, and one more point."""
     velocity, load = ds["velocity"], ds["load"]
     return done_only(ds, (velocity < 1.6) | ((load == load[-1]) & (velocity == 3.0)))
 
@@ -72,19 +72,19 @@ CASES = {
 
 
 def one_load(ds):
-    """The sweep of a scene with that load alone."""
+    """Sweep of a scene that has only one load."""
     one = ds.isel(load=[3])
     return with_fields(one, loads=tuple(one["load"].values.tolist()))
 
 
 def one_velocity(ds):
-    """The sweep of a scene with that velocity alone."""
+    """Sweep of a scene that has only one velocity."""
     one = ds.isel(velocity=[3])
     return with_fields(one, velocities=tuple(one["velocity"].values.tolist()))
 
 
 def slippery():
-    """Friction that falls with velocity, and a film on the disk."""
+    """Sweep with friction that falls with velocity, and a film on the disk."""
     ds = full()
     falling = Corrections(
         friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))), film_resistance=1e-7
@@ -123,7 +123,7 @@ def _judged(name, changes):
 
 
 def judged_case(name, changes):
-    """A case and its truth under conditions, and its boundary, found once for all questions."""
+    """A case under conditions, its true answers and its boundary; cached."""
     return _judged(name, tuple(changes.items()))
 
 
@@ -173,7 +173,7 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, chang
 
 
 def over_surfaces(crossings, axis, place):
-    """Median over surfaces of the first turn, NaN without one, and the outcome in words."""
+    """Median over surfaces of the critical value, NaN without one, and the outcome in words."""
     along = {"load": "velocity", "velocity": "load"}[axis]
     line = crossings.isel({axis: place})
     values = []
@@ -222,7 +222,7 @@ def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
 
 
 def assert_tables_say(ds, margins):
-    """Let a table of places have the numbers of the margin at each."""
+    """Assert that a table of operating points has the numbers of each margin."""
     loads, velocities = zip(*margins, strict=True)
     table = pipeline.margin(ds, {"load": loads, "velocity": velocities})
     for (_, row), margin in zip(table.iterrows(), margins.values(), strict=True):
@@ -240,7 +240,7 @@ def assert_tables_say(ds, margins):
 
 
 def assert_documents_say(crossings):
-    """Let the tables of a boundary have its outcomes in words."""
+    """Assert that the tables of a boundary state its outcomes in words."""
     for axis, along in (("load", "velocity"), ("velocity", "load")):
         table = boundary_frame(crossings, axis)
         outcome = crossings[f"outcome_at_{axis}"].values

@@ -23,7 +23,7 @@ def load(folder, over=OVER, scene=SCENE, **overrides):
 
 
 def alone(folder, **entries):
-    """The scene with some entries replaced, without `over`."""
+    """Load the scene without `over`, with some entries replaced."""
     (folder / "alone.toml").write_text(SCENE.replace("fields = true", ""))
     names = {name.replace("_", ".", 1): value for name, value in entries.items()}
     return pipeline.load_scene(folder / "alone.toml", overrides=names)
@@ -41,7 +41,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def swept(folder):
-    """The store of a sweep over two radii, and its output."""
+    """Path of the store of a sweep over two radii."""
     sweep = load(folder)
     outcome = pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)
     assert (outcome.done, outcome.total, outcome.failed) == (len(points(sweep)),) * 2 + ((),)

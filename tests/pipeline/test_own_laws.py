@@ -60,7 +60,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def imported(folder):
-    """The module of laws as its file is now."""
+    """Import the module of laws from its file as it is now."""
     sys.modules.pop("laws", None)
     importlib.invalidate_caches()
     sys.path.insert(0, str(folder))
@@ -81,7 +81,7 @@ def scene(laws, **overrides):
 
 
 def resumed(laws, store="own.zarr", **overrides):
-    """What a resume of a store says of the law that it is given."""
+    """Lines of the error when a store is resumed with another law."""
     with pytest.raises(pipeline.StoreMismatchError) as caught:
         pipeline.run_sweep(scene(laws, **POINT, **overrides), store)
     return str(caught.value).splitlines()[1:]
@@ -245,7 +245,7 @@ print("computed", outcome.computed, "done", outcome.done)
 
 
 def test_a_law_of_a_notebook_runs_on_workers_and_is_known_again(folder):
-    """The cell may run again; a store refuses the law of a cell that was changed."""
+    """A cell may run again, but a store refuses the law of a changed cell."""
     raising = f"try:\n{textwrap.indent(RUN, '    ')}\nexcept pipeline.StoreMismatchError as error:"
     cells = [CELL, RUN, CELL, RUN, CELL.replace("5e-15", "4e-15"), f"{raising}\n    print(error)"]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(one) for one in cells])

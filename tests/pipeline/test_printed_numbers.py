@@ -77,7 +77,7 @@ CHANGES = {
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
-    """A function that returns the store of a kind, made at its first use."""
+    """Function that returns the store of a kind, which is made at its first use."""
     folder = tmp_path_factory.mktemp("printed")
 
     @functools.cache
@@ -107,12 +107,12 @@ def _fewer_draws():
 
 @pytest.fixture(scope="module")
 def answers():
-    """Text and JSON of commands, kept for the tests that follow."""
+    """Cache of texts and JSON documents of commands."""
     return {}
 
 
 def margin_in_python(ds, options):
-    """Margins of a place by row, as Python has them."""
+    """Margins of an operating point as plain data, computed in Python."""
     found = [
         *judged(pipeline.results(ds), OperatingPoints((Place(options.load, options.velocity),), {}))
     ]
@@ -123,7 +123,7 @@ def margin_in_python(ds, options):
 
 @pytest.fixture
 def ask(stores, answers, irg):
-    """Run a command on a store: what Python answers, and a function for values that it prints."""
+    """Function that runs a command on a store, and returns Python's answer and a check of text."""
 
     def run(command, kind, *options, code=0):
         asked = (command, kind, *map(str, options))
@@ -152,7 +152,7 @@ def ask(stores, answers, irg):
 
 @functools.cache
 def opened(store):
-    """The dataset of a store, as plain xarray reads it, for all tests that look at it."""
+    """Dataset of a store as plain xarray reads it, loaded once."""
     with xr.open_zarr(store, chunks=None) as ds:
         return ds.load()
 
@@ -162,7 +162,7 @@ def is_number(value):
 
 
 def as_plain(values):
-    """Values as JSON has them: what is not finite is null."""
+    """Values as in JSON, where those that are not finite are null."""
     if isinstance(values, dict):
         return {name: as_plain(value) for name, value in values.items()}
     if isinstance(values, list | tuple):
@@ -210,7 +210,7 @@ OTHERWISE = (
 
 
 def unbroken(said):
-    """Text whose sentences are in one line each."""
+    """Printed text with wrapped lines joined."""
     return said.replace("\n    ", " ")
 
 

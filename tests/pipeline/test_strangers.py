@@ -41,7 +41,7 @@ AT = ["--load", "400 N", "--velocity", "2 m/s"]
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """Folder with a store of a small sweep, and one of samples, which are sound."""
+    """Folder with two sound stores: of a small sweep, and of samples."""
     folder = tmp_path_factory.mktemp("done")
     (folder / "small.toml").write_text(SCENE.replace("increments = 10", "increments = 1"))
     commit_all(folder / "small.zarr", pipeline.load_scene(folder / "small.toml"))
@@ -61,7 +61,7 @@ def done(tmp_path_factory):
 
 @pytest.fixture
 def strangers(tmp_path, monkeypatch, request):
-    """A folder of hostile scenes, in which commands run; `ran` says whether their payload did."""
+    """Working folder with hostile scenes; a file `ran` appears if their code was run."""
     folder = tmp_path / "strangers"
     (folder / "deep").mkdir(parents=True)
     # A file of the same path and text, as in the reused folder of a test before, is not run again.
@@ -86,12 +86,12 @@ def ran(tmp_path):
 
 
 def write(store, root):
-    """Let a store have another root."""
+    """Write another root document into a store."""
     (store / "zarr.json").write_bytes(root.documents()["zarr.json"])
 
 
 def forged(done, folder, store, criterion):
-    """Copy a store into a folder, and let it say that it was judged by some criterion."""
+    """Copy a store into a folder, and change its stored criterion."""
     target = shutil.copytree(done / store, folder / store)
     root = read_root(place_of(target))
     own = Law(criterion, (), "0" * 64) if ":" in criterion else None

@@ -19,13 +19,13 @@ CONDITIONS = Conditions(0.07, 333.15, 373.15, disk_temperature=298.15)
 
 
 def warm(**changes):
-    """A tiny sweep with Δ/µ = −500 K, at which quantiles are kept."""
+    """Tiny sweep with (disk − pin bulk temperature)/friction = −500 K, a stored ratio."""
     return tiny.full(conditions=CONDITIONS, unequal_bulks=True, **changes)
 
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
-    """The sweep with unequal bulk temperatures, and the same with equal ones."""
+    """Folder with stores of a sweep with unequal and with equal bulk temperatures."""
     folder = tmp_path_factory.mktemp("bulks")
     for name, sweep in (("unequal", warm()), ("equal", tiny.full())):
         commit_all(folder / f"{name}.zarr", sweep)

@@ -85,7 +85,7 @@ def judged(rise):
 
 
 class Flat:
-    """A surface of a user's own."""
+    """A user's own surface with given heights."""
 
     def __init__(self, heights):
         self.given = heights
@@ -95,7 +95,7 @@ class Flat:
 
 
 class Law:
-    """A wear law of a user's own."""
+    """A user's own wear law, which returns a wrong type."""
 
     pattern = "swept"
 

@@ -45,7 +45,7 @@ _OF_A_RUN = (
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Where the notebooks write, without the scenes."""
+    """Empty folder in which the notebooks run."""
     return tmp_path_factory.mktemp("notebooks")
 
 
@@ -68,7 +68,7 @@ def cells_of(name, kind):
 
 
 def code_cells(name):
-    """Cells of a notebook with code."""
+    """Code cells of a notebook."""
     return cells_of(name, "code")
 
 
@@ -77,7 +77,7 @@ def source_of(cell):
 
 
 def stored_texts(output, with_html=False):
-    """Text of an output: printed lines, or the last expression of a cell."""
+    """Text of a stored output: printed lines, or the last expression of a cell."""
     data = output.get("data", {})
     kinds = ("text/plain", "text/html") if with_html else ("text/plain",)
     return "".join([*output.get("text", ""), *("".join(data.get(kind, "")) for kind in kinds)])
@@ -98,7 +98,7 @@ def stored_pictures(name):
 
 
 def run_cells(name):
-    """What each cell of a notebook shows as text, and the figures that they show."""
+    """Run a notebook; return the text that each cell shows, and the figures."""
     cells = code_cells(name)
     assert len(cells) > 4
     sources = [source_of(cell) for cell in cells]
@@ -125,7 +125,7 @@ def run_cells(name):
 
 
 def numbers_apart(text):
-    """Words of a text without its numbers and line breaks, and its numbers."""
+    """Text with each number replaced by #, and its numbers."""
     number = r"\d+(?:\.\d+)?(?:e[+-]?\d+)?"
     return re.sub(r"[\s#]+", " ", re.sub(number, "#", text)).strip(), [
         float(found) for found in re.findall(number, text)
@@ -133,7 +133,7 @@ def numbers_apart(text):
 
 
 def assert_stored(name, texts, but=()):
-    """Compare what cells show with what the notebook stores, but for some of the cells."""
+    """Assert that cells show what the notebook stores, except cells `but`; return how many did."""
     compared = 0
     for number, (cell, text) in enumerate(zip(code_cells(name), texts, strict=True)):
         if number in but:

@@ -13,7 +13,7 @@ LOAD = 400.0
 
 
 def surfaces(lifts, pending=()):
-    """Surfaces whose rises differ by a factor; some have no point at any but the lowest load."""
+    """Sweep on surfaces whose rises differ by factors; some lack the points at one load."""
     several = [
         synthetic.sweep(rise=lambda F, V, q=1.0, lift=lift: lift * synthetic.rise(F, V, q))
         for lift in lifts

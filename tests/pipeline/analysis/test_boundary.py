@@ -22,7 +22,7 @@ def sweep():
 
 
 def curved(load, velocity, quantile=1.0):
-    """Like a real sweep, not quite a power law of either."""
+    """Rise [K] like that of a real sweep: not quite a power law of load or velocity."""
     return synthetic.rise(load, velocity, quantile) / (1 + 0.1 * np.sqrt(velocity) + load / 5000)
 
 
@@ -43,7 +43,7 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
     ds = synthetic.sweep(rise=curved)
 
     def missed(name, **place):
-        """Relative error of a boundary that lies at this place."""
+        """Relative error of a computed boundary, if the true one is at this load and velocity."""
         critical = 298.15 + 0.1 * curved(*place.values(), 0.9)
         crossings = boundary(at(ds, critical_temperature=critical))[f"critical_{name}"]
         (other,) = (axis for axis in place if axis != name)

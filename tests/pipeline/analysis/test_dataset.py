@@ -117,7 +117,7 @@ def test_temperatures_are_bulk_plus_friction_times_rise(ds):
 
 @pytest.fixture(scope="module")
 def held(tmp_path_factory):
-    """Three seconds at full load, in which wear lets the contact cool."""
+    """Dataset with a hold of three seconds, in which wear lets the contact cool."""
     path = tmp_path_factory.mktemp("held") / "held.zarr"
     loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0)
     tests = tuple(Measurement(750.0, 1.25, hold=stop) for stop in (0.75, 1.5, 2.25))

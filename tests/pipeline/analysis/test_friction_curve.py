@@ -52,7 +52,7 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
 
 @pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
 def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corrections):
-    """A part has the margins of the whole, whose heat is a power of the velocity."""
+    """A part of a sweep whose heat is a power of the velocity has the margins of the whole."""
     whole = synthetic.sweep(
         velocities=[0.5, 1.0, 2.0, 4.5, 6.0], measured=(),
         conditions=replace(synthetic.conditions(), corrections=corrections),

@@ -51,7 +51,7 @@ SDS = [4.0, 14.0, 60.0]
 
 
 def likely_severe(rise, sd, exponent=1.0):
-    """Probability at a rise [K] by quadrature: normal critical temperature, Student's t of 4."""
+    """Probability of severe wear at a rise [K] by quadrature over the critical temperature."""
 
     def severe(score):
         limit = LIMIT + 10.0 * sd * score
@@ -64,7 +64,7 @@ def likely_severe(rise, sd, exponent=1.0):
 
 @pytest.mark.parametrize("sd", SDS)
 def test_an_uncertain_critical_temperature_counts_in_the_probability(sd):
-    """Within 0.007, the error of 64 equally likely critical temperatures."""
+    """The tolerance 0.007 is the error of 64 equally likely critical temperatures."""
     judged = synthetic.CONDITIONS | {"critical_sd": sd}
     uncertain = synthetic.sweep(measured=(), conditions=judged)
     for velocity in (0.9, 1.7, 2.1, 2.6, 3.9):
@@ -89,14 +89,14 @@ def test_the_caveat_of_a_scene_stands_beside_each_verdict():
 
 
 def surfaces(*rises, **told):
-    """A sweep of surfaces, each with its own rise."""
+    """Sweep on several surfaces, each with its own function of the rise."""
     several = [synthetic.sweep(rise=rise, **told) for rise in rises]
     labels = xr.Variable("realization", range(len(rises)))
     return xr.concat(several, labels, combine_attrs="override")
 
 
 def test_medians_over_surfaces_are_those_of_the_first_turn_of_each():
-    """Surface k is severe from 1.1/k to 2.4/k m/s, so that the nearest turn is often to mild."""
+    """Surface k is severe from 1.1/k to 2.4/k m/s, so that the nearest change is often to mild."""
     factors = np.array([1.0, 1.05, 0.97, 1.2])
     several = surfaces(*[lambda F, V, q=1.0, k=k: synthetic.falling(F, k * V, q) for k in factors])
     for velocity in (1.0, 2.0, 3.0):

@@ -44,7 +44,7 @@ def test_a_probability_is_told_as_near_to_0_and_1_as_is_known(probability, words
 
 
 def changed(margin, **values):
-    """A margin with some other values."""
+    """Copy of a margin with some other values."""
     return type(margin)(
         **{name: getattr(margin, name) for name in type(margin).__dataclass_fields__} | values
     )

@@ -17,7 +17,7 @@ PINS = {"a": {"pin.radius": 8e-3}, "b": {"pin.radius": 6e-3}}
 
 @pytest.fixture(scope="module")
 def stores(tmp_path_factory):
-    """Two parts of one scene, a part with another friction, and a table of two pins."""
+    """Folder with stores: two parts of a scene, one with other friction, and one of two pins."""
     folder = tmp_path_factory.mktemp("mixed")
     sweeps = {
         "low": tiny.sweep(loads=(150.0, 250.0)),

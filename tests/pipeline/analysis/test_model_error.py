@@ -22,7 +22,7 @@ EXPONENT = synthetic.VELOCITY_EXPONENT
 
 
 def density(x, degrees, scale):
-    """Student's t by its formula."""
+    """Density of Student's t distribution, by its formula."""
     factor = math.gamma((degrees + 1) / 2) / math.gamma(degrees / 2)
     factor /= math.sqrt(degrees * math.pi) * scale
     return factor * (1 + (x / scale) ** 2 / degrees) ** (-(degrees + 1) / 2)
@@ -33,7 +33,7 @@ def chance_below(x, degrees, scale):
 
 
 def swept_with(*tests):
-    """Sweep of a power law with these (load, velocity, outcome), None at a transition."""
+    """Sweep of a power law with tests (load, velocity, outcome); None is a measured transition."""
     made = [Measurement(load, velocity, outcome=outcome) for load, velocity, outcome in tests]
     return synthetic.sweep(
         measured=tuple(one for one in made if not one.outcome),
@@ -46,7 +46,7 @@ def scatter_of(ds):
 
 
 def counted(ds):
-    """ln(measured/computed) of transitions and of wrong outcomes."""
+    """ln(measured/computed) of the transitions and wrong outcomes that count."""
     found = scatter_of(ds)
     return [*found.residuals, *found.wrong]
 
@@ -114,7 +114,7 @@ def test_a_transition_counts_at_its_own_conditions():
 
 
 def beyond(load, velocity, **at):
-    """ln(measured/computed) where the computed velocity lies beyond the sweep."""
+    """ln(measured/computed) of a test whose computed velocity is outside the sweep."""
     limit = synthetic.limit(critical=at["critical_temperature"])
     return math.log(velocity / float(synthetic.critical_velocity(load, limit)))
 

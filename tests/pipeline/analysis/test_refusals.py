@@ -30,7 +30,7 @@ def samples():
 
 
 def made(friction=0.1, **values):
-    """Dataset of a store without any point."""
+    """Dataset of a new store without any point."""
     path = Path(f"some_{len([*Path().glob('some_*')])}.zarr")
     conditions = Conditions(friction, 298.15, 418.15)
     with writing(path, tiny.sweep(conditions=conditions, **values)):
@@ -86,7 +86,7 @@ def nothing():
 
 
 def coded():
-    """A plane that was judged by a rule of Python."""
+    """Ask for the conditions of a sweep that was judged by a criterion written in Python."""
     values = synthetic.CONDITIONS | {
         "criterion": "laws:median",
         "rule": Law("laws:median", (), "0"),
@@ -111,7 +111,7 @@ def unwritable():
 
 
 def unknown_place():
-    """Ask a field of a place beyond its loads."""
+    """Ask a field for the temperature beyond its loads."""
     return point_field(pipeline.results(plane())).temperatures(9e3, 1.0).require_known()
 
 

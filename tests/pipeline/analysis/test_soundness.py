@@ -26,7 +26,7 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
 
 
 def test_a_sound_chunk_in_the_place_of_another_is_found_by_verify_and_run_alone(copy):
-    """The known price of answers that trust the checksums of chunks."""
+    """Answers trust the checksum of each chunk, and cannot see that a chunk was replaced."""
     before = pipeline.margin(copy, "300 N", "1 m/s").decisive_temperature
     array = zarr.open_array(copy / "rise_quantile", mode="r+")
     array[...] = 0.97 * array[...]

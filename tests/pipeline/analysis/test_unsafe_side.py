@@ -69,7 +69,7 @@ PLACES = {
 
 
 def drawn_test(rng, outcome):
-    """A test at random conditions of its own, and ln(velocity/computed)."""
+    """A random test with its own conditions, and ln(its velocity/computed velocity)."""
     load, friction = rng.uniform(200.0, 750.0), rng.choice([None, 0.07, 0.12])
     bulk = rng.choice([None, 320.0])
     limit = synthetic.limit(friction or 0.1, bulk or 298.15)
@@ -80,7 +80,7 @@ def drawn_test(rng, outcome):
 
 
 def drawn_outcome(rng, is_right):
-    """A test whose outcome is right, or wrong."""
+    """A random test whose outcome agrees with the model if `is_right`, else contradicts it."""
     while True:
         outcome = rng.choice(["mild", "severe"])
         held, distance = drawn_test(rng, outcome)

@@ -22,7 +22,7 @@ EDGE, WEAR = int(WarningKind.CONTACT_AT_EDGE), int(WarningKind.UNSTABLE_WEAR)
 
 
 def with_flags(flags, **options):
-    """The synthetic sweep with flags at some (load, velocity)."""
+    """Synthetic sweep with warning flags at some points (load, velocity)."""
     ds = synthetic.sweep(**options)
     values = np.zeros((ds.sizes["load"], ds.sizes["velocity"]), np.int32)
     messages = np.full(values.shape, "", dtype=object)
@@ -52,7 +52,7 @@ COOL = replace(tiny.sweep().conditions, critical_temperature=330.0)
 
 @pytest.fixture(scope="module")
 def narrow(tmp_path_factory):
-    """A store whose window is too narrow at the highest load, and heat too old at the lower."""
+    """Store with warnings: narrow window at the highest load, too old heat at the lower ones."""
     path = tmp_path_factory.mktemp("narrow") / "out.zarr"
     commit_all(path, tiny.sweep(conditions=COOL, increments=12))
     return path

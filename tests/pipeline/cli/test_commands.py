@@ -98,7 +98,7 @@ outcome = "severe"
 
 
 def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg):
-    """The first test is mild by the model, which is then less sure of the point, too."""
+    """The model wrongly predicts mild wear for one test, which makes it less sure of the point."""
     tested, out = tmp_path / "tested.toml", tmp_path / "tested.zarr"
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")

@@ -17,7 +17,7 @@ from tribo import InputError
 
 
 def carry_out(result=None, command="stores:status", **options):
-    """Exit code of a function that returns a result, or raises or warns of it."""
+    """Exit code of a command whose function returns a result, raises it, or warns of it."""
 
     def function(_):
         if isinstance(result, BaseException):
@@ -31,7 +31,7 @@ def carry_out(result=None, command="stores:status", **options):
 
 
 def error_of(module):
-    """A `ValueError` that a module raised."""
+    """A `ValueError` raised in a module of this name."""
     with pytest.raises(ValueError, match="qt9") as caught:
         exec("raise ValueError('qt9 is unknown')", {"__name__": module})
     return caught.value

@@ -11,7 +11,7 @@ from pipeline.scene.shipped import shipped_pages
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """Arguments of the figures that a command draws."""
+    """List to which each call of `pipeline.plot` by a command adds its arguments."""
     asked = []
 
     def draw(ds, kind, out, **options):

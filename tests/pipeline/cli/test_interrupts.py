@@ -16,7 +16,7 @@ MANY = 'velocities = { from = "1 m/s", to = "4 m/s", count = 400 }'
 
 @pytest.fixture
 def running(tmp_path):
-    """A run of very many points that has begun to compute them."""
+    """Process of ``irg run`` with very many points, some of which are done."""
     scene, out = tmp_path / "many.toml", tmp_path / "many.zarr"
     scene.write_text(re.sub("^velocities = .*$", MANY, SCENE, flags=re.MULTILINE))
     command = [sys.executable, "-m", "pipeline", "run", scene, "-o", out, "--workers", "1"]

@@ -11,7 +11,7 @@ def irg(*arguments):
 
 
 def over_itself(*arguments):
-    """A command that would write over a file that it reads."""
+    """Function that runs a command which would overwrite a file that it reads."""
 
     def build():
         Path("duty.csv").write_text("load [N],velocity [m/s]\n250,1\n")

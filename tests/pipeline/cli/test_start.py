@@ -14,7 +14,7 @@ from tests.helpers.scenes import SCENE
 
 
 def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
-    """Workers, too, import what the command does, not what lies in the folder of a user."""
+    """Workers, too, import the installed packages, not files in the user's folder."""
     (tmp_path / "scene.toml").write_text(SCENE)
     for name in ("pipeline", "tribo", "numpy"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('not this one')")

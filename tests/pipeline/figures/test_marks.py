@@ -57,7 +57,7 @@ def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_perc
     for load in (450.0, 600.0):
 
         def velocities(gid, at=load):
-            """Where the lines of a mark pass a load; each rises or falls throughout."""
+            """Velocities at which drawn lines pass a load; each line rises or falls throughout."""
             passed = [line[np.argsort(line[:, 1])].T for line in contour(axes, gid)]
             return sorted(np.interp(at, load, velocity) for velocity, load in passed)
 

@@ -20,20 +20,20 @@ def sweep(**told):
 
 
 def drawn(ds, **options):
-    """Axes of a diagram, and the words of its legend."""
+    """Axes of a drawn diagram, texts of its legend, and the legend."""
     figure = pipeline.plot(ds, **options)
     (legend,) = figure.legends or [figure.axes[0].get_legend()]
     return figure.axes[0], [text.get_text() for text in legend.get_texts()], legend
 
 
 def vertices(axes, gid):
-    """Places of the line or the area with a mark."""
+    """Vertices of the drawn line or area with this id, (velocity, load)."""
     (found,) = [one for one in axes.collections if one.get_gid() == gid]
     return np.concatenate([path.vertices for path in found.get_paths()])
 
 
 def marks(axes, gid):
-    """Places of the points with a mark."""
+    """Set of (velocity, load) of the drawn points with this id."""
     found = [line for line in axes.lines if line.get_gid() == gid]
     return {(v, load) for line in found for v, load in zip(*line.get_data(), strict=True)}
 

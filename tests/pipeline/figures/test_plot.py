@@ -51,7 +51,7 @@ def labels(legend):
 
 
 def of_height(rms):
-    """A rough disk of the synthetic scene with this root mean square of its heights [m]."""
+    """Roughness of the synthetic scene, scaled to this root mean square height [m]."""
     rough = synthetic.scene(conditions=synthetic.conditions()).scene
     heights = rough.roughness.heights(rough.pixels)
     return replace(rough.roughness, ra=rough.roughness.ra * rms / heights.std())

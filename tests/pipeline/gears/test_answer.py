@@ -22,7 +22,7 @@ CRITICAL = ("--critical-temperature", "250 degC")
 
 @pytest.fixture
 def warm(monkeypatch):
-    """A simulation that finds the temperature of smooth flanks, with an error of 1 K in all."""
+    """Replace simulations by the temperature of smooth flanks, with an error of 1 K."""
 
     def row(one):
         hot, pair = max(one.places, key=lambda place: place.temperature), one.pair
@@ -199,7 +199,7 @@ def test_a_row_of_a_spectrum_has_hours_and_its_own_factor_or_temperature():
 
 
 def test_the_oil_s_temperature_of_a_row_gives_its_teeth_theirs():
-    """As that of the file does, by ISO/TR 13989-2, Eq. 20."""
+    """The bulk temperature follows from the oil's by ISO/TR 13989-2, Eq. 20."""
     columns = {"torque": ["534.5 N m"], "speed": ["2170 rpm"], "oil temperature": ["90 degC"]}
     for without in ({}, {"without": ["temperature.bulk"], "temperature.oil": "40 degC"}):
         pair = gears.read_pair("fzg_a", without)

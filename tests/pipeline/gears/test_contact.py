@@ -119,7 +119,7 @@ def test_the_film_is_over_the_roughness_of_both_flanks(mesh, fzg):
 
 
 def test_the_rule_for_a_pair_meets_the_rule_for_the_test_gears(fzg):
-    """0.2 T1 of Eq. (96) was fitted to Eqs. (1) to (45) for these gears: two ways to one number."""
+    """0.2 T1 of Eq. (96) was fitted to Eqs. (1) to (45) for these gears, so both must agree."""
     rig = replace(fzg, materials=(STEEL, STEEL))
     for stage in range(5, 13):
         found = gears.integral_temperature(rig, stage_duty(rig, stage))
@@ -127,7 +127,7 @@ def test_the_rule_for_a_pair_meets_the_rule_for_the_test_gears(fzg):
 
 
 def test_stages_grow_as_their_squares_and_limits_with_them():
-    """T1 = 3.726 (stage)², Eq. (97), within what the table rounds and its first stages differ."""
+    """T1 = 3.726 (stage)², Eq. (97), within the rounding of the table; the first stages differ."""
     for stage in range(4, 13):
         assert gears.stage_torque(stage) == pytest.approx(3.726 * stage**2, rel=0.02)
     limits = [gears.scuffing_integral(stage, 100e-6) for stage in range(1, 13)]
@@ -208,7 +208,7 @@ def test_the_mean_flash_has_no_jump_where_the_standard_takes_another_formula():
 
 
 def test_a_spur_pair_is_that_of_another_program():
-    """GEARpie (github.com/cfernandesFEUP/GEARpie), REPORT/C14.txt."""
+    """Expected values: GEARpie (github.com/cfernandesFEUP/GEARpie), REPORT/C14.txt."""
     c14 = {"mesh.face_width": "14 mm", "pinion.profile_shift": 0.1817, "duty.speed": "1500 rpm",
            "wheel.profile_shift": 0.1715, "pinion.tip_diameter": "82.636 mm",
            "wheel.tip_diameter": "118.544 mm", "duty.torque": "200 N m",
@@ -229,7 +229,7 @@ def test_a_spur_pair_is_that_of_another_program():
 
 
 def test_a_helical_pair_is_that_of_another_program():
-    """GEARpie, REPORT/H501.txt."""
+    """Expected values: GEARpie (github.com/cfernandesFEUP/GEARpie), REPORT/H501.txt."""
     h501 = {"mesh.module": "3.5 mm", "mesh.helix_angle": "15 deg", "mesh.face_width": "23 mm",
             "pinion.teeth": 20, "wheel.teeth": 30, "pinion.profile_shift": 0.1809,
             "wheel.profile_shift": 0.0891, "pinion.tip_diameter": "80.672 mm",

@@ -21,7 +21,7 @@ def pair(**changed):
 
 
 def plain(z1, z2, module=1.0, angle=TWENTY, helix=0.0, shifts=(0.0, 0.0)):
-    """A pair at its centre distance without backlash, with tips of the basic rack."""
+    """Pair of gears at the centre distance without backlash, with tips of the basic rack."""
     toothing = module, angle, helix
     apart = fitting_distance(*toothing, (z1, z2), shifts)
     tips = [tip_diameter(module, helix, (z1, z2), shifts, apart, k) for k in (0, 1)]
@@ -56,7 +56,7 @@ def test_the_test_gears_of_fzg_by_hand():
 
 
 def test_a_wheel_of_very_many_teeth_is_a_rack():
-    """On a rack the path beyond the pitch point on its side is m/sin α, its radius infinite."""
+    """On the rack's side the path beyond the pitch point is m/sin α, and its radius infinite."""
     gears = plain(24, 1_000_000)
     assert gears.path.a == pytest.approx(-1 / math.sin(TWENTY), rel=1e-4)
     assert gears.radii(0.0)[1] > 1e5

@@ -23,7 +23,7 @@ from tribo import InputError
 
 
 def pair(*changes, **overrides):
-    """Read the pair of a user with texts replaced, or with other entries."""
+    """Function that reads a user's pair file with texts replaced, or with other entries."""
 
     def build():
         text = OWN
@@ -53,7 +53,7 @@ def duties(text):
 
 
 def extending(entry):
-    """Read a file that extends the test gears with another entry."""
+    """Function that reads a pair file which extends the test gears and changes an entry."""
 
     def build():
         shutil.copy(shipped_pairs()["fzg_a"], "base.toml")

@@ -91,7 +91,7 @@ def test_helical_pairs_share_the_more_evenly_the_more_they_overlap():
 
 
 def test_the_load_of_helical_teeth_rises_towards_both_ends_of_the_path(fzg):
-    """Half way over 0.2 sin βb of the distance from the pinion's base point to the pitch point."""
+    """Half the rise is at half of 0.2 sin βb × distance from the pinion's base to pitch point."""
     toothing = gears.read_pair("fzg_a", HELICAL | {"mesh.face_width": "60 mm"}).gears
     lean = math.sin(math.radians(15)) * math.cos(math.radians(20))
     half, path = 0.1 * lean * toothing.tangents[0], toothing.path
@@ -113,7 +113,7 @@ def test_two_or_three_pairs_in_mesh_share_equally():
 
 
 def test_friction_of_the_rule_ends_at_its_fastest_and_lightest(fzg):
-    """Clause 5.1: from 50 m/s and below 150 N/mm it stays; it goes with XL and with Ra^0.25."""
+    """Clause 5.1: friction is constant from 50 m/s on and below 150 N/mm."""
     radius = 36e-3
 
     def friction(torque=372.6, velocity=10.0, **changed):

@@ -27,7 +27,7 @@ OIL = 80.0 + 0.05 * noise(3)  # °C
 
 
 def lines(separator, *columns, form="{:.5g}"):
-    """Rows of columns."""
+    """Rows of a table as text, from its columns."""
     texts = (
         [form.format(x) if np.isreal(x) else x for x in row] for row in zip(*columns, strict=True)
     )
@@ -35,7 +35,7 @@ def lines(separator, *columns, form="{:.5g}"):
 
 
 def text(*parts, end="\n"):
-    """Lines below each other."""
+    """Lines and lists of lines joined to a text."""
     flat = (line for part in parts for line in ([part] if isinstance(part, str) else part))
     return end.join([*flat, ""])
 
@@ -109,7 +109,7 @@ def trb3():
 
 
 def sine():
-    """The same machine where the sample goes to and fro."""
+    """Export of the same machine with a reciprocating sample."""
     return trb3().replace("Radius\t20 [mm]", "Linear mode\nHalf amplitude\t5 [mm]")
 
 
@@ -177,7 +177,7 @@ B,700,1000,800,80,scuffing
 
 
 def srv():
-    """A workbook with a cover, and units below the headings."""
+    """Content of a workbook with a cover sheet, and units below the headings."""
     import openpyxl
 
     book = openpyxl.Workbook()

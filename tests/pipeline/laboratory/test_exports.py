@@ -38,7 +38,7 @@ def number(text):
 
 
 def assert_run(document, name, velocity):
-    """The run of all samples: mild up to the third stage, severe in the fourth, at 140 s."""
+    """Assert the run of all samples: mild up to the third stage, severe in the fourth, at 140 s."""
     (test,) = document["tests"]
     share = LOAD.get(name, 1.0)
     assert document["transition_time"] == pytest.approx(140, abs=1)
@@ -120,7 +120,7 @@ def test_results_of_srv_are_ends_of_a_run_and_a_step_apart(tmp_path, irg):
 
 
 def test_stages_of_gears_are_forces_between_the_teeth(tmp_path, irg):
-    """The pinion's base circle has a radius of 33.83 mm: 302 N m are 8927 N."""
+    """The pinion's base circle has a radius of 33.83 mm, so that 302 N m are 8927 N."""
     stages = write(tmp_path, "stages.csv", samples.FZG_STAGES.encode("cp1252"))
     assert '--given "velocity=... m/s"' in irg("tests", stages, code=2)
     document = irg("tests", stages, "--given", "velocity=8.3 m/s", "--json")

@@ -33,7 +33,7 @@ def lab(tmp_path):
 
 @pytest.fixture
 def tests(tmp_path, irg):
-    """What `irg tests` says of a log, as a document; the tests in SI units of N and m/s."""
+    """Function that runs `irg tests` on a log; tests of its document are in N and m/s."""
 
     def ask(log, *options, code=0):
         path = tmp_path / "log.csv"
@@ -139,7 +139,7 @@ def test_a_log_is_read_in_many_forms(tests, name):
 
 
 def near(contact):
-    """A load and a velocity within a ten-thousandth, and an outcome."""
+    """Load and velocity for comparison within 1e-4, and an outcome."""
     return (*(pytest.approx(x, rel=1e-4) for x in contact[:2]), contact[2])
 
 

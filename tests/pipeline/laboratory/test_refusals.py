@@ -29,7 +29,7 @@ PIXEL = (1e-6, 1e-6)
 
 
 def scan(text, unit=1.0, name="scan.csv"):
-    """A surface of some content, text or not."""
+    """Function that reads a surface file with this content."""
 
     def build():
         Path(name).write_bytes(text if isinstance(text, bytes) else text.encode())
@@ -88,7 +88,7 @@ def bomb(name, size, read):
 
 
 def instrument(topography, unit=None, sizes=(1.0, 1.0)):
-    """A file of an instrument, which a library reads as this topography."""
+    """Function that reads a file in which the library finds this topography."""
 
     def read(*_):
         if isinstance(topography, Exception):
@@ -136,7 +136,7 @@ def saved(save, **array):
 
 
 def vast(descr="<f8", shape=(10**5, 10**5)):
-    """A file of so many heights, most of them holes."""
+    """Read a file with very many heights, most of them holes."""
     with Path("a.npy").open("wb") as file:
         start = file.write(header(shape, descr))
         file.truncate(start + math.prod(shape) * np.dtype(descr).itemsize)
@@ -156,7 +156,7 @@ def array(heights, sides=("1 um", "1 um"), unit="um"):
 
 
 def measured(heights, extra="", **overrides):
-    """A scene on a measured surface."""
+    """Function that reads a scene with a measured surface of these heights."""
 
     def build():
         np.save("surface.npy", heights)

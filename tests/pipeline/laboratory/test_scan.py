@@ -19,7 +19,7 @@ GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
-    """Path of a tilted scan with a lay across x, in micrometres."""
+    """Path of a file with a tilted scan [µm], which has a lay across x."""
     heights = self_affine(GRID, 0.27e-6, 0.8, (4e-6, 12e-6), seed=0)
     i, j = np.indices(heights.shape)
     path = tmp_path_factory.mktemp("scan") / "scan.npy"
@@ -106,7 +106,7 @@ def test_random_surfaces_are_like_a_random_one_and_scatter_as_said(tmp_path):
 
 
 def test_a_ground_surface_is_unlike_isotropic_ones_and_says_so(tmp_path):
-    """Grooves of random profile, longer than the scan: their lay and Str tell, without a fit."""
+    """Random grooves longer than the scan have no fitted spectrum, but a lay and a Str."""
     profile = likely(2)[:, :1]
     np.save(tmp_path / "ground.npy", np.tile(profile, (1, 384)).T + 0.1 * likely(3))
     found = surface_statistics(tmp_path / "ground.npy", 1.0, ("0.5 um", "0.5 um"))

@@ -16,7 +16,7 @@ FINEST = {"pixels_per_element": 1}
 
 
 class FakeTopography:
-    """Parts of SurfaceTopography's topographies that are used, for machines without it."""
+    """The used parts of a topography of SurfaceTopography, for machines without that library."""
 
     def __init__(self, heights, unit="m", dim=2):
         self.array, self.unit, self.dim, self.is_uniform = heights, unit, dim, True
@@ -33,7 +33,7 @@ class FakeTopography:
 
 @pytest.fixture
 def library(monkeypatch, tmp_path):
-    """A library that finds one topography in any file; return where to put it."""
+    """Fake library that finds in any file the topography that is set here."""
     stand_in = SimpleNamespace(topography=None)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.opd").touch()
@@ -62,7 +62,7 @@ def holed(*places):
 
 
 def with_table(table, pixels=HEIGHTS.shape):
-    """Changes of the first scene to a measured surface."""
+    """Replacements in the text of a scene that give it a measured surface."""
     return (ROUGHNESS, table + "\n"), ("[480, 480]", str(list(pixels)))
 
 

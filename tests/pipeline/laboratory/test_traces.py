@@ -14,7 +14,7 @@ def noise(count, size=0.002, seed=3):
 
 
 def write(folder, **columns):
-    """A trace with these columns, by heading, and a time of 1 s a row."""
+    """Write a trace with these columns, by heading, and time steps of 1 s; return its path."""
     count = len(next(iter(columns.values())))
     columns = {"Time [s]": np.arange(count), **columns}
     rows = zip(*columns.values(), strict=True)
@@ -37,7 +37,7 @@ def risen(row, to=0.3, end=COUNT, base=LEVEL):
 
 
 def ramps(each=100, rise=12):
-    """Loads of six stages, between which the load rises for so many rows."""
+    """Load of each row of six stages; between stages it rises for `rise` rows."""
     parts = [np.full(each, 100.0)]
     for level in range(200, 700, 100):
         climb = np.linspace(level - 100, level, rise + 1)[1:]
@@ -171,7 +171,7 @@ def test_both_commands_that_change_make_a_run_of_tests(tmp_path, irg):
 
 @pytest.mark.parametrize("is_signed", [True, False])
 def test_strokes_of_many_readings_count_with_their_mean_speed(tmp_path, irg, is_signed):
-    """At 2 Hz and 500 readings a period, stroke 10 mm: 2 · 2 Hz · 10 mm = 0.04 m/s."""
+    """2 Hz with 500 readings a period and a stroke of 10 mm are 2 · 2 Hz · 10 mm = 0.04 m/s."""
     time = np.arange(20_000) / 1000
     phase = np.cos(2 * np.pi * 2 * time)
     load, friction = np.repeat([50.0, 100.0], 10_000), np.where(time < 16, 0.12, 0.35)
@@ -187,7 +187,7 @@ def test_strokes_of_many_readings_count_with_their_mean_speed(tmp_path, irg, is_
 
 
 def test_rows_at_rest_do_not_count_and_are_told(tmp_path, irg):
-    """The load runs down after 100 rows, and the record goes on for 200."""
+    """The load falls to zero after 100 rows, and the record continues for 200."""
     count = np.arange(310)
     load = np.concatenate([np.full(100, 400), np.linspace(360, 0, 10), np.full(200, 1)])
     friction = np.where(count < 80, 0.1, np.where(load > 9, 0.3, 0)) + noise(310)
@@ -258,7 +258,7 @@ def test_a_status_in_each_row_of_one_run_makes_no_tests_of_its_rows(tmp_path, ir
 
 
 def test_many_rows_without_an_outcome_never_become_transitions(tmp_path, irg):
-    """Times of a clock, as a trace has them; once 239 transitions."""
+    """A trace with clock times was once read as 239 transitions."""
     rows = [f"2026-03-14 10:{k // 60:02d}:{k % 60:02d},{100 + 20 * (k // 40)},1.5,{0.1:.2f}"
             for k in range(239)]  # fmt: skip
     text = "\n".join(["Timestamp,Load (N),Speed (m/s),COF", *rows])

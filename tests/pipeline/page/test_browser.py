@@ -31,7 +31,7 @@ def browser():
 
 @pytest.fixture
 def page(browser, tmp_path):
-    """Open the page of a sweep; fail if it reports an error or requests a file during a test."""
+    """Function that opens the page of a sweep; errors and requests for files fail the test."""
 
     def opened(ds, **options):
         path = pipeline.explore(ds, tmp_path / "page.html", **options).path
@@ -81,7 +81,7 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
 
 
 def signs(driver):
-    """Names of the signs that the legend shows."""
+    """Names of the symbols that the legend shows."""
     listed = driver.find_elements(By.CSS_SELECTOR, "#legend li")
     return {one.get_attribute("id").removeprefix("sign-") for one in listed if one.is_displayed()}
 

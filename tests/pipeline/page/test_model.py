@@ -55,7 +55,7 @@ return argument.map(({ conditions, places }) => {
 
 
 def random_conditions(ds, count=4):
-    """Conditions of all kinds; the sweep's come first."""
+    """Yield random conditions of all kinds, after the sweep's own."""
     draw = np.random.default_rng(ds.sizes["velocity"])
     yield {}
     yield {"friction": 0.0}
@@ -74,7 +74,7 @@ def random_conditions(ds, count=4):
 
 
 def under(ds, conditions):
-    """The sweep under conditions as the page has them."""
+    """The sweep under conditions that are named as on the page."""
     conditions = dict(conditions)
     if "disk_temperature" in conditions:
         pin = conditions["bulk_temperature"]
@@ -182,7 +182,7 @@ FALLING = (0.5, 2.6), (1.2, 1.0), (6.0, 0.9)
 
 
 def banded(by_velocity=FALLING):
-    """Friction by velocity; where it falls, wear is severe, mild and severe again."""
+    """Sweep with friction by velocity, so that wear is severe, mild and severe again."""
     ds = synthetic.sweep()
     corrections = Corrections(friction=Friction(by_velocity=by_velocity))
     return with_fields(

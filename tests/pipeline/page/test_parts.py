@@ -47,7 +47,7 @@ def test_a_page_says_what_it_holds(tmp_path):
 
 
 def text_of(ds, folder, **options):
-    """Text of a page of a sweep, without tags."""
+    """Text of the page of a sweep, without tags."""
     written = pipeline.explore(ds, folder / "page.html", **options).path.read_text()
     return " ".join(unescape(re.sub(r"<[^>]+>", " ", written)).split())
 

@@ -19,13 +19,13 @@ LIMIT = 1200.0
 
 
 def bent(load, velocity, bend=0.1):
-    """About what the shipped scene gives: its exponent grows from 0.5 to 0.65."""
+    """Rise [K] similar to the shipped scene's, with an exponent that grows from 0.5 to 0.65."""
     x = math.log(velocity / 1.16)
     return LIMIT * (load / 750) ** 0.45 * math.exp(0.5 * x + bend / 2 * x**2)
 
 
 def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, rises=None):
-    """All that the search asks for, round by round."""
+    """Rises of all points that a search asks for, and its points by round."""
     search = BoundarySearch(loads, lowest, highest, LIMIT, tolerance)
     rises = dict(rises or {})
     rounds = []
@@ -78,7 +78,7 @@ def test_what_has_failed_is_not_asked_for_again():
 
 
 def test_friction_that_bends_between_two_velocities_hides_no_boundary():
-    """It falls by a quarter from 1.6 to 1.8 m/s: the rise passes the limit three times there."""
+    """Friction falls by a quarter from 1.6 to 1.8 m/s; the rise passes the limit three times."""
     falling = Corrections(
         friction=Friction(by_velocity=((1.0, 1.3), (1.6, 1.3), (1.8, 1.0), (4.0, 0.95)))
     )
@@ -106,7 +106,7 @@ def test_friction_that_bends_between_two_velocities_hides_no_boundary():
 
 
 def test_bands_are_found_whose_ends_no_first_crossing_tells():
-    """Severe, mild, severe and mild again; and a low load that is severe within the range alone."""
+    """Wear is severe, mild, severe and mild again; at one load severe only inside the range."""
     bands = Friction(by_velocity=((0.8, 2.0), (1.6, 0.8), (3.0, 1.2), (4.5, 0.4)))
     sweep = synthetic.scene(
         conditions=replace(synthetic.conditions(), corrections=Corrections(friction=bands)),

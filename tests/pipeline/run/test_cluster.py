@@ -39,7 +39,7 @@ SLOW = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
 
 
 class Cluster:
-    """A scheduler and workers, each a command of Dask's in a process of its own."""
+    """A scheduler and workers, each started by Dask's command in its own process."""
 
     def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT, threads=(1,)):
         folder.mkdir(exist_ok=True)
@@ -81,7 +81,7 @@ class Cluster:
 
 
 def when_done(act):
-    """A report of progress that acts as soon as a point is done."""
+    """Progress function that calls `act` as soon as a point is done."""
 
     def report(progress):
         if progress.done:
@@ -92,7 +92,7 @@ def when_done(act):
 
 @pytest.fixture(scope="module")
 def elsewhere():
-    """A cluster with certificates, and Dask's configuration with them."""
+    """Cluster with TLS certificates, and the Dask configuration to connect to it."""
     security, tls = Security.temporary(), "distributed.comm.tls"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -150,7 +150,7 @@ def test_a_scheduler_that_stops_or_dies_is_lost_and_its_finished_points_are_not(
 
 
 class Stop(SchedulerPlugin):
-    """Stops a worker as soon as it has a result, which nobody has taken yet."""
+    """Scheduler plugin that stops a worker when it has a result that nobody has fetched."""
 
     name = "stop"
 
@@ -238,7 +238,7 @@ def test_workers_are_started_again_if_one_was_killed_meanwhile(monkeypatch):
 
 
 class Tasks(SchedulerPlugin):
-    """All tasks that a scheduler is given, and what each depends on."""
+    """Scheduler plugin that records all tasks and their dependencies."""
 
     name = "tasks"
 

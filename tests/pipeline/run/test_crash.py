@@ -26,7 +26,7 @@ def reported(folder, *campaigns, trials=1):
 
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory):
-    """One trial of each campaign, in one process."""
+    """Reports of one trial of each crash campaign."""
     return reported(tmp_path_factory.mktemp("crash"), "kills", "power")
 
 

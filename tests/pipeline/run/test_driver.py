@@ -23,7 +23,7 @@ MANY = tiny.sweep(velocities=tuple(0.5 + 0.01 * number for number in range(60)))
 
 
 class Hungry(tiny.FaultyRamp):
-    """At one load it takes memory until somebody ends it."""
+    """A ramp that takes more and more memory at one load, until its process is killed."""
 
     def fault(self):
         held = []
@@ -48,7 +48,7 @@ def threads():
 
 @pytest.fixture
 def processes():
-    """A function that starts workers, as a run does but of this memory [B]; their client."""
+    """Function that starts workers with a memory limit [B] and returns their client."""
     clusters = []
 
     def start(workers, memory):

@@ -36,7 +36,7 @@ def follow(sweep, out, **options):
 
 @pytest.fixture(scope="module")
 def grid():
-    """Critical velocities from every point of the sweep."""
+    """Critical velocities [m/s] by load, from every point of the sweep."""
     rises = {}
     trunks = Trunks()
     for task in tasks(points(SWEEP), SWEEP):

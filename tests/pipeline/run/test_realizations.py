@@ -22,7 +22,7 @@ def several(seeds=SEEDS):
 
 
 def alone_on(seed):
-    """The same sweep on one surface, as a scene without realizations has it."""
+    """The same sweep on a single surface, without realizations."""
     plain = several(())
     return changed(plain, roughness=replace(plain.scene.roughness, seed=seed))
 

@@ -17,7 +17,7 @@ COLD = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
 
 
 class Closed(Client):
-    """A client that was closed."""
+    """A Dask client that is closed."""
 
     asynchronous, scheduler = False, None
 

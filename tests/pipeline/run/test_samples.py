@@ -37,7 +37,7 @@ def load(folder, text=SMALL, unknown=UNKNOWN):
 
 @pytest.fixture(scope="module")
 def sampled(tmp_path_factory):
-    """Folder of a store to which samples were added."""
+    """Folder with a store to which samples were added in a second run."""
     folder = tmp_path_factory.mktemp("sampled")
     sweep = load(folder, SMALL.replace("samples = 16", "samples = 8"))
     first = pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)

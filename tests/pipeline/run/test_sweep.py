@@ -42,7 +42,7 @@ SWEEP = tiny.full()
 
 
 def content(path, names=(*COLUMNS, *FIELDS, "message", "steps", "status")):
-    """The bytes of what was computed."""
+    """Computed values of a store by name, comparable bit for bit."""
     values = plain_values(path)
     return {name: values[name].tolist().__repr__() for name in names}
 
@@ -64,7 +64,7 @@ def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone):
 
 
 def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
-    """Its array must reach the worker unchanged, down to the alignment in memory."""
+    """The array of heights must reach the worker unchanged, down to its alignment in memory."""
     heights = SWEEP.scene.roughness.heights(SWEEP.scene.pixels) * 1.01 + 3e-9
     sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
     run_sweep(sweep, path, workers=1)
@@ -262,7 +262,7 @@ def wait_until(holds):
 
 
 def group_is_gone(leader):
-    """True if no process of a terminal's foreground is left."""
+    """True if no process of a process group is left."""
     try:
         os.killpg(leader, 0)
     except ProcessLookupError:
@@ -271,7 +271,7 @@ def group_is_gone(leader):
 
 
 def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path):
-    """As a terminal does it: the signal goes to the driver and all workers."""
+    """The signal goes to the driver and all workers, as from a terminal."""
     assert any(int(line) >= 3 for line in driver.stdout)
     os.killpg(driver.pid, signal.SIGINT)
     assert driver.wait(60) == 130

@@ -46,13 +46,13 @@ def test_width_and_depth_are_those_of_a_smooth_crowned_pin():
 
 
 def rough(array, **changes):
-    """A sweep on a measured surface."""
+    """Sweep on a measured surface with these heights."""
     grid = tribo.Grid(array.shape, (1e-6, 2e-6))
     return changed(SMOOTH, pixels=grid, roughness=tribo.MeasuredRoughness(array), **changes)
 
 
 def waves(nx=64, ny=32, along=0):
-    """Grooves of 0.3 µm amplitude, 8 pixels long, that change along one axis."""
+    """Heights of grooves along one axis, amplitude 0.3 µm, wavelength 8 pixels."""
     place = np.indices((nx, ny))[along]
     return 0.3e-6 * np.sin(2 * np.pi * place / 8)
 

@@ -63,7 +63,7 @@ def test_every_number_of_the_library_has_a_source():
 
 
 def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
-    """The source has 23.3 mPa s at 60 °C as well, the equation of ASTM D341 within 3 %."""
+    """The source also has 23.3 mPa s at 60 °C, which ASTM D341 meets within 3 %."""
     oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').lubricant
     assert oil.viscosity(303.15) == pytest.approx(0.107)
     assert oil.viscosity(373.15) == pytest.approx(0.0064)

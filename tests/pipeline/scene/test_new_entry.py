@@ -54,7 +54,7 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
-    """The source with the entry."""
+    """Copy of the source to which a new scene entry is added."""
     folder = tmp_path_factory.mktemp("source")
     for name in ("pipeline", "tribo", "workflows"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))

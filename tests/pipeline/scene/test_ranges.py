@@ -26,7 +26,7 @@ CONDITIONS = Conditions(0.1, 298.15, None)
 
 
 def kind_of(entry):
-    """The usual kind of an entry, of one of its values where it is a list."""
+    """Kind of the value of an entry; for a list, of its elements."""
     kind = entry.kind.kinds[0] if isinstance(entry.kind, Either) else entry.kind
     return kind.of if isinstance(kind, List) else kind
 
@@ -39,7 +39,7 @@ KINDS = {
 
 
 def at_bounds(kind):
-    """Values at each bound of a kind, and just beyond it."""
+    """Values at each bound of a kind of entry, and just beyond it."""
     if isinstance(kind, Quantity):
         low, high = (to_si(end, kind.example) for end in DIMENSIONS[si_unit(kind.example)].limits)
         return (-low, 0.0, 1.001 * low, math.sqrt(low * high))

@@ -47,7 +47,7 @@ def toml(content, name="scene.toml"):
 
 
 def file(read, name, content):
-    """Read a file of some content."""
+    """Function that writes a file and reads it by `read`."""
 
     def build():
         Path(name).write_bytes(content)
@@ -57,7 +57,7 @@ def file(read, name, content):
 
 
 def load(content):
-    """A scene with a load record of some content."""
+    """Function that reads a scene with a load record of this content."""
     return file(lambda path: scene((RAMP, f'file = "{path}"')), "load.csv", content)
 
 
@@ -91,7 +91,7 @@ def own(law="", kind="wear", **overrides):
 
 @dataclass
 class Unlike:
-    """A law that compares with others by what it holds, and has no hash."""
+    """A wear law that can be compared, but has no hash."""
 
     rates: dict
     pattern = "swept"
@@ -265,7 +265,7 @@ TEXTS = {
 
 
 def scanned(factor=None):
-    """Heights of a sweep, read from its text, alone or with the heights times a factor."""
+    """Heights of a sweep read from its text, whose array is missing, or multiplied by a factor."""
     heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
     sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
     beside = {sweep.scene.roughness.digest: factor * heights} if factor else {}

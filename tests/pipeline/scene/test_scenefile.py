@@ -223,7 +223,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_read(tmp_path):
 
 
 def places(value):
-    """Every container in a document, with the key of each of its parts."""
+    """Yield (container, key) of each value in a nested document."""
     for key, part in list(value.items() if isinstance(value, dict) else enumerate(value)):
         yield value, key
         if isinstance(part, dict | list):
@@ -245,7 +245,7 @@ unhurried = settings(
 
 
 def faults_of(path, text):
-    """Load a scene; only a sweep or a list of faults may come of it."""
+    """Faults of a scene file; [] if it is valid, None for any other result."""
     path.write_text(text, encoding="utf-8", newline="")
     try:
         return [] if isinstance(load_scene(path), Sweep) else None

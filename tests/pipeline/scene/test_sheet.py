@@ -14,7 +14,7 @@ PLACES = [(300.0, 2.0), (400.0, 1.5), (650.0, 3.0)]
 
 
 def judged(folder, content, name="duty.csv"):
-    """Places of a table of duties, as `pipeline.margin` judges them."""
+    """Loads and velocities that `pipeline.margin` reads from a table of duties."""
     path = folder / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     frame = pipeline.margin(DS, path)

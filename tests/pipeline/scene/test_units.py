@@ -44,7 +44,7 @@ REGISTRY = pint.UnitRegistry()
     ],
 )
 def test_usual_units_are_what_the_library_of_all_units_says(unit, like):
-    """Scenes in the usual units are read without it."""
+    """Usual units are read without pint, and must agree with it."""
     base = REGISTRY.Quantity(1.0, like.removeprefix("1 ")).units
     for number in ("1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"):
         expected = REGISTRY.Quantity(float(number), unit).to(base).magnitude
@@ -62,7 +62,7 @@ def test_a_value_is_shown_as_the_number_of_units_that_it_was_read_from(unit):
 
 
 def shown_units():
-    """Units in which the code shows values, as they stand in calls, and where."""
+    """Yield each unit in which the code displays values, and the place of the call."""
     for path in sorted((ROOT / "pipeline").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             name = getattr(getattr(node, "func", None), "id", "")
@@ -72,7 +72,7 @@ def shown_units():
 
 
 def test_every_unit_in_which_values_are_shown_has_a_size():
-    """One without a size is taken for SI, as a µ of the Greek alphabet would be."""
+    """A unit without a size is taken for SI, as a Greek µ would be."""
     used = [*shown_units(), *((unit, name) for name, unit in UNITS.items() if unit)]
     assert len(used) > 100
     assert [(unit, place) for unit, place in used if unit not in SIZES] == []

@@ -24,7 +24,7 @@ KEY = "a private key"
 
 @pytest.fixture
 def outside(tmp_path):
-    """A folder beside the store, whose files have names that a store has."""
+    """A folder beside the store, with files named like those of a store."""
     for name in (LOCK, FIELD, CHUNK, f"load/c.0{PARTIAL}", "load/zarr.json", "status/c.0.0", "key"):
         (tmp_path / "outside" / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "outside" / name).write_text(KEY)
@@ -32,7 +32,7 @@ def outside(tmp_path):
 
 
 def tree(folder):
-    """All below a folder: where links lead, and what files hold."""
+    """Targets of links and contents of files below a folder, by relative path."""
     return {
         path.relative_to(folder): path.readlink() if path.is_symlink() else path.read_bytes()
         for path in folder.rglob("*")
@@ -41,7 +41,7 @@ def tree(folder):
 
 
 def link(path, target):
-    """Lay a link in the place of a file or folder, if one is there."""
+    """Replace a file or folder, if it exists, by a link; return its path."""
     if path.is_dir():
         shutil.rmtree(path)
     path.unlink(missing_ok=True)
@@ -87,7 +87,7 @@ def test_a_link_that_is_laid_while_a_run_writes_is_not_followed(path, outside):
 
 
 def strangers(store, outside):
-    """Put what others may put there into a store, also into the folders of its arrays."""
+    """Add users' files and links to a store; return a function that reads them again."""
     for folder in (store, store / "load", store / "fields" / "rise", store / "status"):
         (folder / "notes.txt").write_text("mine")
         (folder / ".#notes.txt").symlink_to("me@machine.123:456")

@@ -91,7 +91,7 @@ def test_a_point_that_is_not_done_is_not_a_number_whatever_is_on_the_disk(copy):
 
 
 def test_opening_reads_no_field(copy):
-    """Fields may be larger than the memory."""
+    """Opening must not read fields, which may be larger than the memory."""
     for file in (copy / "fields").glob("*/c.*"):
         if file.parent.name in ("x", "y"):
             continue
@@ -110,7 +110,7 @@ def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(c
 
 
 def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
-    """Or a repair would throw away what is sound."""
+    """Otherwise a repair would delete sound data."""
 
     def none_left(*_, **__):
         raise RuntimeError("can't start new thread")

@@ -208,7 +208,7 @@ def test_a_sweep_that_grows_anyhow_goes_on_with_each_point_as_computed(tmp_path_
 
 
 def begins(sweep, path):
-    """True if each axis of the sweep begins with the store's, which has no other axes."""
+    """True if the sweep's loads and velocities begin with those of the store."""
     held, plane = opened(path).axes, sweep.plane
     axes = [(held["load"], plane.loads), (held["velocity"], plane.velocities)]
     return all(list(values[: len(old)]) == old for old, values in axes)

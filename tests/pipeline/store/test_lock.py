@@ -37,7 +37,7 @@ def refuse(path, holder=HERE):
 
 
 def aliases(path):
-    """Other paths to a store."""
+    """Yield other paths to a store."""
     (path.parent.parent / "linked").symlink_to(path.parent)
     link = path.parent.parent / "alias.zarr"
     link.symlink_to(path)
@@ -76,7 +76,7 @@ def test_what_a_killed_process_of_this_host_or_nobody_left_is_free(path, left):
 
 
 def test_what_a_process_of_another_host_left_is_not_taken_until_somebody_deletes_it(path, irg):
-    """Its lock may not reach this host, and no clock tells whether it lives."""
+    """A kernel lock may not reach this host, so nothing tells whether that process lives."""
     (path / LOCK).write_text("process 7 on node7\n")
     os.utime(path / LOCK, (0, 0))
     before = contents(path)
@@ -151,7 +151,7 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(path, replaced):
 
 
 def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, monkeypatch):
-    """Since another driver may have come, and read the statuses before."""
+    """Another driver may have started meanwhile, and read the statuses before."""
     replace = files.write_file
 
     def deleted(file, content):

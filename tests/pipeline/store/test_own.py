@@ -26,14 +26,14 @@ SWEEP = tiny.full()
 
 @pytest.fixture(autouse=True)
 def _quiet_zarr():
-    """Zarr warns of consolidated metadata whenever it writes some."""
+    """Ignore Zarr's warning about consolidated metadata."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Consolidated metadata")
         yield
 
 
 def add_own(path):
-    """Add attributes and a variable to a store, as xarray and Zarr do."""
+    """Add a user's attributes and variable to a store, with xarray and Zarr."""
     group = zarr.open_group(path, mode="r+")
     group.attrs["comment"] = "mine"
     group["max_rise"].attrs["note"] = "mine, too"
@@ -106,7 +106,7 @@ SWEEPS = {
 
 @pytest.fixture(scope="module", params=["plane, 2", "surfaces, 1", "rows, 1", "search, 2"])
 def made(request, tmp_path_factory):
-    """A store of each kind, whose points are done, or one of two."""
+    """A store of each kind, with all points done or every second one."""
     kind, _, part = request.param.partition(", ")
     path, sweep = tmp_path_factory.mktemp("made") / "store.zarr", SWEEPS[kind]
     with writing(path, sweep) as store:

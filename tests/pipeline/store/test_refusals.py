@@ -24,7 +24,7 @@ SWEEP = tiny.full()
 
 
 def changed(change, read=summary):
-    """Read a copy of a store in which something was changed."""
+    """Function that reads a copy of a store after a change."""
 
     def build():
         shutil.copytree("tiny.zarr", "a.zarr")
@@ -47,7 +47,7 @@ def put(name, content):
 
 
 def forged(change):
-    """A root with other values and the right hash."""
+    """Function that gives a store a root with other values and the right hash."""
 
     def write(path):
         forge(path, path / ROOT, change)
@@ -56,7 +56,7 @@ def forged(change):
 
 
 def measured(change):
-    """A store of which a chunk of a measured surface was changed."""
+    """Read a store with a measured surface after a change of its chunk."""
     heights = SWEEP.scene.roughness.heights(SWEEP.scene.pixels)
     commit("a.zarr", tiny.full(roughness=tribo.MeasuredRoughness(heights)), ())
     change(Path("a.zarr"))
@@ -64,7 +64,7 @@ def measured(change):
 
 
 def exchange(path):
-    """Exchange the heights, with a sound checksum."""
+    """Set the heights of a store to zero, with a sound checksum."""
     zarr.open_group(path, mode="r+")["inputs"][:] = 0.0
 
 
@@ -75,7 +75,7 @@ def edit(path, change):
 
 
 def unfinished(is_held):
-    """A store whose root is not written yet."""
+    """Read a store whose root is not written yet, whether locked or not."""
     Path("a.zarr/status").mkdir(parents=True)
     if not is_held:
         Path("a.zarr", LOCK).touch()

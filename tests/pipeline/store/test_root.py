@@ -28,7 +28,7 @@ JSON = st.recursive(
 
 
 def places(value, path=()):
-    """Paths of all values within a document, its own included."""
+    """Yield the paths of all values in a nested document, the whole one included."""
     yield path
     if isinstance(value, dict | list):
         for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
@@ -36,7 +36,7 @@ def places(value, path=()):
 
 
 def edited(text, path, new):
-    """A document with another value at a path."""
+    """A JSON document with another value at a path."""
     document = [json.loads(text)]
     inner, keys = document, (0, *path)
     for key in keys[:-1]:
@@ -82,7 +82,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, data):
-    """They follow from the root, and are not read."""
+    """Metadata of arrays follow from the root, and are not read."""
     (forged / ROOT).write_bytes((alone / ROOT).read_bytes())
     name = data.draw(st.sampled_from(["mean_rise", "status", "message", "load", "pressure"]))
     text = (alone / path_of(name) / ROOT).read_text()

@@ -46,7 +46,7 @@ def address(server, request):
 
 @pytest.fixture(scope="module")
 def made(server):
-    """A store with one of its two points, which tests leave as it is."""
+    """Address of a store with one of its two points done, which tests do not change."""
     address = f"s3://irg/made_{os.getpid()}/tiny.zarr"
     commit(address, SWEEP, [POINT])
     return address
@@ -76,7 +76,7 @@ def delete(address):
 
 
 def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeypatch, irg):
-    """Each one is charged for, and takes a tenth of a second on its way."""
+    """Each request is charged for, and takes a tenth of a second."""
     requests, send = [], AioEndpoint._send
 
     async def logged(self, request):

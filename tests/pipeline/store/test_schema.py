@@ -52,7 +52,7 @@ TESTS = {"a": {}, "b": {}}
 def test_time_and_distance_differ_between_rows_whose_ramps_or_velocities_do(
     variants, time, distance, status
 ):
-    """No more than that, or a sweep of many surfaces would store the same times for each."""
+    """Otherwise a sweep of many surfaces would store the same times for each."""
     wanted = schema.variables_of(tiny.full(variants=variants))
     assert wanted["status"].dims == tuple(status.split())
     assert wanted["mean_rise"].dims == (*status.split(), "step")

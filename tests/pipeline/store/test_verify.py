@@ -55,7 +55,7 @@ def missing(file):
 
 
 def exchanged(file):
-    """With another chunk of the same array, or of another one if it has no other."""
+    """Exchange a chunk with another one, of the same array if there is one."""
     others = [*sorted(file.parent.glob("c.*")), *sorted(file.parents[1].glob("*/c.*"))]
     content = file.read_bytes()
     other = next(one for one in others if one.read_bytes() != content)
@@ -75,14 +75,14 @@ UNNAMED = ["status", "asked"]
 
 
 def resumed(path, sweep, **options):
-    """Run a sweep from records; what it did, and what it said."""
+    """Run a sweep with points from records; return its outcome and its messages."""
     messages = Heard()
     with computing({point: record(point) for point in points(sweep)}, pace=0.0):
         return pipeline.run_sweep(sweep, path, progress=messages.hear, **options), messages
 
 
 def stored(path):
-    """All values of a store, as they stand on the disk."""
+    """All values of a store on disk by name, comparable bit for bit."""
     texts = "message", "checksum"
     return {
         name: values.tolist() if name in texts else values.tobytes()
@@ -142,7 +142,7 @@ def test_a_chunk_that_cannot_be_read_is_named_with_all_of_its_points(copy):
 
 
 def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
-    """Else none of its points could be written."""
+    """Otherwise none of its points could be written."""
     commit(path, SWEEP, [POINT])
     with writing(path, SWEEP) as store:
         store.forget([POINT])
@@ -153,7 +153,7 @@ def test_a_chunk_of_points_that_are_not_done_is_mended_too(path):
 
 
 def test_a_store_that_is_half_done_is_as_sound_as_a_whole_one(path):
-    """Also after a kill between data and statuses, or just after the points were entered."""
+    """This holds after a kill between data and statuses, and in a store without data."""
     commit(path, SWEEP, ())
     assert pipeline.verify_store(path).is_clean
     commit(path, SWEEP, [POINT])
@@ -170,7 +170,7 @@ def values(path, name):
 
 
 def test_points_in_the_places_of_each_other_are_found(copy):
-    """Data with their checksums, with which they agree, but not with their place."""
+    """Two points are exchanged with their checksums, which agree with the data, not the place."""
     about = ("checksum", "message", "warning_flags", "wall_time", "steps")
     for name in (*COLUMNS, *FIELDS, *about):
         array = values(copy, name)
@@ -187,7 +187,7 @@ def test_a_status_without_data_is_found(path):
 
 @pytest.mark.parametrize("name", ["load", "time"])
 def test_damaged_coordinates_are_not_read(copy, alone, name):
-    """The root has them too, and a hash over them."""
+    """The root also has the coordinates, with a hash."""
     cut(chunks(copy, name)[0])
     assert pipeline.open_sweep(copy)[name].equals(pipeline.open_sweep(alone)[name])
 
@@ -202,7 +202,7 @@ def test_statuses_that_cannot_be_read_are_told_by_who_reads_them(copy, name):
 
 @pytest.mark.parametrize("name", ["mean_rise/c.0.0.0", "fields/rise/c.0.0.0.0", "status/c.0.0"])
 def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name):
-    """It may be sound: here is a link that nobody can read for a while."""
+    """The file may be sound: here it is a link that cannot be read for a while."""
     (copy / name).unlink()
     (copy / name).symlink_to(copy / name)
     before = contents(copy)

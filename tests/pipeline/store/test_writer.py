@@ -8,7 +8,7 @@ from pipeline.store.write import Writer
 
 
 class Commits:
-    """A store of which each commit takes a minute, by a clock of its own."""
+    """Fake store whose commits take a minute of a fake clock."""
 
     def __init__(self):
         self.now, self.place, self.commits = 0.0, None, []

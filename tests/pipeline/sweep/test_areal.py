@@ -22,7 +22,7 @@ def holed(heights, share=0.3, seed=1):
 
 
 def test_amplitudes_are_those_of_the_measured_heights():
-    """Of normal heights Ra is Rq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
+    """Normal heights have Ra = Rq √(2/π); the plane takes 3 of 13 440 degrees of freedom."""
     patchy = holed(ROUGH)
     found = areal_roughness(patchy, SPACING)
     values = patchy[np.isfinite(patchy)]
@@ -44,7 +44,7 @@ def test_the_plane_and_both_curvatures_are_taken_off(share):
 
 
 def test_a_curvature_within_the_roughness_is_left():
-    """A sag of half a root mean square height to the edge."""
+    """The curvature's sag at the edge is half a root mean square height."""
     radius = (X**2).max() / (2 * 0.5e-7)
     level, _, radii = remove_form(ROUGH - X**2 / (2 * radius), SPACING)
     assert radii == (math.inf, math.inf)
@@ -70,7 +70,7 @@ def test_grooves_longer_than_the_area_have_an_aspect_of_0_and_a_lay():
 
 @pytest.mark.parametrize("share", [0.1, 0.4])
 def test_holes_do_not_move_the_autocorrelation(share):
-    """A wave of 40 µm falls to 1/e at arccos(1/e)/2π of it, 7.6 µm, by linear interpolation."""
+    """A wave of 40 µm falls to 1/e at 40 µm · arccos(1/e)/2π = 7.6 µm."""
     wave = np.cos(2 * np.pi * np.arange(200) / 40)[:, None] * np.ones(60)
     whole, *_ = autocorrelation_lengths(wave, (1e-6, 1e-6))
     patchy, longest, _ = autocorrelation_lengths(holed(wave, share), (1e-6, 1e-6))

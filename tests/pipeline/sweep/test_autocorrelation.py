@@ -36,7 +36,7 @@ def test_a_turned_surface_keeps_its_shortest_and_longest():
 
 
 def test_a_patch_is_known_to_the_same_share_of_its_length_along_both_axes():
-    """Waves of 100 pixels fall to the threshold after 19 of them, in 400 pixels but not in 20."""
+    """Waves of 100 pixels fall to the threshold after 19, found in 400 pixels but not in 20."""
     waves = np.cos(2 * np.pi * np.arange(400) / 100)
     for shape in ((400, 20), (20, 400)):
         heights = np.broadcast_to(waves[:, None] if shape[0] > shape[1] else waves, shape)

@@ -11,7 +11,7 @@ from tests.helpers.unknowns import CRITICAL, FRICTION, LENGTH, RATE, distributio
 
 
 def joined(entry, **correlations):
-    """An unknown input that is correlated with others, by the last parts of their paths."""
+    """Copy of an unknown input that is correlated with others, by the last part of their path."""
     paths = {other.path.rpartition(".")[2]: other.path for other in (CRITICAL, RATE, FRICTION)}
     pairs = tuple((paths[name], number) for name, number in correlations.items())
     return Unknown(entry.path, entry.kind, entry.parameters, entry.unit, correlated=pairs)

@@ -17,7 +17,7 @@ CROWNED = {"without": ["pin.length"], "pin.shape": "crowned", "pin.crown_radius"
 
 @pytest.fixture
 def scene(tmp_path):
-    """A scene with other values of some entries, by their paths."""
+    """Function that loads a scene with other values of entries, by path."""
     (tmp_path / "plain.toml").write_text(SCENE)
     return lambda entries=None: pipeline.load_scene(tmp_path / "plain.toml", overrides=entries)
 

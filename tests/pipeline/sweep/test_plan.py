@@ -23,7 +23,7 @@ SWEEP = tiny.sweep()
 
 
 def same(first, second):
-    """True if two results agree bit for bit."""
+    """Assert that two results agree bit for bit; return whether their warnings agree."""
     assert first.columns.keys() == second.columns.keys()
     for name, values in (first.columns | first.fields).items():
         assert values.tobytes() == (second.columns | second.fields)[name].tobytes(), name
@@ -92,7 +92,7 @@ PHYSICS = {
 
 @pytest.fixture(autouse=True)
 def _few_positions(monkeypatch):
-    """Of the disk under a ball, over which its temperature is a mean."""
+    """Average the temperature under a ball over only three positions of the disk."""
     monkeypatch.setattr(disk_positions, "_MOST_POSITIONS", 3)
 
 
@@ -100,7 +100,7 @@ def _few_positions(monkeypatch):
 @pytest.mark.parametrize("steps", ["course", "end"])
 @pytest.mark.parametrize("physics", PHYSICS)
 def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, limit):
-    """250 N is a step of the trunk; from a cache of any size, and in any order."""
+    """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
     sweep, trunks = tiny.sweep(steps=steps, **PHYSICS[physics]), Trunks(limit)
     for load in (150.0, 250.0, 600.0, 625.0, 250.0):
         (result,) = run_points(sweep, [Point(load, 1.0)], trunks)

@@ -23,7 +23,7 @@ def sweep():
 
 
 def test_film_parameters_of_the_papers_transitions(sweep):
-    """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
+    """The paper's 0.33, 0.38, 0.53, 0.84 are for 55 mPa s; this oil has 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
     lubrication = find_lubrication(changed(sweep, oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
@@ -55,7 +55,7 @@ def test_a_ball_has_the_film_of_a_point_contact(sweep):
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
 def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
-    """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 which replaces the ellipse of Hertz."""
+    """Hamrock and Dowson's ellipticity k = 1.03 (R_y/R_x)^0.64 approximates that of Hertz."""
     free = replace(sweep.scene.pixels, periodic=(False, False))
     ball, crowned = (
         find_lubrication(changed(sweep, pin=pin, pixels=free, wear=None))

@@ -23,9 +23,9 @@ OWN = "the scene's own fidelity"
 
 
 class Rig:
-    """Probes whose error is a function of the fidelity and the number of the point.
+    """Fake probes, whose error is a function of fidelity and point number.
 
-    Rises grow with the velocity itself, so that the boundary errs as they do.
+    Rises are proportional to velocity, so the boundary has the same relative error.
     """
 
     def __init__(self):

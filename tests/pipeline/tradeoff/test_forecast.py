@@ -25,7 +25,7 @@ SWEEP = changed(
 
 
 def counted(sweep, monkeypatch):
-    """Steps and temperatures of a whole sweep."""
+    """Numbers of steps and temperatures of a whole sweep, counted while it runs."""
     steps = temperatures = heats = 0
 
     def counting(*arguments):
@@ -94,7 +94,7 @@ def test_workers_share_the_time(monkeypatch):
 
 
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
-    """10 moments of each point up to 750 N, or its end alone, beside what each store takes."""
+    """10 steps of each point up to 750 N take ten times the room of the end alone."""
     few = changed(SWEEP, fidelity=Fidelity(increments=10))
     course, end = (estimate(changed(few, steps=steps)) for steps in ("course", "end"))
     assert course.disk_bytes - 0.36e6 == pytest.approx(10 * (end.disk_bytes - 0.36e6))

@@ -67,7 +67,7 @@ def true_error(name, fidelity):
 
 
 def kept(name, accuracy):
-    """The choice's true error is within the accuracy and within the stated error."""
+    """Assert that a choice's true error is within its stated one and the accuracy; return both."""
     selection = choose_fidelity(ALL[name], accuracy)
     error = true_error(name, selection.fidelity)
     assert error <= selection.error <= accuracy

@@ -15,7 +15,7 @@ COLD = changed(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
 
 
 def stored(**values):
-    """Ask for an accuracy of 2 % where a store is."""
+    """Function that asks for an accuracy of 2 % with a store that exists."""
 
     def build():
         sweep = tiny.sweep(**values)
@@ -27,7 +27,7 @@ def stored(**values):
 
 
 def vary_by(path, present):
-    """Vary an entry by a fifth of what the scene gives."""
+    """Vary an entry of a scene by +20 %; the scene gives it the value `present`."""
     return pipeline.vary("first_try", {path: ["+20%"]}, overrides={path: present})
 
 

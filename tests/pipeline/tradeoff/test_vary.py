@@ -31,7 +31,7 @@ def variations(folder):
 
 
 def velocities(found, entry):
-    """Critical velocities at the loads, with an entry changed."""
+    """Critical velocities [m/s] by load, with an entry changed."""
     table = found.table
     return table.loc[table["entry"] == entry, "critical velocity [m/s]"].to_list()
 

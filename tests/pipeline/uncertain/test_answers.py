@@ -27,7 +27,7 @@ def samples():
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):
-    """One input gains as the other loses, so that less than half is rarer still."""
+    """Correlated inputs compensate each other, so that a probability below half falls further."""
     alone, both = (margin(one, 400.0, 1.6).probability for one in (samples, ensemble(JOINT)))
     direct = drawn(JOINT, 99, 2**14)
     severe = rise(direct, 400.0, 1.6) > limit(direct)

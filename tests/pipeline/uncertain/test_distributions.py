@@ -72,7 +72,7 @@ def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
 
 
 def reasons_against(one, other):
-    """Reasons why a sweep does not go on with the store of another one."""
+    """Reasons why a sweep cannot resume the store of another one."""
     return [*misfits(join(None, one), other)]
 
 

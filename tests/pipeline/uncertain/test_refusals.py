@@ -25,7 +25,7 @@ PLACE = "--load", "500 N", "--velocity", "1 m/s"
 
 
 def scene(*unknown, sweep="samples = 8", text=SCENE, overrides=None):
-    """Read a scene with unknown inputs."""
+    """Function that reads a scene with these unknown inputs."""
 
     def build():
         inputs = "\n".join(["[unknown]", *unknown]) if unknown else ""
@@ -44,7 +44,7 @@ def inferred(*options, text=SCENE):
 
 
 def asked(name, *options):
-    """A command about samples, none of which is computed."""
+    """Function that runs a command on a store in which no sample is computed."""
 
     def build():
         with writing("samples.zarr", scene(RATES, FRICTIONS)()):
@@ -55,7 +55,7 @@ def asked(name, *options):
 
 
 def weighed(loads=3, unknown=ALL, load=400.0, velocity=2.0, **told):
-    """Weigh the inputs by one test."""
+    """Function that weighs the unknown inputs by one test."""
 
     def build():
         test = {"normal_load": load, "velocity": velocity, "friction": 0.1} | told
@@ -67,12 +67,12 @@ def weighed(loads=3, unknown=ALL, load=400.0, velocity=2.0, **told):
 
 
 def all_fixed():
-    """Samples none of whose inputs is unknown any more."""
+    """Ask for the sensitivity of samples without an unknown input."""
     return pipeline.sensitivity(replace(ensemble(), unknown=()))
 
 
 def failing():
-    """Transitions of a scene, one of whose points fails."""
+    """Infer critical temperatures while the simulation of a point fails."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(critical_temperature, "results_of", lambda *_: ({}, {"a point"}))
         patch.setattr(critical_temperature, "run_sweep", lambda *_, **__: None)
@@ -100,7 +100,7 @@ DUTY = {"load [N]": [400.0], "velocity [m/s]": [2.0], "friction": [0.1]}
 
 
 def bent():
-    """Judge a row of another friction by samples whose friction falls with velocity."""
+    """Judge a row with its own friction by samples whose friction falls with velocity."""
     falling = Corrections(friction=Friction(by_velocity=((1.0, 1.2), (4.0, 0.8))))
     conditions = replace(ensemble().conditions, corrections=falling)
     return field(replace(ensemble(), conditions=conditions)).judged_by({"friction": 0.09})
@@ -156,7 +156,7 @@ UNFIT = (
 
 
 def joint(other, *more, inner=""):
-    """The wear rate with a correlation of 0.5 with another input, and further inputs."""
+    """Function that reads a scene whose wear rate has a correlation of 0.5 with another input."""
     return scene(RATES.replace(" }", f", correlated = {{ {other} = 0.5 }}{inner} }}"), *more)
 
 

@@ -23,7 +23,7 @@ ensemble = functools.partial(samples.ensemble, count=32)
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
-    """Transitions that a rig measures of a hidden truth; one is off by 40 %."""
+    """Measured transitions of a rig with hidden true inputs; number `off` is 40 % too high."""
     factors = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(loads)))
     if off is not None:
         factors[off] *= 1.4
@@ -38,7 +38,7 @@ def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=Non
 
 
 def alone(limit, load):
-    """Critical velocity where a limit of the rise is the only input."""
+    """Critical velocity if the limit of the rise is the only input."""
     return (limit / rise(np.zeros((1, 0)), load, 1.0, ())[0]) ** (1 / EXPONENT)
 
 
@@ -67,7 +67,7 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
 
 
 def idle_tests(frictions, error=0.0):
-    """Tests whose outcome tells nothing, with the friction that they measured."""
+    """Tests with measured frictions, whose outcome carries no information."""
     place = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}
     error = {"friction_scatter": error} if error else {}
     return [place | {"friction": float(friction)} | error for friction in frictions]
@@ -264,7 +264,7 @@ def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_
 
 
 def test_friction_by_velocity_is_known_however_it_bends():
-    """Samples tell the heat; the table, which jumps by 2 between two of its rows, acts on it."""
+    """Samples are of the heat alone; the friction table, with a jump by 2, is applied to it."""
     bent = Friction(by_velocity=((1.0, 1.6), (1.6, 0.7), (3.0, 1.2), (4.0, 0.5)))
     plain = ensemble((CRITICAL,))
     conditions = dataclasses.replace(plain.conditions, corrections=Corrections(friction=bent))

@@ -178,7 +178,7 @@ def test_jaegers_band_is_the_sum_of_moving_line_sources(velocity):
 
 @pytest.mark.parametrize(("half_x", "half_y", "peclet"), [(1e-4, 1e-4, 1.0), (1e-4, 4e-4, 3.0)])
 def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
-    """Row by row: on each the sources q exp(−V(r − x + x')/(2κ))/(2πKr), r their distance."""
+    """Integral over rows of point sources q exp(−V(r − x + x')/(2κ))/(2πKr) at distance r."""
     velocity = peclet * 2 * KAPPA / half_x
 
     def rise(x):

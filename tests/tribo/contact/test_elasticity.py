@@ -18,7 +18,7 @@ def elastic_influence(grid, contact_modulus, kernel="periodic"):
 
 
 def love(x, y, dx, dy):
-    """∫∫ 1/r over an element, by Love's closed form in 18 digits."""
+    """∫∫ 1/r over an element by Love's closed form, in long double precision."""
     x, y, a, b = (np.longdouble(value) for value in (x, y, dx / 2, dy / 2))
 
     def corner(x, y):
@@ -41,9 +41,9 @@ def test_free_kernel_equals_love(place, dy):
 
 
 def by_images(x, y, dy, ny):
-    """Influence of an element and all its images along y, less that on itself.
+    """Influence of an element and all its images along y, minus that on itself.
 
-    The error of a sum that ends after n images falls as even powers of n + ½, which are taken off.
+    The error of a sum cut after n images falls as even powers of n + ½; these are eliminated.
     """
     counts, period = [16 * 2**k for k in range(6)], ny * dy
     total, sums = love(x, y, 1.0, dy) - love(0, 0, 1.0, dy), []
@@ -76,7 +76,7 @@ def test_line_periodic_kernel_equals_the_extrapolated_sum_over_images(dy, ny, pl
 
 
 def alternating(function):
-    """The sum of (-1)^k function(k) over all integers, k and -1 - k together."""
+    """Sum of (-1)^k function(k) over all integers k, by accelerated convergence."""
     terms = 30
     d = (3 + np.sqrt(8)) ** terms  # Cohen, Rodriguez Villegas & Zagier (2000), algorithm 1
     d = (d + 1 / d) / 2
@@ -89,7 +89,7 @@ def alternating(function):
 
 
 def wave(mode, shape, spacing):
-    """A mode of the transform of the influence: a sum over the waves that a grid cannot tell."""
+    """Fourier coefficient of the influence function, by a sum over aliased waves."""
     (mu, nu), (dx, dy) = np.divide(mode, shape), spacing
     if mode[0] == 0:  # all other waves along x have whole periods in an element
         return np.sin(np.pi * nu) / np.pi * alternating(lambda r: dy / ((nu + r) * abs(nu + r)))

@@ -22,13 +22,13 @@ E_STAR = 115.385e9
 
 
 def dense(solid):
-    """The matrix of the map, column by column."""
+    """Dense matrix of the elastic map, from its unit columns."""
     unit = np.eye(math.prod(solid.grid.shape)).reshape(-1, *solid.grid.shape)
     return np.array([solid(column).ravel() for column in unit]).T
 
 
 def bounded_least_squares(matrix, z, total, hardness):
-    """The same problem with other means: ‖Rp − R⁻ᵀ(α − z)‖ within bounds, α by root finding."""
+    """Contact by another method: minimise ‖Rp − R⁻ᵀ(α − z)‖ within bounds, with roots for α."""
     root = cholesky(matrix)
 
     def pressure(approach):
@@ -151,7 +151,7 @@ def test_no_load_and_the_most_that_hardness_carries():
 
 
 def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
-    """The paper's patch on n × n elements."""
+    """Solution of the paper's rough line contact on n × n elements."""
     grid = Grid((n, n), (391.68e-6 / n, 456e-6 / n))
     solid = ElasticHalfSpace(grid, E_STAR)
     z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.27e-6, 0.8, 4e-6, 0)
@@ -170,7 +170,7 @@ def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out()
 
 
 def test_a_cold_start_takes_few_iterations():
-    """A rough contact, of which a fifth touches and a part yields."""
+    """A fifth of this rough contact touches, and a part of it yields."""
     grid = Grid((256, 256), (1e-6, 1e-6), (True, True))
     z = -self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
     contact = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 60.0, 6.6e9, tolerance=1e-10)

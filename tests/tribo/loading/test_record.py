@@ -12,7 +12,7 @@ TIMES = np.linspace(0.0, 8.0, 81)
 
 
 def smooth_record(noise=0.0):
-    """The paper's loading, 150 N/s to 750 N from 0.5 s on, with the rounded foot of a rig."""
+    """Load record of the paper, 150 N/s to 750 N from 0.5 s on, with a rounded start."""
     loads = np.clip(150.0 * (TIMES - 0.5), 0.0, 750.0)
     loads = loads + noise * np.random.default_rng(0).standard_normal(TIMES.size)
     return MeasuredLoad(TIMES, loads, reference_load=740.0)
@@ -70,7 +70,7 @@ def test_linear_fit_finds_the_rate_and_the_onset(noise):
 
 
 def test_the_course_of_a_long_log_keeps_its_impulse_and_its_jumps():
-    """An hour of readings at 10 Hz with noise, idle for 59 min and loaded in the last second."""
+    """An hour of noisy readings at 10 Hz: hardly any load for 59 min, and a jump at the end."""
     times = np.arange(0.0, 3600.05, 0.1)
     noise = np.random.default_rng(1).normal(0.0, 2.0, len(times))
     loads = np.interp(times, [0, 60, 61, 3599, 3600], [0.0, 300.0, 20.0, 20.0, 600.0]) + noise

@@ -8,7 +8,7 @@ AXES = [(False, False), (False, True), (True, False), (True, True)]
 
 
 def direct(grid, kernel, field):
-    """The sum that defines the convolution, entry by entry."""
+    """Convolution by its defining sum, entry by entry."""
     (nx, ny), (mx, my) = grid.shape, padded_shape(grid)
     result = np.zeros(grid.shape)
     for i in range(nx):

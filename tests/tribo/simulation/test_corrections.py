@@ -20,7 +20,7 @@ RISE, SHARE = 1505.0, 0.443  # at friction 1
 
 
 def record(times, loads, velocity, rise=RISE, share=SHARE):
-    """Columns of a point whose temperature is known at its end alone."""
+    """Variables of a point whose temperature is known only at its end."""
     times, loads = np.array(times), np.array(loads)
     late = np.full(len(times), np.nan)
     late[-1] = 1.0
@@ -36,14 +36,14 @@ def record(times, loads, velocity, rise=RISE, share=SHARE):
 
 
 def added(corrections, columns):
-    """Additional rise at the end [K]."""
+    """Rise [K] that corrections add at the end of a point."""
     *before, last = corrections.added_rise(columns)
     assert all(np.isnan(before))
     return last
 
 
 def left_by_turns(velocity, speed, share, duration, load):
-    """Warming of a disc's tread at the end of a ramp, a turn at a time [K]."""
+    """Warming of a disc's tread [K] at the end of a ramp, as a sum over its turns."""
     age = np.arange(1, int(duration * speed / AROUND) + 1) * AROUND / speed
     heat = share * velocity * load * (1 - age / duration) / speed / WIDTH  # J/m² a turn
     strip = erf(WIDTH / (4 * np.sqrt(DIFFUSIVITY * age)))
@@ -63,7 +63,7 @@ def test_both_discs_are_warmed_by_their_own_turns(load):
 
 @pytest.mark.parametrize(("load", "kelvin"), [(3000.0, 25.6), (8000.0, 42.3)])
 def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
-    """The table of PHYSICS.md, section 14, whose sum leaves out the factor of the strip."""
+    """Expected values: PHYSICS.md, section 14, whose sum omits the factor for a strip."""
     velocity = {3000.0: 6.6, 8000.0: 2.5}[load]
     columns = record([load / 500.0], [load], velocity, rise=1e9)
     narrow = replace(TRACK, disc=tribo.Disc(diameter=10.0, width=WIDTH))  # hardly curved
@@ -76,7 +76,7 @@ def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
 
 
 def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
-    """A disc a fifth as far around: with the share of each turn of its own 39.9 K, not 50 K."""
+    """This disc's track is a fifth as long: with a heat share for each turn 39.9 K, not 50 K."""
     track = replace(TRACK, length=0.063)
     columns = record([5.0, 65.0], [2000.0] * 2, 4.1, rise=1000.0, share=0.5)
     corrections = tribo.Corrections(track=TRACK, pin_track=track, motion=ROLLING)
@@ -84,7 +84,7 @@ def test_a_body_that_earlier_turns_have_warmed_takes_less_of_the_heat():
 
 
 def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly():
-    """Under a flux that grows as t the surface of a half-space warms by ⅔ 2q√t/(√π e)."""
+    """A flux q growing with time t warms a half-space of effusivity e by ⅔ 2q√t/(√π e)."""
     wide = tribo.Track(AROUND, 50.0, 1.0, DIFFUSIVITY, CAPACITY)
     columns = record([600.0], [1e6], 20.0, rise=1e6)
     disk = added(tribo.Corrections(track=wide), columns)
@@ -95,7 +95,7 @@ def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly()
 
 
 def test_a_bulk_warms_by_the_energy_that_it_took():
-    """The disk takes all but a trace of 94 W: 0.36 K in a ramp of 5 s, 9.04 K after 60 s more."""
+    """The disk takes nearly all of 94 W: 0.36 K in a ramp of 5 s, 9.04 K after 60 s more."""
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(650.0))
     ramp = record([5.0], [750.0], 1.25, share=1e-9)
     held = record([5.0, 35.0, 65.0], [750.0] * 3, 1.25, share=1e-9)
@@ -122,7 +122,7 @@ def test_a_steady_state_is_two_chains_of_resistances():
 
 
 def test_a_moment_knows_the_load_that_its_scene_had_before():
-    """A ramp of 1 s and a hold of 60 s: 0.065 m/s times 605 N s are 39.3 J at friction 1."""
+    """A ramp of 1 s and a hold of 60 s: 0.065 m/s · 605 N s = 39.3 J at friction 1."""
     scene = critical_temperature_rig()
     *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
     bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))

@@ -16,7 +16,7 @@ _CLOSE = 0.1  # K, a third of what is promised: of each round 2e-4 of some 120 K
 
 
 def line(slope):
-    """Curve of a friction that changes by so much a kelvin."""
+    """Friction curve that changes linearly with temperature, by `slope` per kelvin."""
     return ((BULK, 1.0), (BULK + 150.0, 1.0 + 150.0 * slope))
 
 
@@ -41,7 +41,7 @@ def end(system):
 
 
 def iterated(system, state, curve, added=0.0):
-    """Rise that a tenth of the contact exceeds, by small steps until nothing changes [K]."""
+    """Rise [K] exceeded by a tenth of the contact, by plain iteration in small steps."""
     contact, length = state.pressure > 0, system.pin.length
     bodies = [
         ConductingHalfSpace(system.grid, body, velocity, state.time, length=length)
@@ -94,7 +94,7 @@ def oil(curve, critical, **parts):
 
 
 def by_equation_1(system, conditions):
-    """Decisive temperature by the friction of each part alone [K]."""
+    """Deciding temperature [K] if each element's friction depends only on its own temperature."""
     state = end(system)
     rise = state.heat.rise_quantile[tribo.QUANTILES.index(0.9)]
     return conditions.contact_temperature(rise)

@@ -21,13 +21,13 @@ _STEP, _STILL, _MOST = 0.3, 1e-2, 200  # share of a change that is taken, its en
 
 
 def line(bulk, slope):
-    """Curve of a friction that changes by so much a kelvin, over 150 K."""
+    """Friction curve over 150 K that changes linearly, by `slope` per kelvin."""
     return ((bulk, 1.0), (bulk + 150.0, 1.0 + 150.0 * slope))
 
 
 @pytest.fixture(scope="module")
 def states(tmp_path_factory):
-    """The scene, its velocity, bulk temperature and last state of each system, by its name."""
+    """Scene, velocity, bulk temperature and last state of each system, by name."""
     folder, found = tmp_path_factory.mktemp("systems"), {}
     for name, case in SYSTEMS.items():
         sweep = case.sweep(folder, preset="draft")
@@ -38,7 +38,7 @@ def states(tmp_path_factory):
 
 
 def iterated(scene, state, velocity, law, bulk):
-    """Rise that a tenth of the contact exceeds, by small steps until nothing changes [K]."""
+    """Rise [K] exceeded by a tenth of the contact, by plain iteration in small steps."""
     scene = refined_scene(scene, state)
     contact, (pin, disk) = state.pressure > 0, bodies_at(scene, state, velocity)
     heat = abs(velocity) * state.pressure

@@ -35,7 +35,7 @@ NINE_TENTHS = QUANTILES.index(0.9)
 
 
 def ball(preset="draft", pattern="swept", side=4e-6, pixels=160, **fidelity):
-    """A ball of 5 mm on a rough disk, in a window of 640 µm."""
+    """Scene of a ball of radius 5 mm on a rough disk, in a window of 640 µm."""
     return Scene(
         pin=Ball(5e-3, STEEL),
         disk=STEEL,
@@ -72,7 +72,7 @@ def test_the_width_of_a_contact_is_that_along_sliding_in_a_window_twice_as_long_
 
 
 def ellipse(half_x, half_y, elements=120):
-    """Grid about an ellipse, and √(1 − x²/a² − y²/b²) on it."""
+    """Grid around an ellipse with half-axes a and b, and √(1 − x²/a² − y²/b²) on it."""
     sides = 2.4 * half_x / elements, 2.4 * half_y / elements
     grid = Grid((elements, elements), sides, (False, False))
     x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
@@ -144,7 +144,7 @@ def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
 
 
 def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
-    """A ball that meets ever new summits does not wear into them."""
+    """A ball that always meets new summits does not conform to them by wear."""
     # Many times as many patches as the scene takes, each worn point by point:
     few = {"pixels": 96, "side": 640e-6 / 96}
     true = hot(end(ball(history_coarsening=1, increments=60, **few)))
@@ -157,7 +157,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
 
 
 def few_elements(increments):
-    """A rough ball on 220 elements, which the disk passes."""
+    """Scene of a rough ball whose contact has 220 elements."""
     return Scene(
         pin=Ball(5e-3, STEEL),
         disk=STEEL,
@@ -170,7 +170,7 @@ def few_elements(increments):
 
 
 def test_a_ball_on_few_elements_is_as_hot_whatever_the_number_of_steps():
-    """The temperature is a mean over positions of the disk; at one position it leaps."""
+    """The temperature is a mean over positions of the disk; at a single one it varies strongly."""
     states = [end(few_elements(increments), 40.0) for increments in (4, 5)]
     own = [np.quantile(s.heat.rise[s.pressure > 0], 0.9) for s in states]
     assert hot(states[0]) == pytest.approx(hot(states[1]), rel=0.02)

@@ -13,7 +13,7 @@ DECISIVE = QUANTILES.index(0.9)
 
 
 def rough_scene(**fidelity):
-    """192 × 96 pixels, enough for a history on a coarser grid."""
+    """Scene with 192 × 96 pixels, enough for heat history on a coarser grid."""
     scene = small_scene(**fidelity)
     return replace(
         scene,
@@ -93,7 +93,7 @@ def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity,
 
 
 def smooth(pattern, **fidelity):
-    """A scene that is a plane one, and the same that does not know it."""
+    """A scene that is simulated as plane, and the same scene with a rough surface of height 0."""
     plane = replace(
         small_scene(pattern, roughness=False, contact_tolerance=1e-9, heat_tolerance=1e-9),
         pixels=Grid((96, 64), (4e-6, 4e-6)),

@@ -14,7 +14,7 @@ RULES = {"elements_per_summit": 1.0, "fewest_summits": 5, "fewest_elements": 20}
 
 
 def rough(lengths, pixels=(128, 128), side=2e-6, ra=1e-6, **changes):
-    """A scene whose surface has correlation lengths in pixels, of at most 4 × 4 an element."""
+    """Scene with correlation lengths in pixels, and elements of at most 4 × 4 pixels."""
     fidelity = {"pixels_per_element": 4, "history_coarsening": 4, "averaging": "sample", **RULES}
     scene = small_scene(**fidelity | changes)
     lengths = tuple(side * length for length in lengths)
@@ -28,7 +28,7 @@ def chosen(scene, load=600.0):
 
 
 def test_narrow_summits_need_small_elements():
-    """Summits of the highest tenth are 1.9, 3.5 and 5.3 pixels wide; steel yields on them."""
+    """The highest tenth of summits is 1.9, 3.5 and 5.3 pixels wide, and yields."""
     assert [chosen(rough((n, n)))[0] for n in (1.5, 5, 12)] == [1, 2, 4]
     assert chosen(rough((12, 12), ra=0.3e-6))[0] == 2  # touched elastically, half as wide
 
@@ -41,7 +41,7 @@ def test_loads_that_share_a_ramp_have_the_same_elements_and_small_loads_smaller_
 
 @pytest.mark.parametrize("hardness", [6.6e9, 1e12])
 def test_as_many_pixels_touch_as_expected_within_a_half(hardness):
-    """Of an unworn contact: by hardness, or by the slope of the surface."""
+    """An unworn contact is expected from the hardness, or from the slope of the surface."""
     material = replace(STEEL, hardness=hardness)
     scene = rough((5, 5), ra=0.1e-6, **dict.fromkeys(RULES, 0), pixels_per_element=1, wear=False)
     scene = replace(scene, disk=material, pin=replace(scene.pin, material=material))

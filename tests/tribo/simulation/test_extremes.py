@@ -31,7 +31,7 @@ SHAPE = (48, 16)
 
 @dataclass(frozen=True)
 class Extreme:
-    """What is extreme, and what must happen."""
+    """An extreme scene, and the expected outcome."""
 
     group: str
     what: str
@@ -42,7 +42,7 @@ class Extreme:
     velocity: float = 1.25
 
     def run(self):
-        """Go through all states, each held against the physics; return scene and last state."""
+        """Simulate, and assert that each state obeys the physics; return scene and last state."""
         scene, before = self.scene(), None
         for state in simulate(scene, self.load, self.velocity):
             assert_sound(scene, before, state, self.load)

@@ -11,7 +11,7 @@ RISING = ((320.0, 0.9), (420.0, 1.1))
 
 
 def iterated(law, rise, bulk):
-    """The fixed point T = T_b + µ(T) r by iteration from the bulk, damped."""
+    """Fixed point T = T_b + µ(T) r of the temperature, by damped iteration from the bulk."""
     nodes, factors = np.array(law.by_temperature).T
     temperature = np.full_like(rise, bulk)
     for _ in range(400):
@@ -38,7 +38,7 @@ def test_wear_is_severe_where_the_friction_at_the_limit_makes_more_heat():
 
 
 def test_where_friction_runs_away_a_little_more_rise_makes_a_contact_far_hotter():
-    """From 350 to 360 K it grows fivefold: 518.5 K of rise reach 350 K, twice as many far more."""
+    """Friction grows fivefold from 350 to 360 K: 518.5 K of rise give 350 K, twice it far more."""
     law = tribo.Friction(0.1, by_temperature=((350.0, 1.0), (360.0, 5.0)))
     before = (350.0 - BULK) / 0.1
     assert law.temperature(np.array([before]), BULK) == pytest.approx(350.0)
@@ -55,7 +55,7 @@ def test_each_rise_has_one_temperature_however_steep_friction_rises():
 
 
 def test_steepness_is_the_exponent_with_which_friction_grows_above_the_bulk():
-    """µ ∝ 1 + 0.004 (T − T_b) has x/(1 + x) with x = 0.004 (T − T_b), at its upper end."""
+    """µ ∝ 1 + x with x = 0.004 (T − T_b) has the exponent x/(1 + x), largest at the upper end."""
     law = tribo.Friction(0.1, by_temperature=((BULK, 1.0), (BULK + 100.0, 1.4)))
     assert law.steepness(BULK, BULK + 50.0) == pytest.approx(0.2 / 1.2)
     assert law.steepness(BULK, BULK + 300.0) == pytest.approx(0.4 / 1.4)

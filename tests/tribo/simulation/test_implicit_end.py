@@ -13,7 +13,7 @@ VELOCITY = 2.0
 
 
 def worn_scene(specific_wear_rate=2e-14, **changes):
-    """A smooth pin that wears so fast that rows of elements come into contact one by one."""
+    """Scene of a smooth pin that wears so fast that rows of elements touch one by one."""
     choices = {"wear_scheme": "sdirk2", "increments": 10} | changes
     return replace(
         small_scene(roughness=False, **choices),
@@ -28,7 +28,7 @@ def last(scene, load):
 
 
 def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
-    """Without the short end the quantile is 3 % too high."""
+    """Without a short last step the quantile is 3 % too high."""
     few, many = (last(worn_scene(increments=n), 600.0).heat for n in (10, 200))
     assert few.mean_rise == pytest.approx(many.mean_rise, rel=0.005)
     assert few.rise_quantile[-3] == pytest.approx(many.rise_quantile[-3], rel=0.01)

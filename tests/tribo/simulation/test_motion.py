@@ -29,7 +29,7 @@ RATIO = Motion(slide_roll_ratio=0.5)
 
 
 def twin_disc(motion=RATIO, elements=300, **changes):
-    """A smooth line contact, whose elements are rows, endless for heat."""
+    """Scene of a smooth line contact, whose elements are rows, infinitely long for heat."""
     fidelity = Fidelity(
         pixels_per_element=1,
         increments=1,
@@ -120,7 +120,7 @@ def test_a_cylinder_that_rolls_stays_round():
 
 
 def test_a_ball_that_rolls_wears_a_groove_around_itself():
-    """The implicit step solves for the depth that its own pressure wears, whatever the step."""
+    """The implicit step solves for the depth worn by its own pressure, with any step size."""
     scene = Scene(
         pin=Ball(5e-3, STEEL),
         disk=STEEL,

@@ -45,7 +45,7 @@ def test_direction_of_sliding_is_a_mirror():
 
 
 def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
-    """Table 4 at 200 N on the full grid: Θ10 and Θmax as in the specification, section 3."""
+    """Θ10 and Θmax of Table 4 at 200 N on the full grid are in the specification, section 3."""
     scene = Scene(
         pin=Cylinder(2e-3, 3.4e-3, STEEL),
         disk=Material(210e9, 0.3, 45.0, 7800.0, 470.0, 6.6e9),
@@ -66,7 +66,7 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
 
 
 def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
-    """Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
+    """As in Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
     scene = small_scene()
     held = replace(scene, loading=replace(scene.loading, hold=4.0))
     states = list(simulate(held, 600.0, 1.25, requested=range(100)))

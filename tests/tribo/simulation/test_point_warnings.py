@@ -14,12 +14,12 @@ BALL = Ball(8e-3, STEEL)
 
 
 def texts(scene, state, kind):
-    """Texts of a state's warnings of one kind."""
+    """Texts of the warnings of one kind on a state."""
     return [warning.text for warning in warnings(scene, state) if warning.kind == kind]
 
 
 def assert_told(words, scene, state, kind):
-    """Let a state have one warning of a kind, with these words, or none."""
+    """Assert that a state has one warning of a kind, with these words; none if they are empty."""
     messages = texts(scene, state, kind)
     assert len(messages) == bool(words)
     assert not words or words in messages[0]
@@ -43,7 +43,7 @@ def test_kinds_keep_the_bits_that_stores_have():
 
 
 def touching(scene, places):
-    """A state of a scene that touches at some places, without a temperature."""
+    """State of a scene with contact at some elements, without a temperature."""
     state = start(scene)
     pressure = np.zeros_like(state.pressure)
     pressure[places] = 1e9

@@ -32,7 +32,7 @@ def hottest_tenth(state):
 
 
 def true_excess(scene, load, velocity):
-    """By how much the present heat is warmer than all heat so far, in its own rise."""
+    """Relative excess of the rise with present heat only over that with all heat so far."""
     present, by_all = (
         hottest_tenth(last(with_(scene, heat_model=model), load, velocity))
         for model in ("elapsed", "history")

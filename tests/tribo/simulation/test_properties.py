@@ -43,7 +43,7 @@ def materials(draw):
 
 @st.composite
 def scenes(draw, wear=True):
-    """Rough line contacts within the physical range, solved to 1e-9, and a load they carry."""
+    """Strategy for random rough line contacts, solved to 1e-9, each with a load it can carry."""
     nx, ny = draw(st.integers(6, 40)), draw(st.integers(2, 20))
     dx = draw(st.floats(5e-7, 1e-5))
     pixels = Grid((nx, ny), (dx, dx * draw(st.floats(0.5, 2.0))))
@@ -71,7 +71,7 @@ def scenes(draw, wear=True):
 
 
 def assert_alike(first, second, tolerance=1e-5):
-    """Equal pressures and rises; the pressure is as sure as 1e-9 times the condition of the map."""
+    """Assert equal pressures and rises, within `tolerance` of their maximum."""
     p = first.pressure
     assert second.pressure == pytest.approx(p, abs=tolerance * p.max())
     rise = first.heat.rise

@@ -38,7 +38,7 @@ def end(scene, velocity=1.25, load=750.0):
 
 @pytest.fixture(scope="module")
 def rough():
-    """A rough contact, 64 × 32 elements, some 500 of which touch."""
+    """Scene and last state of a rough contact with 96 × 48 pixels."""
     scene = replace(
         small_scene(increments=3, heat_tolerance=1e-9),
         pixels=Grid((96, 48), (4e-6, 4e-6)),
@@ -49,7 +49,7 @@ def rough():
 
 @pytest.mark.parametrize("conductivity", [45.0, 5.0])
 def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
-    """Each point of both has been in contact for x/u, as if e√u were its effusivity."""
+    """Points of both bodies have been in contact for x/u, as if e√u were their effusivities."""
     slow = replace(STEEL, thermal_conductivity=conductivity, hardness=math.inf)
     scene = Scene(
         pin=Cylinder(2e-3, 3.4e-3, slow),

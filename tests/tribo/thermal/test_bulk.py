@@ -20,7 +20,7 @@ def test_capacity_alone_keeps_all_the_energy(history, energy):
 
 
 def test_both_bodies_share_the_energy_and_keep_it():
-    """The contact conducts half a watt per kelvin from the warmer to the colder one."""
+    """The contact conducts 0.5 W/K from the warmer to the colder body."""
     bulks = tribo.Bulk(40.0), tribo.Bulk(300.0)
     pin, disk = bulk_warming(*HELD, (1.0, 1.0), bulks)
     assert 40.0 * pin + 300.0 * disk == pytest.approx(5875.0)
@@ -32,10 +32,10 @@ def test_both_bodies_share_the_energy_and_keep_it():
 
 @pytest.mark.parametrize("decay", ["1e-12", "1e-6", "1.9e-5", "2.1e-5", "0.003", "2"])
 def test_a_heat_that_grows_and_stays_warms_as_the_equation_of_a_loss_has_it(decay):
-    """In fifty digits: C dT/dt = q - GT, with q in proportion to time for 5 s, then for 60 s even.
+    """Compare with C dT/dt = q − GT in fifty digits; q grows for 5 s and is then constant for 60 s.
 
-    For an exponent below 1e-4 the weights are series, which leave out its cube; above, a difference
-    that loses as much to rounding.
+    Below an exponent of 1e-4 the weights are series without the cubic term; above, a difference
+    with as large a rounding error.
     """
     with localcontext(prec=50):
         a, power, capacity = Decimal(decay), Decimal(94), Decimal(650)
@@ -48,7 +48,7 @@ def test_a_heat_that_grows_and_stays_warms_as_the_equation_of_a_loss_has_it(deca
 
 
 def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
-    """Two resistances to ground at each side, contact and loss, share the heat."""
+    """Each side has two resistances in series to the ground: contact and loss."""
     h1, h2, g1, g2 = 0.1, 1.0, 0.3, 2.0
     last = np.array([1.0, 1e6]), np.array([94.0, 94.0])
     bulks = tribo.Bulk(5.0, g1), tribo.Bulk(650.0, g2)

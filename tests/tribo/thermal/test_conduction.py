@@ -64,7 +64,7 @@ def source(place, side, period, spread):
 
 
 def entry(grid, velocity, time, offset):
-    """An entry of the kernel: the heat of the past, each moment's spread by diffusion [K m²/W].
+    """Entry of the heat kernel [K m²/W], by integration over the time since heat was released.
 
     ∫₀^t dτ/(4ρc(πκτ)^{3/2}) ∫∫ exp(−[(x − Vτ − x')² + (y − y')²]/(4κτ)) dx' dy', of an insulated
     surface (Carslaw & Jaeger, §10.2), with τ = s².
@@ -170,7 +170,7 @@ def test_an_element_is_the_sum_of_its_parts(periodic, velocity, time):
 
 
 def summed(ny, whole, velocity, time):
-    """Kernel of 24 × ny elements with images up to `whole` on each side, each summed on its own."""
+    """Kernel of 24 × ny elements as an explicit sum over `whole` periodic images on each side."""
     every = Grid((24, ny * (2 * whole + 1)), ELEMENT, (False, False))
     free = thermal_influence(every, STEEL, velocity, time, 16)
     offsets = wrapped_offsets(Grid((24, ny), ELEMENT, (False, True)), 1) / ELEMENT[1]
@@ -212,7 +212,7 @@ def test_a_band_as_long_as_the_pin_is_a_rectangle_at_its_middle(elements, period
 @pytest.mark.parametrize("ny", [8, 9])
 @pytest.mark.parametrize(("velocity", "time"), [(0.0, 1.0), (-5.0, 1.0)])
 def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):
-    """T(x, |y|) + T(x, L − |y|), as in the elastic kernel of that name."""
+    """Expected: T(x, |y|) + T(x, L − |y|), as in the elastic kernel "nearest-image"."""
     grid = Grid((24, ny), ELEMENT, (False, True))
     kernel = thermal_influence(grid, STEEL, velocity, time, 16, length="nearest-image")
     free = thermal_influence(Grid((24, 2 * ny), ELEMENT, (False, False)), STEEL, velocity, time, 16)

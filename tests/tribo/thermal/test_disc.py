@@ -28,7 +28,7 @@ DISCS = {
 
 
 def by_rings(disc, hold, count=60):
-    """Warming of a rim after a ramp of heat and a hold, of rings that conduct [K]."""
+    """Warming of a disc's rim [K] after a ramp of heat and a hold, by concentric rings."""
     edges = np.linspace(disc.bore / 2, disc.diameter / 2, count + 1)
     thickness = edges[1] - edges[0]
     volumes = np.pi * np.diff(edges**2) * disc.width
@@ -61,7 +61,7 @@ def by_rings(disc, hold, count=60):
 
 
 def by_turns(disc, hold):
-    """The same by the turns of the disc, with what its present one has not laid yet [K]."""
+    """Warming of a disc's rim [K] by `track_warming`, plus what the present turn has yet to lay."""
     times, loads = np.array([RAMP, RAMP + hold]), np.full(2, POWER / SPEED)
     if not hold:
         times, loads = times[:1], loads[:1]

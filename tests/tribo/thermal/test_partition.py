@@ -48,7 +48,7 @@ def test_at_rest_the_shares_are_as_the_conductivities(method):
 
 
 def eliminated(both, contact, target):
-    """Flux by elimination, as in the paper; the kernel's wrapped order takes i − j."""
+    """Heat flux by direct elimination with the dense kernel, as in the paper."""
     kernel = np.fft.irfft2(both.spectrum, s=padded_shape(both.grid))
     i, j = np.nonzero(contact)
     return np.linalg.solve(kernel[i[:, None] - i, j[:, None] - j], target)

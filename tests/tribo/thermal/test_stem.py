@@ -20,7 +20,7 @@ def test_the_heated_end_of_a_rod_warms_as_finite_differences_have_it():
 
 
 def test_a_rod_warms_by_its_own_flux_in_time():
-    """A ramp and a hold of heat, a record that falls, by the sum of the steps of its flux."""
+    """Expected values sum the response to each step of a flux that ramps, holds or falls."""
     for settling, times, loads in (
         (4.0, [5.0], [3.0]),
         (4.0, [5.0, 65.0], [3.0, 3.0]),

@@ -11,7 +11,7 @@ STEADY = np.array([1e-9, 1e9]), np.array([100.0, 100.0])
 
 
 def strip(age, width, load):
-    """Middle of a strip on which heat was laid at once, by Kelvin's point source over its width."""
+    """Rise in the middle of a strip heated at once, by Kelvin's point source over its width."""
 
     def point(y):
         return math.exp(-(y**2) / (4 * DIFFUSIVITY * age)) / (4 * math.pi * DIFFUSIVITY * age)
@@ -28,7 +28,7 @@ def test_one_pass_leaves_what_kelvin_s_sources_leave(width):
 
 
 def test_many_passes_of_a_load_that_comes_and_goes_are_summed_as_few():
-    """A load that is on for 10 s of 20, for an hour on a disc of ten turns a second."""
+    """The load is on for 10 s of every 20 s, for an hour, on a disc of ten turns a second."""
     times = np.sort(np.concatenate([np.arange(0, 3600, 10.0), np.arange(0, 3600, 10.0) + 1e-3]))
     loads = times, np.where(np.floor((times + 9.999) / 10) % 2 > 0, 100.0, 0.0)
     age = np.arange(1, 36001) * 0.1

@@ -20,7 +20,7 @@ def worn_volume(scene, velocity=VELOCITY):
 
 
 def ramped_volume(law, rate, velocity, load):
-    """∫ F k dS of a load that grows in proportion to the distance slid."""
+    """Worn volume ∫ F k dS under a load that grows in proportion to the sliding distance."""
     slid, L = velocity * load / rate, law.distance
     faded = L**2 - L * (L + slid) * math.exp(-slid / L)
     excess = law.initial_rate - law.final_rate

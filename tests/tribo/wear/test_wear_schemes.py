@@ -29,7 +29,7 @@ LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 
 
 def plane(**fidelity):
-    """The paper's wear, on half of its elements, under a smooth pin: nothing depends on y."""
+    """Scene with the paper's wear under a smooth pin, whose elements are rows."""
     choices = {"pixels_per_element": 1, "contact_tolerance": 1e-9} | fidelity
     return Scene(
         pin=Cylinder(2e-3, 3.4e-3, STEEL),
@@ -50,7 +50,7 @@ def end(scene):
 
 
 def roughness_of_pressure(state):
-    """Mean change of slope from element to element in the contact, over the mean pressure."""
+    """Mean change of the pressure's slope between elements in contact, over mean pressure."""
     inside = state.pressure[state.pressure[:, 0] > 0].mean(axis=1)
     return float(np.abs(np.diff(inside, 2)).mean() / inside.mean())
 
@@ -71,7 +71,7 @@ LOADINGS = {
 
 
 def work_of(loading):
-    """Integral of the load over time up to its end, by the areas of triangles and trapezia."""
+    """Integral of the positive load over time, from triangles and trapezia."""
     if isinstance(loading, Ramp):
         return LOAD * (LOAD / loading.rate / 2 + loading.hold)
     total = 0.0
@@ -111,9 +111,9 @@ def test_the_worn_volume_of_a_rough_contact_is_exact_in_every_preset(preset, pat
     ("scheme", "lowest", "highest"), [("implicit", 0.94, 1.08), ("sdirk2", 1.8, 2.2)]
 )
 def test_worn_depth_converges_at_the_order_of_the_scheme(scheme, lowest, highest):
-    """Depth has a kink in time as the contact's edge passes, and the order is less there.
+    """Depth has a kink in time where the edge of the contact passes, and a lower order.
 
-    So the order is that of the depth in the middle, and on average.
+    So the order is tested in the middle of the contact, and on average.
     """
     exact = end(plane(wear_scheme="sdirk2", increments=160)).wear_depth
     middle = slice(48, 72)

@@ -38,7 +38,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory):
-    """The shipped scenes, with fewer points in the diagram."""
+    """Folder of the shipped scenes, with fewer points in the diagram."""
     folder = tmp_path_factory.mktemp("scenes")
     for path in [*WORKFLOWS.glob("*.toml"), *WORKFLOWS.glob("*.csv")]:
         text = path.read_text(encoding="utf-8")
@@ -56,7 +56,7 @@ def scenes(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def narrow(scenes, tmp_path_factory):
-    """These scenes on a quarter of the window, for the diagram, whose numbers no test knows."""
+    """Folder of these scenes with a quarter of the window: no test needs the diagram's numbers."""
     folder = shutil.copytree(scenes, tmp_path_factory.mktemp("narrow") / "scenes")
     file = folder / "irg_transition.toml"
     text = file.read_text(encoding="utf-8")
@@ -72,7 +72,7 @@ def _end(scene, load, velocity):
 
 
 def simulate_once(scene, load, velocity, **asked):
-    """As `tribo.simulate`; ends of tests that several results show are computed once."""
+    """`tribo.simulate` with a cache for ends of tests, which several results show."""
     return (
         tribo.simulate(scene, load, velocity, **asked) if asked else (_end(scene, load, velocity),)
     )
@@ -80,7 +80,7 @@ def simulate_once(scene, load, velocity, **asked):
 
 @pytest.fixture(scope="module")
 def small(folder, scenes, narrow):
-    """Reports of small versions, each made once."""
+    """Function that returns the report of a small version of a result; cached."""
     made = {}
     fewer = {
         "inference": {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1, "_FRICTIONS": (0.1, 0.2)},
@@ -249,7 +249,7 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
 
 
 def test_the_shipped_gallery_shows_what_the_command_gives_now(small, folder):
-    """Of the one result that takes a second; the others are too long for a test."""
+    """Only the result that takes a second is compared; the others take too long."""
     findings = small("fig4").findings  # which writes the page
     shipped = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
     page = (folder / "page" / "README.md").read_text(encoding="utf-8")
