@@ -79,32 +79,26 @@ def check(options: argparse.Namespace) -> Result:
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)
     facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
+    needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
+    if memory > machine:
+        raise InputError(
+            f"the scene needs {needed}, and this machine has {display(machine, 'GB', '.0f')}; give "
+            "fewer window.pixels, or a coarser fidelity"
+        )
     on_unknown = list[_Row]()
     for extra in extras.modules("drawn") if sweep.variants.draw else ():
         on_unknown += extra.describe_samples(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
-    said = *sweep.notes, *doubts(sweep, facts)
-    nx, ny = sweep.scene.grid.shape
     rows = [
-        *_meaning_rows(sweep, facts),
+        *_meaning_rows(sweep, facts, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
         *on_unknown,
-        *((one.grade, one.text) for one in said),
-        ("grid", f"{nx} × {ny} elements; about {display(memory, 'MB', '.0f')} of memory a worker"),
+        *((one.grade, one.text) for one in (*sweep.notes, *doubts(sweep, facts))),
+        *_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers)),
     ]
-    meaning = frame_of(_HEADS, rows)
-    if not options.json:
-        on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
-        output.show_text([sweep.title, "", meaning[meaning["subject"] != "library"], *on_sources])
-    if memory > machine:
-        raise InputError(
-            f"this machine has {display(machine, 'GB', '.0f')} of memory, less than a worker "
-            "needs; give fewer window.pixels, or a coarser fidelity"
-        )
-    costs = [*_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers))]
-    if has_unknown_error(sweep):
-        costs.append(("error", f"not known; {MEASURES} measures it"))
-    frame = frame_of(_HEADS, costs)
-    return Result(text=["", frame], frames=[meaning, frame])
+    frame = frame_of(_HEADS, rows)
+    shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
+    on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
+    return Result(text=[sweep.title, "", shown, *on_sources], frames=[frame])
 
 
 _HEADS = "subject", "meaning"
@@ -113,7 +107,7 @@ _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
 
 
-def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
+def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     """Yield rows that say what a scene means: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
@@ -123,7 +117,8 @@ def _meaning_rows(sweep: Sweep, facts: Facts) -> Iterator[_Row]:
         f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
         f"{_text(facts.contact_width, 'µm')} wide",
     )
-    yield "window", display_sides(facts.window)
+    nx, ny = sweep.scene.grid.shape
+    yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
     yield "surface", facts.surface.words if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
@@ -153,7 +148,8 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     loads, velocities = (np.array(axis)[[0, -1]] for axis in (plane.loads, plane.velocities))
     span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
-    yield "oil", f"{viscosity}; Λ {_text(span)}: {' to '.join(regimes)}"
+    regime = " to ".join(regimes).replace(" lubrication to", " to")
+    yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"
     if span.high >= _FILM_CARRIES:
         yield (
             "",
@@ -179,9 +175,10 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
-    yield "points", f"{cost.points}: {', '.join(counts)}"
-    steps = f"{cost.steps} contacts and {cost.temperatures} temperatures to solve"
-    yield "steps", f"{steps}, in {cost.tasks} tasks"
+    steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"
+    yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"
+    if has_unknown_error(sweep):
+        yield "error", f"not known; {MEASURES} measures it"

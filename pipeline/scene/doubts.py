@@ -69,8 +69,8 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
     if widest < side:
         return ""
     return (
-        f"the contact may grow to {display(widest, 'µm', 3)}, the window has room for "
-        f"{display(side, 'µm', 3)}: its edges then carry too little load; give more pixels"
+        f"the contact may grow to {display(widest, 'µm', 3)}, beyond the window's "
+        f"{display(side, 'µm', 3)}; give more pixels"
     )
 
 

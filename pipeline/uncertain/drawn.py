@@ -71,8 +71,7 @@ def describe_samples(data: Any, count: int) -> list[Line]:
     rows += [("fixed", str(one)) for one in draw.fixed]
     low, high = design.velocities
     more = "would share their contacts" if count == design.sufficient else "can be added"
-    sequence = f"a scrambled Sobol' sequence, seed {design.seed}, from {low:g} to {high:g} m/s"
-    rows.append(("samples", f"{count} of {sequence}; more {more}"))
-    if design.per_contact > 1:
-        rows.append(("", f"{design.per_contact} share each contact; heat is computed for each"))
+    share = f"{design.per_contact} share each contact; " if design.per_contact > 1 else ""
+    sequence = f"scrambled Sobol' of seed {design.seed}, {low:g} to {high:g} m/s"
+    rows.append(("samples", f"{count}, {sequence}; {share}more {more}"))
     return rows

@@ -1,11 +1,10 @@
-"""``irg check`` says what a scene means before it says what it costs."""
+"""``irg check`` says what a scene means, and what it costs."""
 
 from pathlib import Path
 
 import pytest
 
 import pipeline
-from pipeline.cli import main
 from pipeline.sweep.physics import note_on_ends
 from tests.helpers.scenes import SCENE as SMALL
 
@@ -17,13 +16,8 @@ def check(irg):
     return lambda *options, scene=SCENE, code=0: irg("check", scene, *options, code=code)
 
 
-def test_meaning_comes_before_cost(capsys, monkeypatch):
-    def stopped(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(pipeline, "estimate", stopped)
-    main(["check", SCENE])
-    said = capsys.readouterr().out
+def test_a_check_says_what_a_scene_means(check):
+    said = check()
     for words in (
         "Hertz: 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
         "Ra 0.27 µm, Rq 0.338 µm, rms slope 0.15, no lay",
@@ -37,7 +31,7 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
 
 
 def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_document(check):
-    lines = check().splitlines()
+    lines = check(scene="uncertain").splitlines()
     assert len(lines) <= 20
     assert max(map(len, lines)) <= 100
     rows = {row["subject"]: row["meaning"] for row in check("--json")}
@@ -58,7 +52,7 @@ def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(chec
     path.write_text(SMALL.replace("[sweep]", OIL))
     rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)}
     assert rows["oil"].endswith("film is not known without pressure_viscosity_coefficient")
-    assert rows["points"] == "2: 2 rows, each at its own load and velocity"
+    assert rows["points"].startswith("2: 2 rows, each at its own load and velocity; ")
 
 
 @pytest.mark.parametrize(

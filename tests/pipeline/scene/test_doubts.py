@@ -119,8 +119,8 @@ def test_a_correlation_length_is_small_beside_the_window(length, words):
     ("half_width", "expected", "said"),
     [
         (49e-6, 99e-6, ()),
-        (50e-6, 99e-6, ("may grow to 100 µm, the window has room for 100 µm",)),
-        (49e-6, 100e-6, ("may grow to 100 µm, the window has room for 100 µm",)),
+        (50e-6, 99e-6, ("may grow to 100 µm, beyond the window's 100 µm",)),
+        (49e-6, 100e-6, ("may grow to 100 µm, beyond the window's 100 µm",)),
     ],
 )
 def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
@@ -146,13 +146,13 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
     contact = {"hertz_half_width": Span(1e-6, 49e-6), "contact_width": Span(70e-6, 80e-6)}
     wide, narrow = (1.0, 90e-6), (1.0, 110e-6)
     assert said_of(BALL, **contact, window=narrow) == said_of(BALL)
-    assert any("room for 90 µm" in doubt for doubt in said_of(BALL, **contact, window=wide))
+    assert any("the window's 90 µm" in doubt for doubt in said_of(BALL, **contact, window=wide))
     ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
     longer = ratio[1] / ratio[0]
     for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
         window = (1.0, room * 100e-6 * longer)
         doubts = said_of(CROWNED, **contact, window=window)
-        assert any("room for" in doubt for doubt in doubts) is not fits
+        assert any("beyond the window" in doubt for doubt in doubts) is not fits
 
 
 def test_a_surface_is_described_without_the_doubts_about_it():
