@@ -111,7 +111,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:
-    """The stored label nearest to a coordinate, which may have lost its last digits."""
+    """Stored value nearest to that of a coordinate, which may have lost its last digits."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))
@@ -158,7 +158,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def identified(ds: xr.Dataset) -> xr.Dataset:
-    """Dataset with the coordinate ``scene_id``, for its scene and the values of `pipeline.at`."""
+    """Dataset with digests of its scene as coordinate ``scene_id``, for the values of `at`."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 

@@ -77,7 +77,7 @@ class Field(Protocol):
 
     @property
     def basis(self) -> Sequence[str]:
-        """Lines of text on what answers rest on, in addition to computed points."""
+        """Lines of text on the basis of answers besides computed points, such as tests."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field under conditions of one row of a table; see `Conditions.row_conditions`."""
@@ -86,13 +86,13 @@ class Field(Protocol):
         """Deciding temperatures at loads and velocities, and whether these are computed points."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Numerical errors relative to the rise, by part and place (4, k); NaN if unknown.
+        """Relative numerical errors of rises at k loads and velocities, by part (4, k); or NaN.
 
-        They are those of the member with the largest error. The parts are those of `RiseError`.
+        The parts are those of `RiseError`, for the member with the largest error.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along load or velocity at each place, and where wear first becomes severe."""
+        """Outcome along `axis` through each load and velocity, and where wear turns severe."""
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
@@ -104,7 +104,10 @@ class Field(Protocol):
 
 
 class Here(NamedTuple):
-    """Deciding temperatures by member of a field and place, or why they are unknown."""
+    """Deciding temperatures of a field at loads and velocities, or why they are unknown.
+
+    Arrays are by member and place; see `Field`.
+    """
 
     values: Array  # deciding temperatures [K] (m, k); NaN if unknown
     is_severe: Mask  # (m, k)
@@ -114,7 +117,7 @@ class Here(NamedTuple):
     reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` with the reason if the temperature at a place is unknown."""
+        """Raise an `InputError` with the reason if a temperature is unknown."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
@@ -200,7 +203,7 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises [K] by member and place (m, k), and a mask: False where extrapolated."""
+        """Rises [K] on each surface at k loads and velocities (m, k); False where extrapolated."""
         within, continued = (
             Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
             for beyond in (False, True)
@@ -225,23 +228,23 @@ class PointField:
 
     @functools.cached_property
     def _rises(self) -> Array:
-        """Rises [K] (m, n_load, n_velocity), divided by the friction factor of each velocity."""
+        """Rises [K] (m, n_load, n_velocity) without the effect of velocity on friction."""
         return np.array([plane.rises for plane in self.planes])
 
     @functools.cached_property
     def _curves(self) -> Curve:
-        """Curves of the rise over velocity, for each member and load."""
+        """Curves of the rise over velocity, for each surface and load."""
         return Curve(self.velocities, self._rises)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves of rise over load, by member and velocity: computed, `_certain`, extrapolated."""
+        """Curves of rise over load, by surface and velocity: computed, `_certain`, extrapolated."""
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
 
     def _certain(self, velocities: Array) -> Array:
-        """Rises [K] by member, load, velocity; extrapolated only if the outcome cannot change.
+        """Rises [K] (m, n_load, n_velocity); extrapolated only if the outcome cannot change.
 
         At each load this is below the lowest velocity if wear is mild there, and above the highest
         velocity if wear is severe there.
@@ -256,7 +259,7 @@ class PointField:
         return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Numerical errors relative to the rise, by part and place (4, k); see `Field.errors`."""
+        """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
             [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
@@ -272,13 +275,16 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along load or velocity at each place, and where wear first becomes severe."""
+        """Outcome along `axis` through each load and velocity, and where wear turns severe."""
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run is severe at each place; mean over surfaces."""
+        """Probability (k,) that the next run at each load and velocity is severe.
+
+        It is the mean over surfaces.
+        """
         loads, velocities = places_of(loads, velocities)
         # A row with a single point, on any surface, is filled from other rows.
         is_sparse = np.isin(loads, self.loads[(self._curves.count < 2).any(axis=0)])
@@ -299,7 +305,7 @@ class PointField:
     def lines(
         self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
     ) -> Line:
-        """Rise along load or velocity (`axis`) through each place, as one line by member and place.
+        """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
         severe. At a load or velocity of the sweep only its own points are used. With `is_filled`,

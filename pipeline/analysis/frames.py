@@ -22,9 +22,9 @@ JUDGED = column_heads(
 
 
 def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
-    """Frame of a `pipeline.boundary`, with a row for each scene and each value of `axis`.
+    """Data frame of a boundary, with a row for each scene and each value of `axis`.
 
-    Critical velocities by load, or critical loads by velocity, which samples do not have.
+    It has critical velocities by load, or critical loads by velocity, which samples lack.
     """
     axis = axis if "critical_velocity" in boundaries else "load"
     name = "critical_velocity" if axis == "load" else "critical_load"

@@ -146,7 +146,7 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """True at places (k,) whose neighbours all solved temperature-dependent friction."""
+        """True for loads and velocities (k,) whose points around them all solved friction."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
@@ -161,9 +161,9 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Indices of loads (k, 2) and velocities (k, 2, 2) of the points that places lie between.
+        """Indices of loads (k, 2) and velocities (k, 2, 2) of the points around each place.
 
-        A computed point has itself twice. Without a neighbour the index is -1.
+        If the place is a computed point, they are all its own. Without a point the index is -1.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -171,7 +171,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Indices of two loads for each slot of velocity and of load; see `_slots`."""
+        """Indices of the two loads around each slot of velocity and load; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -179,7 +179,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Indices of two velocities for each load and slot of velocity; see `_slots`."""
+        """Indices of the two velocities around each slot, by load; see `_slots`."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -203,7 +203,10 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of the rise at k places, by part of `RiseError` (4, k); the last is 0."""
+    """Relative errors of rises at k loads and velocities, by part of `RiseError` (4, k).
+
+    The last part is 0.
+    """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
@@ -211,7 +214,7 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slots of places on an axis: 2 i + 1 at point i, 2 i between the points i − 1 and i."""
+    """Slot numbers of places on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
@@ -261,9 +264,9 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors (k,) of interpolation or extrapolation at places; NaN if unknown.
+    """Relative errors (k,) of interpolation, or of extrapolation, to k loads and velocities.
 
-    `rows` and `columns` are the points that a place lies between; see `RisePlane.rests_on`.
+    `rows` and `columns` are the points around each; see `RisePlane.rests_on`. NaN is unknown.
     """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)

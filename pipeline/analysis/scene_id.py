@@ -24,7 +24,7 @@ _NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """Add scene ids, one for each row of the sweep, as a coordinate and as an attribute."""
+    """Add the rows' scene ids (digests of the scene) to a dataset, as coordinate and attribute."""
     about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
     rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
     here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
@@ -58,7 +58,7 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Scene ids along the dimensions of varied entries, also those that the dataset has lost."""
+    """Scene ids by the dataset's varied entries; for entries that it lacks, by all values."""
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
     return whole.isel(

@@ -46,7 +46,7 @@ def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:
 
 
 def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
-    """Column headings, with units, for labels of rows, by name."""
+    """Column headings with units for coordinates of a dataset, by name."""
     heads = {}
     for name in names:
         unit = _usual_unit(ds[name])
@@ -55,14 +55,14 @@ def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
 
 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
-    """Convert a label from SI to the unit shown in its column heading."""
+    """Convert a value of a coordinate from SI to the unit of its column heading."""
     unit = _usual_unit(axis)
     is_other = unit != axis.attrs.get("units") and not isinstance(value, str)
     return shown_in(value, unit) if is_other else value
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which labels are shown: that of the entry's example, else a usual one."""
+    """Unit to show a coordinate in: that of the entry's example, else a usual one."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 

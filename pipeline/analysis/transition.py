@@ -39,8 +39,8 @@ def outcomes(axis: str) -> Mapping[int, str]:
 class Line:
     """Rise along velocity at one load, or along load at one velocity, and where wear changes.
 
-    Arrays may have leading axes for the members and places of a field. One row may be compared with
-    several limits.
+    Arrays may have leading axes, one curve for each member and place of a field. With `rows` a
+    curve may be compared with several limits.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the computed ones, if wear
@@ -221,7 +221,7 @@ def range_of(data: Results, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Outcome of each member of a field along an axis, and where wear first turns severe."""
+    """Outcome along an axis for each surface or draw, and where wear first turns severe."""
 
     outcome: Array  # codes by member and place (m, k); see `outcomes`
     first: Array  # lowest place of severe wear by member and place (m, k); see `Line.first`
@@ -229,9 +229,9 @@ class Transitions(NamedTuple):
     places: Array = np.empty((0, 0))  # changes of wear (k, n) of a single member; else empty
 
     def outcome_texts(self, along: str) -> Iterator[str]:
-        """Outcome of each place in words, along ``"velocity"`` or ``"load"``.
+        """Yield the outcome in words of each place, along ``"velocity"`` or ``"load"``.
 
-        If members differ, the number of members with each outcome.
+        If surfaces or draws differ, the words have the number of them with each outcome.
         """
         words = outcomes(along)
         for number, all_codes in enumerate(self.outcome.T.tolist()):

@@ -64,7 +64,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _listed(path: Path, name: str) -> list[object]:
-    """Cells of a store in a folder, also if it cannot be read."""
+    """Cells of a store in the table of a folder, even if the store cannot be read."""
     try:
         store = opened(path)
         return _row(name, summary_of(store), store.sweep.preset)

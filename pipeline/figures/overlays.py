@@ -89,7 +89,7 @@ def mark_test(
 def mark_tests(
     axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
-    """Mark tests on the axes; faint if their bulk temperature, or `own_bulk`, is not `bulk` [K]."""
+    """Mark tests; faint if their bulk temperature, by default `own_bulk`, is not `bulk` [K]."""
     marks = list[Line2D]()
     for number, test in tests.items():
         is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK

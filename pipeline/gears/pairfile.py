@@ -42,7 +42,7 @@ SPEED = _Speed("1500 rpm", ends=("1e-3 rpm", "1e6 rpm"), name="a speed")
 # fmt: off
 @declared
 class Gear:
-    """A gear of the pair."""
+    """Data of one gear in the file of a pair."""
 
     teeth: A[int, Whole(at_least=4, at_most=10_000), "Number of teeth."]
     profile_shift: A[float, Number(at_least=-2, at_most=3), "Profile shift coefficient x."] = 0.0
@@ -53,7 +53,7 @@ class Gear:
 
 @declared
 class Toothing:
-    """Geometry that both gears share."""
+    """Geometry of the teeth that both gears share."""
 
     module: A[float, Quantity("4.5 mm", usual=(0.1, 100)), "Normal module."]
     pressure_angle: A[float, _angle("20 deg"), "Normal pressure angle."] = math.radians(20)
@@ -65,7 +65,7 @@ class Toothing:
 
 @declared
 class Load:
-    """Duty of the pair."""
+    """Torque, speed and load factor of the pair."""
 
     torque: A[float, TORQUE, "Torque on the pinion."]
     speed: A[float, SPEED, "Speed of the pinion."]
@@ -86,7 +86,7 @@ class Temperatures:
 
 @declared
 class Friction:
-    """Mean friction of the mesh."""
+    """Mean coefficient of friction of the mesh, or data to compute it."""
 
     coefficient: A[float | None, FRICTION,
         "Mean coefficient; by default by ISO/TR 13989-2, Eq. 1."] = None

@@ -133,7 +133,10 @@ class _Periodogram:
         return shown
 
     def misfit(self, parameters: Array) -> float:
-        """Whittle's misfit of spectrum S to power P: Σ(ln S + P/S), best factor, plus constant."""
+        """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P with the best factor on S.
+
+        A constant is left out.
+        """
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)
         return float(spectrum.size * (np.log(factor) + np.mean(np.log(spectrum))))

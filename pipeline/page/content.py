@@ -237,11 +237,10 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of deciding rises: on a fine grid, and along lines on which points are missing.
+    """Tables of deciding rises for the page: on a fine grid, and on lines that lack points.
 
-    The grid has rises [K] (surface, load, velocity, bulk ratio, share). Along velocity it extends
-    beyond the points, with its outermost nodes far beyond. Lines are at a load or velocity of the
-    sweep.
+    The grid has rises [K] (surface, load, velocity, bulk ratio, share). Its first and last velocity
+    are far outside the sweep. A line is a load or velocity of the sweep; only its own points count.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)

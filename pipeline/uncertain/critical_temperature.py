@@ -52,22 +52,22 @@ class CriticalTemperatures:
 
     @property
     def means(self) -> tuple[float, ...]:
-        """Mean over the surfaces [K], one value for each transition."""
+        """Mean critical temperature over surfaces [K] of each transition."""
         return tuple(float(np.mean(row)) for row in self.temperatures)
 
     @property
     def spreads(self) -> tuple[float | None, ...]:
-        """Standard deviation over surfaces [K] of each transition; None for a single surface."""
+        """Standard deviation [K] over surfaces, by transition; None for a single surface."""
         return tuple(_spread(row) for row in self.temperatures)
 
     @property
     def mean(self) -> float:
-        """Mean over all transitions [K]."""
+        """Mean critical temperature over all transitions [K]."""
         return float(np.mean(self.means))
 
     @property
     def spread(self) -> float | None:
-        """Standard deviation between transitions [K]; None if there is only one."""
+        """Standard deviation of critical temperatures between transitions [K]; None for one."""
         return _spread(self.means)
 
     def as_dict(self) -> dict[str, Any]:

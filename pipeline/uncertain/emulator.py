@@ -96,17 +96,17 @@ class LeftOut(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Standard error of `held` if the true share is 90 %."""
+        """Standard error of `held`, the share of samples in 90 % bands, if 90 % is right."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
     def is_known(self) -> bool:
-        """True if there are enough contacts to estimate `held`."""
+        """True if there are enough contacts to estimate the share `held`."""
         return self.contacts >= JUDGED
 
     @property
     def is_right(self) -> bool:
-        """True if `held` is known, and from 85 to 95 % when rounded as in print."""
+        """True if the share `held` is known and, as printed, 85 to 95 %."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 

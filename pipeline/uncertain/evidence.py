@@ -113,10 +113,10 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
 
 
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
-    """`values` and `signs` of `Distances` for one test.
+    """Distance in ln(velocity) of one test from the nearest change of wear, and its sign, by draw.
 
     `excess` (n, m) is ln(rise/limit) at `velocities` (m,) [m/s]. For a measured transition only
-    changes to severe wear count.
+    changes to severe wear count. See `values` and `signs` of `Distances`.
     """
     log_velocity = math.log(test["velocity"])
     critical, *_ = log_crossings(velocities, excess)
@@ -134,7 +134,7 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
 
 
 def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
-    """Draws (n, n_unknown) with inputs that vary from part to part set to their median."""
+    """Draws (n, n_unknown) with the median for inputs that vary from specimen to specimen."""
     medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
     return np.where([one.varies for one in unknown], medians, inputs)
 
@@ -283,7 +283,7 @@ class Joint:
 
     @functools.cached_property
     def _part_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance (n_test, 1) that inputs which vary between parts add to distances."""
+        """Mean and variance (n_test, 1) of distances due to inputs that vary between specimens."""
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
         inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs

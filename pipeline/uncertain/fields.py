@@ -156,13 +156,13 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Numerical errors by part and place, relative to the rise; see `Field.errors`."""
+        """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcomes of all draws along load or velocity, and where wear first turns severe."""
+        """Outcomes of all draws along `axis`, and where wear first turns severe."""
         places = zip(*places_of(loads, velocities), strict=True)
         outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
         low, high = (np.full(len(first), end) for end in self.ends[axis])

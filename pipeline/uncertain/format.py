@@ -33,7 +33,7 @@ class Distribution(Kind):
 
     @property
     def leaf_keys(self) -> set[str]:
-        """Keys that may stand in a table of any form."""
+        """Keys that a table may have, in any of the forms of a distribution."""
         return {key for table in self.forms for key in table.keys}
 
     def __str__(self) -> str:

@@ -30,11 +30,10 @@ _ROUNDED = 0.005  # least relative error of a measured friction: logs have two o
 
 
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
-    """Logarithm of the friction that acted in a test, by draw, its variance, and a likelihood.
+    """ln(friction) that acted in a test by draw, its variance, and ln(likelihood).
 
-    The likelihood is the logarithm of that of the measured friction. `rig` (n, 2) holds draws of
-    the rig's friction and of its scatter. `change` (n,) is the change of ln(friction) at the
-    velocity of the test.
+    The likelihood is that of the measured friction. `rig` (n, 2) holds draws of the rig's friction
+    and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the test.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2

@@ -114,7 +114,7 @@ class Mixture(NamedTuple):
         return np.asarray(self.centres[part] + wider[:, None] * steps)
 
     def log_density(self, scores: Array) -> Array:
-        """Logarithm of the density (n,) at scores (n, n_unknown)."""
+        """Logarithm of the mixture's density (n,) at normal scores (n, n_unknown)."""
         n, freedom = self.centres.shape[1], _FREEDOM
         constant = gammaln((freedom + n) / 2) - gammaln(freedom / 2)
         constant -= 0.5 * n * math.log(freedom * math.pi)

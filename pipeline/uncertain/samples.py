@@ -75,10 +75,10 @@ class Design:
         return max(_FOR_VELOCITY << others, contacts * (1 if is_single else self.per_contact))
 
     def draw(self, count: int) -> tuple[Array, Array]:
-        """Inputs of the samples [SI], shape (count, n_input), and velocities [m/s], shape (count,).
+        """Inputs of the samples [SI], shape (count, n_input), and velocities [m/s], (count,).
 
-        A longer draw begins with the shorter one. The first dimension of the sequence, its most
-        even one, gives the velocities.
+        A longer draw begins with the shorter one. The first and most even dimension of the Sobol'
+        sequence gives the velocities.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]

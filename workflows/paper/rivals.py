@@ -61,7 +61,7 @@ class _Criterion:
 
     @property
     def worst_alike(self) -> float:
-        """`worst` if the same friction is assumed at all transitions."""
+        """Largest relative error of a velocity, with the same friction at all transitions."""
         return float(abs(_off(self.alike, self.exponents)).max())
 
 

@@ -50,7 +50,7 @@ SPREAD = "computed: mean and standard deviation over the surfaces"
 
 
 def white_oil(study: Study) -> list[Tested]:
-    """Transitions of the paper's Table 4, each with their scene."""
+    """Transitions of the paper's Table 4, each with its scene."""
     scene = study.scene("table4")
     return [(scene, row) for row in TABLE_4]
 

@@ -41,7 +41,7 @@ def test_loads_that_share_a_ramp_have_the_same_elements_and_small_loads_smaller_
 
 @pytest.mark.parametrize("hardness", [6.6e9, 1e12])
 def test_as_many_pixels_touch_as_expected_within_a_half(hardness):
-    """An unworn contact is expected from the hardness, or from the slope of the surface."""
+    """The number expected without wear follows from the hardness, or from the surface's slope."""
     material = replace(STEEL, hardness=hardness)
     scene = rough((5, 5), ra=0.1e-6, **dict.fromkeys(RULES, 0), pixels_per_element=1, wear=False)
     scene = replace(scene, disk=material, pin=replace(scene.pin, material=material))
