@@ -100,7 +100,7 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def law_errors(name: str) -> Iterator[None]:
-    """Turn any error within a user's own law into an `InputError` that names the law."""
+    """Context manager: turn any error of a user's own law into an `InputError` that names it."""
     try:
         yield
     except TriboError:

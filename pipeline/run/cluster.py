@@ -67,7 +67,7 @@ _OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing
 
 @contextmanager
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
-    """Run worker processes on this machine within the block, which only this user can reach."""
+    """Context manager: run worker processes on this machine that only this user can reach."""
     forkserver.start()
     with block_interrupts():
         cluster = _start_cluster(workers, dashboard)
@@ -129,7 +129,7 @@ class Connection:
 
     @contextmanager
     def reached(self) -> Iterator[None]:
-        """Turn an error that Dask raises without a scheduler into an `ExecutionError`."""
+        """Context manager: turn an error for want of a scheduler into an `ExecutionError`."""
         limit = time.monotonic() + self.patience
         while self.client.status == "connecting" and time.monotonic() < limit:
             time.sleep(0.1)  # the scheduler may be starting again

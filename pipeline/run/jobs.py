@@ -32,7 +32,7 @@ _CANNOT = "a Dask worker cannot run this program"
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task given to Dask, the address of its worker, and whether it runs there alone."""
+    """A task given to Dask, its worker's address, and whether that worker has no other task."""
 
     task: Task
     worker: str = ANYWHERE
@@ -41,7 +41,7 @@ class Job:
 
 
 class Loss(Enum):
-    """How a task was lost: why it has no result."""
+    """Why a task has no result."""
 
     KILLED = "its worker died"
     LEFT = "its worker left"

@@ -168,7 +168,7 @@ def _require_cluster(client: Client | None) -> None:
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
-    """Yield the sweep, its store and the queue of pending tasks; in a search, one after another."""
+    """Yield sweep, store and queue of pending tasks: once, or for each round of a search."""
     while True:
         if queue := TaskQueue(tasks(store.pending(), sweep)):
             yield sweep, store, queue

@@ -143,7 +143,7 @@ def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Faults of columns in words: given twice, or an entry that would need a new simulation."""
+    """Faults of columns in words: a heading given twice, or an entry that needs a simulation."""
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
@@ -157,7 +157,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Make the first row of ``sweep.along`` and all its loads and velocities the defaults.
+    """Make the first row of ``sweep.along``, and all loads and velocities there, the defaults.
 
     Returns the document and the function that adds the rows to a sweep; None without rows.
     """

@@ -80,7 +80,7 @@ class Entry(NamedTuple):
 
 @functools.cache
 def table_of(table: type[Any]) -> Table:
-    """The `Table` of a class that is `declared`: what a reader needs to know of it."""
+    """Convert a class that is `declared` to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
     keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
     words = re.sub("(?<=.)(?=[A-Z])", " ", table.__name__).lower()
@@ -195,7 +195,7 @@ class Either(Kind):
         return "; or ".join(map(str, self.kinds))
 
     def kind_for(self, value: Any) -> Kind:
-        """The kind as which a value is read."""
+        """Choose the kind by which to read a value."""
         usual, *others = self.kinds
         if not isinstance(usual, Table):
             fits = (isinstance(value, other.holds) for other in others)

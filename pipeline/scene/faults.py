@@ -52,7 +52,7 @@ class Faults(list[Fault]):
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
-        """Turn an error within the block into a fault in the entry at a key path."""
+        """Context manager: turn an error into a fault in the entry at a key path."""
         try:
             yield
         except (InputError, UnitError) as error:

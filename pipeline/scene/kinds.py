@@ -130,7 +130,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` for a value beyond the kind's bounds, or beyond the given range."""
+        """Raise `UnfitError` if a value is beyond the kind's bounds, or its size beyond a range."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
@@ -163,7 +163,7 @@ class Whole(Number):
 
 
 class Scalar(Kind):
-    """Kind of an entry: a number or a quantity of any dimension, as value of another entry."""
+    """Kind of an entry: a number or a quantity of any dimension."""
 
     words = "a number, or a quantity in quotes"
 

@@ -24,7 +24,7 @@ _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 
 @functools.cache
 def library() -> dict[str, Any]:
-    """Read the library: ``materials`` and ``oils``, pairs of value and source, and ``sources``."""
+    """Read the library file: ``materials`` and ``oils`` (value, source), and ``sources``."""
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     materials = tables["materials"]

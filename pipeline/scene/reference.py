@@ -62,7 +62,7 @@ _SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", i
 
 
 def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
-    """All tables of a format, each before those within it."""
+    """All tables of the scene format, each before the tables within it."""
     if isinstance(entry.kind, Tables):
         path += ".NAME"
     section = Section(path, entry)

@@ -59,7 +59,7 @@ class Row(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Rows of a text or of a sheet that are not empty, and words on how they are written."""
+    """Rows of a text or of a sheet that are not empty, and notes on their format."""
 
     rows: list[Row]
     form: list[str]

@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Complete entries, but in the user's own words where the user wrote an entry."""
+    """Entries in full, in which each entry that the user wrote keeps the user's words."""
     match tables, written:
         case dict(), dict():
             full = {key: completed(value, written.get(key)) for key, value in tables.items()}
@@ -127,7 +127,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """The kind as which a value was read."""
+    """The kind by which a value was read."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):

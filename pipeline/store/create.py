@@ -66,7 +66,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
-    """Root of a store with room for the points of a sweep; `before` is its root until now."""
+    """Root document of a store with room for a sweep's points; `before` is the present one."""
     if before and (POINT in before.axes) != (sweep.chosen is not None):
         raise _no_room(place, "a plane and a search of its boundary have a store each")
     kept = join(before.sweep if before else None, sweep)
@@ -90,7 +90,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
 
 
 def _write_root(place: StorePlace, root: Root) -> None:
-    """Write the coordinates and the metadata of arrays, and last the root."""
+    """Write the coordinates and all metadata of a store, its root document last."""
     parts = [(name, ..., values) for name, values in root.coordinates().items()]
     documents = {f"{path_of(name)}/{ROOT}": array for name, array in root.arrays.items()}
     if root.found:

@@ -81,7 +81,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Labels along each dimension of variants, in order, and of columns that follow from these."""
+    """Values along each dimension of variants, sorted, and of columns that these determine."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {

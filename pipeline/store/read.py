@@ -72,7 +72,7 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
 
 
 class _Backend(BackendEntrypoint):
-    """Backend of xarray that opens a store, with axes and metadata from the store's root."""
+    """Backend of xarray that opens a store, with axes and metadata from its root document."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
@@ -111,7 +111,7 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:
-    """Root with the axes of the dataset, and for each of its places the number of a stored point.
+    """Root document with the dataset's axes, and the number of the stored point at each place.
 
     The points of a boundary search are placed in the plane of all their loads and velocities; −1 is
     a place without a point. A store of a whole plane is returned unchanged, with None.

@@ -76,7 +76,7 @@ class Root:
 
     @cached_property
     def _inputs(self) -> dict[str, int]:
-        """Sizes of the input arrays of the scene, by SHA-256."""
+        """Sizes of the arrays that were read from the scene's files, by SHA-256."""
         return {digest: array.size for digest, array in file_contents(self.sweep).items()}
 
     @cached_property
@@ -113,7 +113,7 @@ class Root:
         return dict(self.found[_CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
-        """JSON documents of the groups, by key; the last one is the root, with all metadata.
+        """JSON documents of all groups by key; the last is the root document, with all metadata.
 
         They are made here since Zarr would write the root in two steps. The other documents repeat
         parts of it, for programs that consolidate the metadata anew.
@@ -144,7 +144,7 @@ def with_others(found: Any, new: Document) -> Document:
 
 
 def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
-    """SHA-256 of all in a root but texts for people and additions of users."""
+    """SHA-256 of a root document without texts for people and additions of users."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], attributes["sweep"], attributes[SCENE_ID], numbers
@@ -152,7 +152,7 @@ def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read the root of a store; `StoreError` if it is missing, damaged or of another version."""
+    """Read a store's root document; `StoreError` if it is missing, damaged or of other version."""
     if root := find_root(place):
         return root
     if holder := holder_of(place):
@@ -162,7 +162,7 @@ def read_root(place: StorePlace) -> Root:
 
 
 def find_root(place: StorePlace) -> Root | None:
-    """Read the root of a store; None if there is nothing yet, `StoreError` for anything else."""
+    """Read a store's root document; None if nothing is there, `StoreError` for anything else."""
     with io_errors(place):
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
@@ -181,7 +181,7 @@ def _is_beginning(key: str) -> bool:
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Make a root from its JSON document; `StoreError` if it is damaged or not ours."""
+    """Convert JSON to a `Root`; `StoreError` if it is damaged or of another program."""
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:
@@ -214,7 +214,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
-    """Read the input arrays of a scene from its store, by SHA-256."""
+    """Read from a store the arrays that its scene's files contain, by SHA-256."""
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}
@@ -224,7 +224,7 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
-    """Raise a `StoreMismatchError` if a sweep cannot continue the store with this root."""
+    """Raise a `StoreMismatchError` unless a sweep can continue a store of this root document."""
     if differing := [*misfits(root.sweep, sweep)]:
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(
@@ -233,6 +233,6 @@ def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
-    """Read the sweep of a store; None if there is nothing yet, `StoreError` for anything else."""
+    """Read the sweep of a store; None if nothing is there, `StoreError` for anything else."""
     root = find_root(place_of(path))
     return root.sweep if root else None

@@ -143,7 +143,7 @@ def path_of(name: str) -> str:
 
 
 def is_coordinate(name: str) -> bool:
-    """True if a variable has no results: a dimension, one that the scene determines, an input."""
+    """True for a variable without results: a dimension, a coordinate of steps, an input array."""
     return name in COORDINATES or name in MADE or name not in VARIABLES
 
 
@@ -204,7 +204,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of variants along which time, load or distance at steps vary."""
+    """Dimensions of variants on which the coordinate `name` (time, load or distance) depends."""
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

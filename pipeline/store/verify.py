@@ -85,10 +85,10 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 
 
 def mend_store(path: PathLike, sweep: Sweep) -> int:
-    """Mark damaged points of a store in a folder as pending, and repair its shared files.
+    """Mark damaged points of a store as pending, and repair files that points share.
 
-    Returns the number of damaged points and files. Raises as `writing` does. Does nothing on an
-    object store.
+    Returns the number of damaged points and files; does nothing on an object store. Raises as
+    `writing` does.
     """
     place = place_of(path)
     if isinstance(place, Bucket) or not find_root(place):
@@ -138,7 +138,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
-    """Read the flags of a chunk of points into the store; damaged ones are added to `damage`."""
+    """Read statuses and requests of a chunk of points into `store`; add damage to `damage`."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
@@ -203,7 +203,7 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Yield key, and part to write, of coordinates whose stored values differ from the root.
+    """Yield name, and part to write, of coordinates that differ from the root document.
 
     Such values matter to plain xarray. They arise if a run is killed while the store grows.
     """

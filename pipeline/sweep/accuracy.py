@@ -45,5 +45,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, else the finest preset that no numerical choice is coarser than."""
+    """Preset of a sweep, else the finest preset that all its numerical choices match or exceed."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

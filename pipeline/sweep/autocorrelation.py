@@ -83,7 +83,7 @@ def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
 
 
 def _lagged(values: Array) -> Array:
-    """For each lag, the sum of products of values that are so far apart; zero beyond the edges."""
+    """For each lag, the sum of the products of all pairs of values at this lag."""
     shape, axes = [2 * n for n in values.shape], (0, 1)
     result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
     return result

@@ -163,7 +163,10 @@ def changes_of(
     share: float | None = None,
     criterion: str | Rule | None = None,
 ) -> dict[str, Any]:
-    """Arguments that are not None as fields of `Conditions`; a share alone sets the criterion."""
+    """Arguments that are not None, as fields of `Conditions`.
+
+    A share without a criterion sets the criterion "share".
+    """
     entries: dict[str, Any] = {
         "friction": friction,
         "critical_temperature": critical_temperature,

@@ -13,14 +13,17 @@ _DIGITS = 12  # digits of a wear number that are compared: equal ones differ by 
 
 
 class ContactSource(NamedTuple):
-    """The variant whose contacts another variant shares, and at which of its velocities."""
+    """The variant whose contact solutions another variant reuses, and at which velocity."""
 
     variant: Variant
     ratio: float = 1.0  # velocity of the source over that of the variant, at the same wear number
     places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:
-        """Velocity of the source that has the contacts of a velocity [m/s]; None without one."""
+        """Velocity of the source with the same contacts as the variant at `velocity` [m/s].
+
+        None if the source has no such point.
+        """
         if self.places:
             own, shared = self.places
             return shared if velocity == own else None
@@ -37,7 +40,7 @@ def contact_sources(
     places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, ContactSource]:
-    """Find for each variant the first variant that has the same contacts.
+    """Find for each variant the first variant with the same contacts, whose solutions it reuses.
 
     `places` are the velocities of variants that have a single one [m/s], else None. `velocities`
     are those of all others.

@@ -14,7 +14,7 @@ from pipeline.sweep.variants import Variant
 
 
 def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
-    """Scene ids: for each row of a sweep a hash of all that acts on simulation and verdict, int32.
+    """Scene id of each variant: an int32 hash of all that acts on its simulation and verdict.
 
     `choices` are further things that act on answers: which oil's tests count, and the scatter that
     weighs samples.

@@ -31,7 +31,7 @@ _KEPT: Final = "_source_sha256"
 
 
 class LawError(InputError, AttributeError):
-    """A law is needed as a Python object, and only its name is known, from a store."""
+    """A user's law (wear, surface, criterion or pin) is needed, but only its name is stored."""
 
 
 class MissingError(InputError):
@@ -40,7 +40,7 @@ class MissingError(InputError):
 
 @dataclass(frozen=True)
 class MissingSurface(UnknownHeights):
-    """A measured surface whose heights are not at hand."""
+    """A measured surface whose heights are not known, since its file was not stored."""
 
     digest: str
     words: str

@@ -47,7 +47,7 @@ def variant_words(variant: Variant) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Objects that are made from the entries of a scene."""
+    """Scene, conditions, tests and oil, as they are made from the entries of a scene file."""
 
     declared: Any  # the file, read into its declared classes
     scene: Scene
@@ -137,7 +137,7 @@ class Sweep:
 
     @cached_property
     def parts(self) -> Parts:
-        """Objects made from the entries."""
+        """Scene, conditions, tests and oil, made from the entries."""
         parts: Parts = self.reader.read(self.written)
         return parts
 
@@ -160,7 +160,7 @@ class Sweep:
 
     @property
     def declared(self) -> Any:
-        """The scene file, read into its declared classes."""
+        """Tables of the scene file as objects, with values in SI."""
         return self.parts.declared
 
     @property
@@ -229,7 +229,7 @@ class Sweep:
         return changed
 
     def description(self) -> tuple[str, dict[str, Any]]:
-        """Title of the sweep, and its tables of entries with the number of rows."""
+        """Title and entries of the sweep, with the number of variants, as it prints itself."""
         return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
     @property
@@ -271,7 +271,7 @@ class Sweep:
 
     @cached_property
     def contact_sources(self) -> Mapping[Variant, ContactSource]:
-        """For each variant, the first variant with the same contacts; see `ContactSource`."""
+        """For each variant, the variant whose contact solutions it reuses; see `ContactSource`."""
         table = self.variants
         if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())
@@ -282,7 +282,7 @@ class Sweep:
         return contact_sources(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
-        """Velocity [m/s] and variant of the ramp whose contacts a point shares."""
+        """Velocity [m/s] and variant of the ramp whose contact solutions a point reuses."""
         source = self.contact_sources.get(point.variant)
         velocity = source and source.velocity_at(point.velocity)
         return point[1:] if source is None or velocity is None else (velocity, source.variant)

@@ -143,7 +143,7 @@ def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
 
 
 class Task(NamedTuple):
-    """Points that share a contact, and the loading ramp that leads to this contact."""
+    """Points that are computed from one contact, and the loading ramp that leads to it."""
 
     points: tuple[Point, ...]
     ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment

@@ -38,13 +38,13 @@ _FINER = {
 
 
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Finest preset that no numerical choice of a fidelity is coarser than; None without one."""
+    """Finest preset that all numerical choices of a fidelity match or exceed; None without one."""
     names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
 
 
 def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
-    """True if no numerical choice that matters is coarser than that of a preset."""
+    """True if all numerical choices that matter are at least as fine as those of a preset."""
     without_effect = {*KEPT_FIELDS}
     if fidelity.pixels_per_element == 1:
         without_effect |= {"averaging", "fewest_summits"}
@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields of a fidelity, with 0 in `hold_increments` and `imprint` replaced by what it means."""
+    """Fields of a fidelity by name; the 0 that has a special meaning in two is replaced by it."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,

@@ -94,7 +94,7 @@ def verdict(
     conditions: Conditions,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, from its columns and its load [N], as in `tribo`."""
+    """Mild or severe wear at a point, from its columns and load [N]; see `tribo`'s `verdict`."""
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
     return tribo_verdict.verdict(columns, load, conditions, coupled)
@@ -128,7 +128,7 @@ def columns_needed(conditions: Conditions) -> tuple[str, ...]:
 
 
 def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Columns with the corrections of some conditions added to the rises, at all bulk ratios."""
+    """Columns whose rises, with those for unequal bulks, have the corrections of conditions."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 

@@ -30,7 +30,7 @@ SEED = "disk.roughness.seed"
 
 
 class Row(NamedTuple):
-    """One variant of a scene: its label in each column [SI], and the entries that it replaces.
+    """One variant of a scene: its labels (values by column) [SI], and the entries it replaces.
 
     If a column is named by the path of an entry that `values` lacks, the label is its value.
     """
@@ -41,11 +41,11 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the table of variants: a dimension, or values that follow from a dimension."""
+    """A column of the table of variants: a dimension, or values that a dimension determines."""
 
     name: str
     unit: str | None = "1"  # None for words
-    along: str = ""  # dimension from which the values follow; empty for a dimension
+    along: str = ""  # dimension that determines the values; empty for a dimension
     is_drawn: bool = False  # rows that differ in this column alone are equally likely draws
     meaning: str = ""
     entry: str = ""  # path of the entry that the column sets, if the name is another
@@ -113,7 +113,7 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """For each column that follows from a dimension, its values by the dimension's labels."""
+        """For each column that a dimension determines, its value for each of the labels there."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -163,7 +163,7 @@ class Variants:
 
     @property
     def _drawn(self) -> tuple[Column, ...]:
-        """Columns whose labels are random draws, or follow from random draws."""
+        """Columns whose labels are random draws, or are determined by random draws."""
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
@@ -200,7 +200,7 @@ class Variants:
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """Names of all combinations of labels along some dimensions; just ``()`` without dimensions."""
+    """All combinations of labels along some dimensions, as names of variants."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
@@ -224,7 +224,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Table of variants that are numbered from 0; `columns` follow from the number."""
+    """Table of variants that are numbered from 0; `columns` have a value for each number."""
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))

@@ -48,8 +48,8 @@ def active_set_step(
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the pressure at the free nodes, all other nodes held at their bounds.
 
-    The solution stops at the latest once the gap at these nodes is at most `gap_goal` [m], or after
-    `most` convolutions. Returns the next iterate, and the state for the next such step.
+    Conjugate gradients stop once the gap at these nodes is at most `gap_goal` [m], and after `most`
+    convolutions at the latest. Returns the next iterate, and the state for the next such step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)

@@ -160,7 +160,7 @@ def _all_images(n: int, s: Array) -> Array:
 
 
 def _line_load(grid: Grid, axis: int) -> Array:
-    """Transform of −2 ∫ ln(|x|/c) dx over an element, whose c is longer than any distance x."""
+    """Transform of a line load's influence −2 ∫ ln(|x|/c) dx over an element; c exceeds all x."""
     step, length = grid.spacing[axis], padded_shape(grid)[axis]
     c = length * step + grid.size[1 - axis]
     x, a = np.arange(length // 2 + 1) * step, step / 2

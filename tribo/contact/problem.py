@@ -146,7 +146,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
-    """Approach that makes `gap` [m] vanish on average at the nodes that are free to move [m]."""
+    """Approach [m] that makes `gap` [m] vanish on average at the `free` nodes, at no bound."""
     if free.size:
         return float(gap.take(free).sum()) / free.size
     lowest = float(gap[loaded].max(initial=-math.inf))

@@ -25,12 +25,15 @@ _MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no dig
 
 
 def update_error(updates: int, rounding: float, displacement: float) -> float:
-    """Bound on the error of a displacement [m] after updates; its largest value is given [m]."""
+    """Bound on the error of a displacement [m] that was updated several times, not recomputed.
+
+    `displacement` is its largest value [m], and `rounding` the machine epsilon.
+    """
     return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
 
 def transform_error(rounding: float, displacement: float) -> float:
-    """Bound on the error of a displacement just computed [m]; its largest value is given [m]."""
+    """Bound on the error of a displacement just computed [m], from its largest value [m]."""
     return _TRANSFORM_ERROR * rounding * displacement
 
 

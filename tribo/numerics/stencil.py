@@ -24,7 +24,9 @@ _RIGID = 0.3
 
 
 class Neighbourhood:
-    """The stencils of a convolution whose kernel is even along y.
+    """Stencils that stand for a convolution among neighbours, and for its inverse.
+
+    The kernel must be even along y.
 
     A stencil, shape (3, 2), holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1
     along y. `influence` is the middle of the kernel. `inverse` is its inverse on a block of 3 × 3

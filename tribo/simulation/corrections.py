@@ -313,7 +313,7 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """The moment at index `place` of columns whose last axis is the step.
+        """Make the moment at index `place` of recorded columns, whose last axis is the step.
 
         The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
         the last step. Without both it is linear between the steps that are known.

@@ -50,7 +50,7 @@ _SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elemen
 
 
 class Pass(NamedTuple):
-    """A contact to be solved within a step."""
+    """A contact to be solved within a step of the loading, and the position of the disk."""
 
     stage: Stage
     shift: tuple[int, int] | None = None  # of the disk along x and y, in elements

@@ -62,7 +62,7 @@ SMOOTH = Summits((math.inf, math.inf), 0.0)
 
 
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
-    """The scene with elements small enough for its surface at a load, also before the last step.
+    """The scene with elements that resolve its surface at a load [N], and at all steps before.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def _lowest(scene: Scene, normal_load: float) -> float:
 
 
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
-    """The contact at a load, by Eq. (1)."""
+    """Estimate the contact at a load [N], by Eq. (1) of this module."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
     on_window = normal_load / pin.patches(scene.grid)
     hertz = pin.hertz(normal_load, modulus)

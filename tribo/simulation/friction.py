@@ -212,7 +212,7 @@ class Friction:
 
 @dataclass(frozen=True, slots=True)
 class SolvedFriction:
-    """Case for which friction by temperature is solved; see `tribo.simulation.coupled_friction`.
+    """Law and conditions for which friction by temperature is solved; see `coupled_friction`.
 
     Attributes
     ----------

@@ -137,7 +137,7 @@ def check_heat(
 
 @contextmanager
 def guard_range(what: str) -> Iterator[None]:
-    """Turn a number beyond double precision into a `RangeError` that says where it arose."""
+    """Context manager: turn numbers beyond double precision into a `RangeError` that says where."""
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
             yield

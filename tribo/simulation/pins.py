@@ -32,7 +32,7 @@ class WornContact(NamedTuple):
 
 
 class OilEntry(NamedTuple):
-    """Oil as it enters a contact."""
+    """Oil at the inlet of a contact: its speed, viscosity and pressure-viscosity coefficient."""
 
     speed: float  # mean of both surfaces [m/s]
     viscosity: float  # [Pa s]
@@ -69,16 +69,16 @@ class Pin(Protocol):
         """Shape and sizes in a few words."""
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from a flat that it touches [m], shape ``grid.shape``."""
+        """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and of the wear of the whole pin to those of the patch."""
+        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m]."""
+        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m]."""
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
         """Minimum thickness of the film between the smooth, unworn bodies [m]."""
@@ -111,12 +111,12 @@ class Cylinder:
         require_positive(radius=self.radius, length=self.length)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from a flat that it touches, x²/(2R) [m], shape ``grid.shape``."""
+        """Height of the pin above a plane that it touches, x²/(2R) [m], shape ``grid.shape``."""
         x = grid.coordinates(0)[:, None]
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and of the wear of the whole pin to those of the patch."""
+        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -124,7 +124,7 @@ class Cylinder:
         return hertz_contact(normal_load, contact_modulus, self.radius, self.length)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m].
+        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m].
 
         Examples
         --------
@@ -175,13 +175,13 @@ class Ball:
         require_positive(radius=self.radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from a flat that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
+        """Height above a plane that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = (x**2 + y**2) / (2 * self.radius)
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and of the wear of the whole pin to those of the patch."""
+        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -189,7 +189,7 @@ class Ball:
         return hertz_contact(normal_load, contact_modulus, self.radius)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m]."""
+        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m]."""
         return _worn_ellipse(half_width, volume, self.radius, 1.0)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
@@ -232,13 +232,13 @@ class Crowned:
         require_positive(radius=self.radius, crown_radius=self.crown_radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Distance from a flat that it touches, x²/(2R) + y²/(2R_c) [m], shape ``grid.shape``."""
+        """Height above a plane that it touches, x²/(2R) + y²/(2R_c) [m], shape ``grid.shape``."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = x**2 / (2 * self.radius) + y**2 / (2 * self.crown_radius)
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Ratio of the load and of the wear of the whole pin to those of the patch."""
+        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -248,7 +248,7 @@ class Crowned:
         )
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact after a volume [m³] has worn off a pin at rest; `half_width` is unworn [m].
+        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m].
 
         The flat of a paraboloid is an ellipse, longer than wide by the root of its radii's ratio.
         """

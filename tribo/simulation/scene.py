@@ -344,7 +344,7 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _elements(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Elements of ``block × block`` pixels, as long as the patch where nothing depends on y."""
+    """Grid of elements of ``block × block`` pixels, as long as the patch if it `is_plane`."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)

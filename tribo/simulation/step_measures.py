@@ -82,6 +82,10 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 
 
 def touching_elements(scene: Scene, state: State) -> int:
-    """Number of elements that touch; squared in a plane scene, as if y were divided like x."""
+    """Number of elements that touch.
+
+    In a plane scene, in which an element stands for a whole row along y, it is the square: as many
+    as if y were divided like x.
+    """
     nodes = int(np.count_nonzero(state.pressure))
     return nodes**2 if scene.is_plane else nodes

@@ -191,7 +191,7 @@ def _check_split(scene: Scene, friction: Array, contact: Mask, split: HeatPartit
 
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
-    """Pin and disk as conductors that move as they do at a sliding velocity [m/s]."""
+    """Pin and disk as heat conductors that move through the contact; velocities in m/s."""
     length, velocities = scene.heated_length, scene.velocities_at(velocity)
     return (
         Conductor(scene.pin.material, velocities.pin, length),

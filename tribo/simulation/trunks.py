@@ -100,7 +100,7 @@ class Trunks:
         advance: Callable[[State, Station], State],
         note: Note | None = None,
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
-        """Yield the states of a ramp that are new, up to the last of the stations.
+        """Continue a cached ramp up to the last of the stations, and yield the new states.
 
         Returns the state at the last station, and the notes of all stations.
         """

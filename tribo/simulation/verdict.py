@@ -49,12 +49,12 @@ class Judging(ABC):
 
     @property
     def coldest_bulk_temperature(self) -> float:
-        """Bulk temperature of the colder body, from which rises count [K]."""
+        """Bulk temperature of the colder body [K], above which rises are measured."""
         return self.bulk_temperature + min(0.0, self.bulk_difference)
 
     @property
     def mean_bulk_temperature(self) -> float:
-        """Mean of both bodies' bulk temperatures [K], at which the oil is between them."""
+        """Mean of both bodies' bulk temperatures [K], taken as that of the oil between them."""
         return self.bulk_temperature + self.bulk_difference / 2
 
     @property

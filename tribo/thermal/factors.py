@@ -94,6 +94,6 @@ def wavenumbers(axis: Axis, s: float) -> Array:
 
 
 def series_terms(axis: Axis, s: Array, k: Array) -> Array:
-    """Transform of the kernel's factor E at rest, 2 sinc(ka) exp(−k²s²/4), by node, alias, mode."""
+    """Transform of the factor E at rest, 2 sinc(ka) exp(−k²s²/4), shape (nodes, aliases, modes)."""
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)
