@@ -70,7 +70,10 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae and ordinates (logarithms if `is_log`), cubic coefficients by interval."""
+        """Abscissae u and ordinates, and coefficients of the cubic in each interval.
+
+        The first two are logarithms if `is_log`. The coefficients are those of Δu, Δu² and Δu³.
+        """
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
         m = np.diff(v) / h

@@ -158,7 +158,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def identified(ds: xr.Dataset) -> xr.Dataset:
-    """Dataset with digests of its scene as coordinate ``scene_id``, for the values of `at`."""
+    """Add digests of the scene, with the choices of `pipeline.at`, as coordinate ``scene_id``."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 

@@ -138,7 +138,7 @@ class PointField:
 
     @property
     def at_once(self) -> int:
-        """Number of places (load, velocity) whose lines together take some 200 MB of memory."""
+        """Number of pairs of load and velocity to judge at once, in some 200 MB of memory."""
         width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
         return 1 + _POINTS // (width * len(self.planes))
 

@@ -120,7 +120,10 @@ class Judged(NamedTuple):
 
 
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Yield the judged operating points of each scene; if `points` is None, those of its rows."""
+    """Yield the judged operating points of each scene.
+
+    If `points` is None, they are the loads and velocities of the sweep's own rows.
+    """
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
     for field in fields(data):

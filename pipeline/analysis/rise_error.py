@@ -171,7 +171,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Indices of the two loads around each slot of velocity and load; see `_slots`."""
+        """Indices of the two loads around each slot of velocity and of load; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -179,7 +179,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Indices of the two velocities around each slot, by load; see `_slots`."""
+        """Indices of the velocities of two points around each slot (see `_slots`) on each load."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -229,7 +229,8 @@ def counted_error(
 ) -> Array:
     """Relative error of effects added after the simulation: film and friction by temperature.
 
-    The error is NaN where friction may run away at `rises` [K] (for friction 1) and is not solved.
+    The error is NaN where friction that rises with temperature may run away and is not solved.
+    `rises` are those for a friction coefficient of 1 [K].
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)

@@ -58,7 +58,10 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Scene ids by the dataset's varied entries; for entries that it lacks, by all values."""
+    """Scene ids by the dataset's varied entries.
+
+    For an entry that the dataset lacks, they keep the dimension of all its values.
+    """
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
     return whole.isel(

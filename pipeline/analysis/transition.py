@@ -85,8 +85,8 @@ class Line:
     def first(self) -> Array:
         """Lowest velocity [m/s] or load [N] at which wear turns severe.
 
-        It is -infinite if wear is severe at the lowest one, infinite if wear is mild at all, and
-        NaN if unknown.
+        It is -infinite if wear is severe at the line's beginning, infinite if wear is mild on the
+        whole line, and NaN if unknown.
         """
         place = np.fmin.reduce(self.places, axis=-1)
         place = np.where(np.isnan(place), math.inf, place)

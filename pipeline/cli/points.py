@@ -45,7 +45,7 @@ def point(options: argparse.Namespace) -> Result:
 
 
 def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
-    """Simulate points and yield their records, `wanted` first; only its own failure is raised."""
+    """Simulate points and yield their records, `wanted` first; raise only if `wanted` fails."""
     for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
             (result,) = run_points(sweep, (point,), progress=progress)

@@ -18,7 +18,7 @@ def _sides(text: str) -> tuple[float, float]:
 
 
 def _word(text: str) -> tuple[str, str]:
-    """Read ``WORD=OUTCOME``; an empty word stands for empty cells."""
+    """Read ``WORD=OUTCOME``: what a word in a log means; an empty word stands for empty cells."""
     name, _, outcome = map(str.strip, text.partition("="))
     if outcome not in ("mild", "severe"):
         raise ArgumentTypeError(f'"{outcome}" is no outcome; give {name}=mild or {name}=severe')

@@ -14,7 +14,10 @@ from pipeline.scene.faults import Faults
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, None]:
-    """Replace each entry that names a log file by the tests in it; report faults of the log."""
+    """Scene with the tests of log files in place of the entries that name these files.
+
+    Faults of a log are reported. The second value is None, as the sweep needs no further change.
+    """
     for key in ("measured", "tested"):
         listed, folder = document.entries().get(key), document.file_of(key).parent
         if not isinstance(listed, list) or not listed:

@@ -234,7 +234,10 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Part of the heights that the window needs, or repeats; None if a fault was reported."""
+    """Heights from the corner ``crop`` on, as many as the window has pixels.
+
+    Heights to be repeated may be fewer. Returns None if a fault was reported.
+    """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
         left = np.subtract(heights.shape, table["crop"])

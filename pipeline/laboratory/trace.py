@@ -44,7 +44,7 @@ class Stage(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A rise of friction that may be scuffing: where it is, and why it is none.
+    """A rise of friction that may be scuffing: where it is, and why it does not count as scuffing.
 
     `row` and `stage`, which counts from 1, say where; `low` and `high` are friction before and
     after. `why_not` is empty for scuffing.

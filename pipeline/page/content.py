@@ -222,7 +222,11 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Deciding rises and quantiles [K] (load, velocity, bulk ratio, share or quantile, step)."""
+    """Deciding rises, and quantiles of the rise over the contact [K].
+
+    Axes are load, velocity, bulk ratio, failing share (of rises) or probability (of quantiles),
+    step.
+    """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
     deciding = [np.stack([one.rise(rises) for one in criteria], axis=-2) for rises in at_ratios]
@@ -292,7 +296,7 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index in a table at which each line begins, by text "surface node".
+    """Index in a table at which the values of each line begin, by key "surface node".
 
     The first begins at `begin`; each has `width` values.
     """
@@ -375,7 +379,10 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated"
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Number of parts into which the grid divides each interval of velocity, and of load."""
+    """Number of parts into which the grid divides each interval of velocity, and of load.
+
+    `others` is the number of values at each node, which limits the number of nodes.
+    """
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
     while parts.max() > 1 and others * np.prod(parts * gaps + 1) > _MOST:

@@ -29,7 +29,7 @@ class Control:
     fault: str = ""
 
     def html(self) -> str:
-        """HTML of the slider and the field, with an empty element for the fault."""
+        """HTML of the slider and the field, with an empty element for an error message."""
         label = html.escape(self.label)
         return (
             f'<div class="control"><label for="{self.name}">{label}</label>\n<div class="pair">'

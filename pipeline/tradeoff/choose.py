@@ -22,7 +22,10 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """Sweep with the cheapest fidelity whose error is within `accuracy`, or its store's."""
+    """Sweep with the cheapest fidelity whose error is within `accuracy`.
+
+    An existing store keeps its fidelity; raises a `StoreMismatchError` if this does not fit.
+    """
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)
     selection = stored and stored.selection

@@ -148,9 +148,9 @@ def worker_bytes(sweep: Sweep) -> float:
 
 
 def as_computed(sweep: Sweep) -> Scene:
-    """Scene with the elements chosen for its lowest load.
+    """Scene with the elements that a simulation chooses at the sweep's lowest load.
 
-    If pixels are very many, elements are single pixels.
+    If pixels are very many, elements are single pixels instead.
     """
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:

@@ -85,7 +85,10 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """Cross-validation of an emulator, with contacts left out in turn, and ends of velocities."""
+    """Result of cross-validation of an emulator.
+
+    Contacts are left out in turn, then the lowest and the highest velocities.
+    """
 
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
     #: scaled so that 90 % bands hold 90 % of the samples left out.
@@ -96,7 +99,7 @@ class LeftOut(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Standard error of `held`, the share of samples in 90 % bands, if 90 % is right."""
+        """Standard error of the estimate `held`, if in truth 90 % of samples are in their bands."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
@@ -240,7 +243,10 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def outer(along: Array) -> Array:
-    """Weight from 1 at the ends of a range of ln(velocity), `along` 0 and 1, to 0 in its middle."""
+    """Weight of the ends of a range of ln(velocity): 1 at both ends, 0 in the middle.
+
+    `along` is the position in the range, from 0 to 1.
+    """
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
@@ -326,7 +332,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of the random part of values at a load, by leaving loads out in turn."""
+    """Standard deviation of values about linear interpolation between the next loads."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]

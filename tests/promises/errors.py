@@ -214,7 +214,7 @@ def interpolated(x, y, place):
 
 
 def places(row, preset, share):
-    """Yield true (by `fine`) and stated errors at places; of `fine` only between its points."""
+    """Yield errors of a preset's rises, true (against `fine`) and stated, at each place."""
     plane, true = plane_of(row, preset, share), np.array(row["fine"][str(share)])
     if min(plane.rises.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
         return
@@ -319,7 +319,7 @@ def fine_apart(row):
 
 
 def too_warm(row):
-    """Relative excess of the rise with present heat only, at points with that warning."""
+    """Excess of the rise with present heat only over that with history, at points warned of it."""
     flags = np.array(row["draft"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
     excess = np.array(row["elapsed"]["0.1"]) / np.array(row["history"]["0.1"]) - 1
     return excess[flags & WarningKind.PRESENT_HEAT != 0]

@@ -98,7 +98,7 @@ def is_right(result, errors=1.0):
 
 
 def closed_rigs(count):
-    """Yield the ensemble of a closed form, and the transition line of each hidden truth."""
+    """Yield the ensemble, by a closed form, and the transition line of each of `count` truths."""
     inputs = (replace(CRITICAL, parameters=(CRITICAL.parameters[0], WIDE)), RATE, FRICTION, LENGTH)
     samples = samples_of(inputs)
     for truth in drawn(inputs, _SEED, count):
