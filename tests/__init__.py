@@ -2,6 +2,6 @@
 
 import os
 
-# Before NumPy is loaded, for what a campaign computes is compared bit for bit with what workers, of
-# one thread each, have computed: linear algebra in several threads adds in another sequence.
+# Set before NumPy is loaded: results of a campaign are compared bit for bit with those of workers,
+# which have one thread each. Linear algebra in several threads adds in another order.
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

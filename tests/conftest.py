@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-# By default a difference of 1e-12 passes, whatever is compared: more than all of a volume in m³ or
-# a wear rate in m²/N. So a tolerance is relative, unless the test says what it may be at 0.
+# By default pytest.approx allows an absolute difference of 1e-12, which is more than a worn volume
+# in m³ or a wear rate in m²/N. So tolerances are relative unless a test gives an absolute one.
 type(pytest.approx(0.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
 
 
@@ -15,13 +15,13 @@ MEMORY = Path("/dev/shm")
 
 
 def pytest_configure(config):
-    # A store syncs 200 files when it is made, which takes no time where nothing reaches a disk.
+    # A new store syncs 200 files to disk, which takes no time in a file system in memory.
     if MEMORY.is_dir() and shutil.disk_usage(MEMORY).free > 4e9:
         os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", str(MEMORY))
     config.addinivalue_line("markers", "slow: takes minutes; runs with -m slow only")
 
 
-# What takes minutes begins first, so that no process is left alone with it in the end.
+# Tests that take minutes begin first, so that no process is left alone with one at the end.
 LONG = {"workflows", "run", "uncertain", "page", "test_pages.py", "test_verify.py"}
 LONG |= {"test_printed_numbers.py", "test_own_laws.py", "test_doors.py", "test_extras.py"}
 
@@ -36,7 +36,7 @@ def pytest_collection_modifyitems(config, items):
         items[:] = [item for item in items if item not in slow]
 
 
-# A search for garbage in all that is imported and collected takes 0.2 s, and finds none there.
+# Garbage collection among all imported modules and collected tests takes 0.2 s and finds nothing.
 def pytest_collection():
     gc.disable()
 

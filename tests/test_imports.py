@@ -51,7 +51,7 @@ def test_every_public_name_is_there():
     for extra in extras.EXTRAS:
         import_module(f"pipeline.{extra}.commands")
     modules = {path.stem for path in (ROOT / "pipeline").iterdir()}
-    assert not modules & set(pipeline.__all__)  # a folder, once imported, takes its name
+    assert not modules & set(pipeline.__all__)  # an imported module would hide the name
     with pytest.raises(AttributeError, match="attribute nonsense"):
         _ = pipeline.nonsense
 

@@ -24,7 +24,7 @@ def test_the_site_builds_without_a_warning(tmp_path, has_reference):
         assert count == 5
         (pages / "API.md").write_text(without, encoding="utf-8")
     build = ["-q", "-W", "--keep-going", "-b", "dummy"]
-    # This builder takes no pictures of notebooks; the others are warnings that conf.py leaves out.
+    # This builder cannot show notebooks' pictures; conf.py also suppresses the other warning.
     build += ["-D", "suppress_warnings=myst.domains,mystnb.mime_priority"]
     command = [sys.executable, "-m", "sphinx", *build, pages, tmp_path / "site"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=250)

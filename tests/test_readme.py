@@ -43,7 +43,7 @@ def test_python_blocks_run(block, folder, monkeypatch):
 @pytest.mark.parametrize("page", PAGES)
 def test_every_command_shown_is_one_that_could_be_typed(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "results").mkdir()  # where a user's sweep is by then
+    (tmp_path / "results").mkdir()  # a user's sweep is there
     text = (ROOT / page).read_text(encoding="utf-8").replace("\\\n", "")
     in_blocks = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
     in_tables = re.findall(r"^\| `(irg \w+ [^`]+)`", text, flags=re.MULTILINE)
@@ -95,8 +95,8 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
     assert "400 N" in printed
 
 
-_WIDEST = 90  # letters of code in the 46 em that the theme of the site gives a page
-_AS_PRINTED = "columns = {"  # a line of irg tests, as long as the headings of the log
+_WIDEST = 90  # letters of code in the site's page width of 46 em
+_AS_PRINTED = "columns = {"  # line printed by irg tests, as long as the log's headings
 
 
 @pytest.mark.parametrize("page", PAGES)

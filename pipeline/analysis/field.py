@@ -238,7 +238,11 @@ class PointField:
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves of rise over load, by surface and velocity: computed, `_certain`, extrapolated."""
+        """Curves of rise over load at each surface and velocity of the points.
+
+        There are three: through computed rises only, through those of `_certain`, and through rises
+        extrapolated at every load.
+        """
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)

@@ -109,7 +109,7 @@ class Tamaas:
 
     def displacement(self, pressure):
         if all(self.case.grid.periodic):
-            return self.case.solid()(pressure)  # the same kernel; its own is not exposed
+            return self.case.solid()(pressure)  # same kernel as the peer's, which is private
         out = np.zeros_like(pressure)
         self._model.operators["free"].apply(pressure, out)
         return out
@@ -126,7 +126,7 @@ class Tamaas:
 
     @staticmethod
     def solves(case):
-        # It has a solver for the cap, which takes some 10 000 iterations.
+        # Its solver with a pressure limit takes some 10 000 iterations.
         return case.hardness == math.inf and case.grid.periodic[0] == case.grid.periodic[1]
 
 
@@ -176,7 +176,7 @@ class Slippy:
     name = "slippy"
 
     def __init__(self, case):
-        # Its surfaces import a function that SciPy no longer has; the contact does without.
+        # Its surfaces import a function that SciPy no longer has; its contact solver needs none.
         sys.modules.setdefault("scipy.misc", types.SimpleNamespace(derivative=None))
         importlib.import_module("slippy").CUDA = False
         self._core = importlib.import_module("slippy.core")
@@ -214,7 +214,7 @@ class Aspher:
         self._gap = np.ascontiguousarray(case.separation).ravel()
 
     def solve(self, tolerance):
-        # Of its backends and preconditioners the fastest on these cases, each an exact kernel.
+        # Its fastest backend and preconditioner on these cases; each has an exact kernel.
         grid = self.case.grid
         result = self._solve(
             grid_size=grid.shape[0],
@@ -230,7 +230,7 @@ class Aspher:
 
     @staticmethod
     def solves(case):
-        # It takes squares of 64 · 2ᵏ square elements.
+        # It solves only squares of 64 · 2ᵏ square elements.
         return case.hardness == math.inf and case.grid.periodic[0] == case.grid.periodic[1]
 
 

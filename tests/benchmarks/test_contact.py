@@ -22,10 +22,10 @@ from tests.benchmarks.peers import (
 )
 from tribo.contact import solve_contact
 
-pytestmark = pytest.mark.filterwarnings("ignore")  # others' own
+pytestmark = pytest.mark.filterwarnings("ignore")  # raised in other packages
 
-# Residual wanted of each solver, by the loosest of its tolerances that reaches it.
-# Others get some more, since not all of them come down to that on every case.
+# Residual that each solver must reach, with the loosest of its tolerances that does.
+# That of other solvers is larger, as not all of them reach the smaller one on every case.
 ACCURACY, OTHERS_ACCURACY = 1e-9, 2e-9
 ROUNDS = 3
 TOLERANCES = (1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)

@@ -23,7 +23,7 @@ def test_chain_of_loads(benchmark, preset, velocity):
         for point in chain:
             plan.run_points(sweep, (point,), trunks)
 
-    points()  # kernels and roughness are made once
+    points()  # makes kernels and roughness before timing
     benchmark.pedantic(points, rounds=3)
     with counted_transforms() as transforms:
         points()

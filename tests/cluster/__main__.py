@@ -38,9 +38,9 @@ velocities = {velocities}
 """
 _LOADS = 4
 _JOBS = 4
-_PATIENCE = 900.0  # [s] for a driver
+_PATIENCE = 900.0  # [s] that a driver may take
 _CHEAP = 2500  # velocities
-_BETWEEN = 12.0  # [s] between two jobs that are cancelled
+_BETWEEN = 12.0  # [s] from one cancelled job to the next
 _NAMES = (*COLUMNS, "message", "checksum", "status")
 DRIVERS = ExitStack()
 """Those that are killed in the end, if they go on."""
@@ -86,7 +86,7 @@ class Driver:
 
     def done(self):
         """Number of points that are done."""
-        with suppress(StoreError):  # until it is made
+        with suppress(StoreError):  # the store may not exist yet
             return pipeline.summary(self.path).done
         return 0
 

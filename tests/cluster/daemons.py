@@ -10,7 +10,7 @@ from contextlib import ExitStack
 
 _NODES = ("n1", "n2")
 _PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
-_CORES = 8  # that each node claims to have
+_CORES = 8  # cores that each node claims to have
 _CONFIGURATION = """\
 ClusterName=trial
 SlurmctldHost={host}(127.0.0.1)

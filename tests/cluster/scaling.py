@@ -41,7 +41,7 @@ def costs_at(sweep, velocity):
     whole = timed(sweep, Point(highest, velocity), trunks)
     ends = {}
     for load in sweep.plane.loads:
-        timed(sweep, Point(load, velocity), trunks)  # on a ramp of its own, if it has one
+        timed(sweep, Point(load, velocity), trunks)  # on the load's own ramp, if it has one
         ends[load] = timed(sweep, Point(load, velocity), trunks)
     increments, *_ = _steps(sweep, highest)
     return (whole - ends[highest]) / increments, ends
@@ -50,7 +50,7 @@ def costs_at(sweep, velocity):
 def main():
     sweep = pipeline.load_scene(*sys.argv[1:])
     axis, loads = np.array(sweep.plane.velocities), sweep.plane.loads
-    run_points(sweep, (Point(loads[0], float(axis[0])),))  # kernels and surfaces are made once
+    run_points(sweep, (Point(loads[0], float(axis[0])),))  # makes kernels and surfaces
     places = np.linspace(0, len(axis) - 1, _MEASURED).round().astype(int)
     known = {float(axis[place]): costs_at(sweep, float(axis[place])) for place in places}
     for velocity, (increment, ends) in known.items():

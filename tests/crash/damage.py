@@ -77,7 +77,7 @@ def _restored(file, chance, older):
 
 
 _KINDS = (_flipped, _flipped, _cut, _emptied, _deleted, _zeroed, _swapped, _restored)
-_SOUND = (_swapped, _restored)  # after which a chunk may be a sound one
+_SOUND = (_swapped, _restored)  # damage after which a chunk may be sound
 
 
 def called(*arguments):
@@ -174,9 +174,9 @@ def _faults_of(path, whole, file, kind):
 def campaign(run):
     """Damage `run.count` files, one after the other, each in a new copy of a store."""
     whole_store = functools.cache(lambda fields: _Whole(run, fields))
-    # Most other damage is noticed by the codec already.
+    # The codec itself notices most other damage.
     kinds = (_swapped,) if run.mistake else _KINDS
-    # All checksums of points are right.
+    # With the mistake, all checksums of points count as right.
     right = mock.patch.object(verifying, "checksum", return_value=mock.ANY)
     with right if run.mistake else nullcontext():
         for number in range(run.count):

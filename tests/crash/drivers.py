@@ -15,7 +15,7 @@ from tests.crash.sweeps import STAGES
 
 TRIALS = 8
 MISTAKE = "unlocked"
-_PACE = 0.03  # [s] between commits
+_PACE = 0.03  # time between commits [s]
 _MANNERS = ("together", "later", "lock deleted", "lock a link")
 
 

@@ -22,13 +22,13 @@ from tests.helpers.entries import changed
 
 TRIALS = 16
 MISTAKE = "status first"
-_EVERY = (1.0, 4.0)  # [s] between kills of one with workers
-_KILLS = 4  # of a trial with workers
+_EVERY = (1.0, 4.0)  # time between kills of a driver with workers [s]
+_KILLS = 4  # kills in a trial with workers
 _TARGETS = ("worker", "worker", "everything", "driver", "any")
 _SCENE = Path(__file__).parents[2] / "workflows" / "{}.toml"
 _COARSE = ["fidelity.pixels_per_element=8", "fidelity.increments=6", "sweep.fields=true"]
 _FASTER = 'sweep.velocities={from="0.5 m/s",to="4 m/s",step="0.25 m/s"}'
-# Scene and options of a command, and its settings from stage to stage.
+# Scene and options of each command, and its settings at each stage.
 _COMMANDS = {
     "command": (
         ["irg_transition"],

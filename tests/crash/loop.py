@@ -31,8 +31,8 @@ from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES
 
 PATIENCE = 300.0
 """Time that a run may take, which takes less than 20 s on an idle machine [s]."""
-_SOON, _LATEST = 0.1, 0.8  # [s] after a point was done, or the beginning, for a disturbance
-_END = 60.0  # [s] that the processes of a dead driver may take to end
+_SOON, _LATEST = 0.1, 0.8  # when a disturbance comes, after the start or a done point [s]
+_END = 60.0  # time in which processes of a dead driver must end [s]
 
 
 class Report:
@@ -53,7 +53,7 @@ class Forked:
 
     def __init__(self, sweep, path, log, records, mistake=None, pace=0.0, **options):
         self.returncode = None
-        # Not by multiprocessing, whose children count as workers, which run no sweep.
+        # Not by multiprocessing: its children count as workers, which may not run a sweep.
         self.pid = os.fork()
         if not self.pid:
             code = 99
@@ -137,7 +137,7 @@ def places(ds):
     dims = ds["status"].dims
     for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
         values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
-        if "variant" in values:  # each has a velocity of its own
+        if "variant" in values:  # each variant has its own velocity
             values["velocity"] = float(ds["velocity"].sel(variant=values["variant"]))
         load, velocity = values.pop("load"), values.pop("velocity")
         yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))

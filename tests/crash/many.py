@@ -32,13 +32,13 @@ from tests.helpers.campaigns import conclude
 
 FEWER, MANY = 10_000, 100_000
 LOADS = 10
-COMPARED = 40  # points
+COMPARED = 40  # points compared with those computed alone
 MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
 """Limits of 100 000 points: files, and times [s]."""
-_STEPS = 12  # of the points of the first sweep, which takes minutes
-_OFF = 1 / 3  # of the time to go
-_NEAR = 0.02  # of the boundary that is seen early, which is interpolated between few velocities
-_PATIENCE = 3600.0  # [s] for a run
+_STEPS = 12  # increments of each point of the first sweep, which takes minutes
+_OFF = 1 / 3  # relative error allowed of the forecast of the remaining time
+_NEAR = 0.02  # relative error of an early boundary, interpolated between few velocities
+_PATIENCE = 3600.0  # time that a run may take [s]
 
 
 def sweep_of(points, increments=3):
@@ -126,7 +126,7 @@ def early(folder, points):
                 following = time.monotonic() + max(1.0, 0.1 * len(copies))
     document = json.loads(path.with_suffix(".json").read_text())
     reports, whole = document["told"], pipeline.boundary(pipeline.open_sweep(path))
-    # Since the first points: the start takes as long, whatever the number of points.
+    # Time counts from the first points, as the start takes equally long for any number of points.
     began = next(elapsed for elapsed, done, _ in reports if done)
     tenth = began + (reports[-1][0] - began) / 10
     elapsed, done, to_go = min(reports[1:], key=lambda report: abs(report[0] - tenth))
@@ -167,7 +167,7 @@ def large(folder, points):
     report["run"] = driven(path, points)
     report["files"] = sum(len(names) for _, _, names in os.walk(path))
     report["resumed"] = driven(path, points)
-    pipeline.open_sweep(path)  # so that what is imported for it does not count
+    pipeline.open_sweep(path)  # so that imports are not timed
     ds, report["open"] = timed(pipeline.open_sweep, path)
     summary, report["status"] = timed(pipeline.summary, path)
     _, report["boundary"] = timed(pipeline.boundary, ds)

@@ -7,7 +7,7 @@ from tests.helpers.s3 import served
 
 TRIALS = 1
 MISTAKE = "status first"
-_KILLS = 3  # of a trial
+_KILLS = 3  # kills in a trial
 
 
 def campaign(run):

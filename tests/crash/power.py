@@ -18,11 +18,11 @@ from tests.crash.loop import code_of, end
 
 TRIALS = 28
 MISTAKE = "unsynced"
-CUTS = 4  # of a trial
-_SHUT_DOWN = (2 << 30) | (4 << 16) | (ord("X") << 8) | 125  # _IOR('X', 125, __u32), of XFS too
+CUTS = 4  # power cuts in a trial
+_SHUT_DOWN = (2 << 30) | (4 << 16) | (ord("X") << 8) | 125  # ioctl _IOR('X', 125, __u32)
 _WITHOUT_FLUSH = struct.pack("I", 2)
-_MEMORY = Path("/dev/shm")  # where what counts as the disk takes no time
-# By default ext4 syncs what is renamed over another file, and data before their names.
+_MEMORY = Path("/dev/shm")  # the file that counts as the disk is in memory
+# By default ext4 writes data before their names, and syncs a file renamed over another one.
 _KINDS = {
     "ext4": ["mkfs.ext4", "-q", "-F"],
     "ext4 -o noauto_da_alloc": ["mkfs.ext4", "-q", "-F"],

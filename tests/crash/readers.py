@@ -12,7 +12,7 @@ from tests.crash.sweeps import FAILING, STAGES
 
 TRIALS = 5
 MISTAKE = "status first"
-_PACE = 0.03  # [s] between commits
+_PACE = 0.03  # time between commits [s]
 
 
 def campaign(run):

@@ -12,7 +12,7 @@ _FIRST = tiny.full(
     loads=(150.0, 600.0),
     velocities=tuple(np.linspace(0.5, 1.5, 6).tolist()),
 )
-_LONGER = changed(_FIRST, loads=(150.0, 600.0, 900.0))  # by some steps
+_LONGER = changed(_FIRST, loads=(150.0, 600.0, 900.0))  # has some more load steps
 _WIDER = changed(_LONGER, velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, with more and more points."""

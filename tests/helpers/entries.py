@@ -19,7 +19,7 @@ from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, number
 from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "selection", "chosen", "stations", "judged"}
-_TESTS = {"measured": False, "tested": True}  # whether each has an outcome
+_TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
 _DECLARED = ("title", "caveat", "friction_band", "same_rig", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
@@ -92,12 +92,12 @@ def changed(sweep, **values):
 def _has(sweep, name, value):
     if name == "conditions":
         return sweep.parts.conditions == value
-    if name in _DECLARED:  # which no object has: they are as they are written
+    if name in _DECLARED:  # no object holds it, so it is as written
         return True
     part = PART_OF[name]
     held = sweep if name in _TESTS or part == "plane" else sweep.parts
     present = getattr(held if part == "parts" else getattr(held, part), name)
-    if name in _TESTS:  # of which each has a number, its own or the next one
+    if name in _TESTS:  # each test has its own number, or the next one
         return len(present) == len(value) and all(
             test == replace(asked, number=asked.number or test.number)
             for test, asked in zip(present, value, strict=True)
@@ -245,7 +245,7 @@ def _beside(corrections):
         entries["disk.film"] = film | {"thermal_conductivity": "1 W/(m K)"}
     if corrections.stem and not corrections.stem.settling_time:
         entries["pin.stem"] = {"resistance": f"{corrections.stem.resistance!r} K/W"}
-    elif corrections.stem:  # a rod of steel
+    elif corrections.stem:  # the stem is a steel rod
         length = (corrections.stem.settling_time * 45.0 / (7800.0 * 470.0)) ** 0.5
         area = length / (45.0 * corrections.stem.resistance)
         entries["pin.stem"] = {"length": f"{length!r} m", "area": f"{area!r} m^2"}

@@ -84,7 +84,7 @@ def gwy(channels, pixel):
 
 _SUR = (
     "<12s4H30s30s5HIIHiiiiIfff" + "16s" * 9 + "fffHHHIII7HfIIHHH128sfff34s"
-)  # of its head, 512 bytes
+)  # fields of the header of 512 bytes
 
 
 def sur(heights, pixel, is_compressed=False):

@@ -24,7 +24,7 @@ from tests.helpers.unknowns import ALL, LENGTH, RATE
 from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
-EXPONENT = 0.7  # of the rise over the velocity
+EXPONENT = 0.7  # d ln(rise)/d ln(velocity)
 
 
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}

@@ -99,4 +99,4 @@ class EndlessRamp(FaultyRamp):
 
 
 for kind in (FaultyRamp, DeadlyRamp, DivergingRamp, SlowRamp, EndlessRamp):
-    kind.__name__ = "Ramp"  # for a store keeps them as one, and digests tell their values alone
+    kind.__name__ = "Ramp"  # stores keep them as a Ramp, whose digest depends on its values only

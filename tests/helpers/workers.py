@@ -51,6 +51,6 @@ def _sweeps_share_workers(request, _workers):
     with pytest.MonkeyPatch.context() as patched:
         if getattr(getattr(request.node, "obj", None), "OWN_WORKERS", False):
             _workers.end()
-        elif "tribo" not in request.path.parts:  # which has no sweeps
+        elif "tribo" not in request.path.parts:  # tests of tribo have no sweeps
             patched.setattr("pipeline.run.sweep.connected", _workers.connected)
         yield

@@ -9,8 +9,8 @@ import pytest
 from tests.house.measure import ROOT, code_lines
 
 _TABLE = Path(__file__).with_name("BEHAVIOURS.md")
-_MOST = 60  # rows
-_NEAR = 0.1  # relative difference of a number of lines, so that small changes leave the table alone
+_MOST = 60  # most rows of the table
+_NEAR = 0.1  # relative error allowed in numbers of lines, so that few changes touch the table
 
 
 def _rows():

@@ -20,7 +20,7 @@ _ALLOWED = {
 }
 """Private names that a file of tests reads, and why."""
 
-_PUBLIC = {"_exit", "_replace", "_repr_html_", "_repr_png_"}  # so documented by their libraries
+_PUBLIC = {"_exit", "_replace", "_repr_html_", "_repr_png_"}  # libraries document them as public
 
 
 def _private(name):

@@ -53,10 +53,10 @@ LIBRARIES = (
     "xarray",
 )
 LIBRARIES += ("bokeh", "fsspec", "numcodecs", "PIL", "psutil", "tqdm", "zarr")
-MUTANT = "MUTANT_OF_IRG"  # variable of the environment: module and number of the change
+MUTANT = "MUTANT_OF_IRG"  # environment variable: module and number of the change
 MEMORY = Path("/dev/shm")
 QUIETLY = ["-q", "-p", "no:cacheprovider", "--tb", "no", "--timeout", "0"]
-QUIETLY += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # libraries are imported already
+QUIETLY += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]  # libraries are already imported
 
 
 def install(module, number):
@@ -73,7 +73,7 @@ def install(module, number):
     SourceFileLoader.get_code = get_code
 
 
-if MUTANT in os.environ:  # here, or in a worker, which runs this file before all else
+if MUTANT in os.environ:  # in this process, or in a worker, which runs this file first
     install(*json.loads(os.environ[MUTANT]))
 
 
@@ -83,7 +83,7 @@ class Lines:
     def __init__(self):
         packages = [str(ROOT / package / "*") for package in PACKAGES]
         self.coverage = Coverage(data_file=None, config_file=False, include=packages)
-        self.coverage.set_option("run:core", "ctrace")  # the tracer that knows of contexts
+        self.coverage.set_option("run:core", "ctrace")  # this tracer supports contexts
         self.now, self.uses = "none", defaultdict(set)
         self.seconds, self.red = {}, set()
         usual = pytest.FixtureDef.execute
@@ -94,7 +94,7 @@ class Lines:
             with self.noted(key):
                 return usual(fixture, request)
 
-        pytest.FixtureDef.execute = execute  # also for a value that exists already
+        pytest.FixtureDef.execute = execute  # called even if the fixture's value exists already
         self.coverage.start()
 
     @contextmanager
@@ -193,7 +193,7 @@ def is_noticed(module, number, tests):
     os.environ[MUTANT] = json.dumps([module, number])
     install(module, number)
     files = [Path(test.split("::")[0]) for test in tests]
-    # A module that is named itself would be read by pytest, which would know of no mutant.
+    # A module named on the command line would be read by pytest itself, without the mutation.
     paths = dict.fromkeys(file if "tests" in file.parts else file.parent for file in files)
     return pytest.main([*QUIETLY, "-x", *map(str, paths)], plugins=[Chosen(tests)]) != 0
 
@@ -228,7 +228,7 @@ def judge(room, maps, count, seed, seconds, end):
                 if total <= seconds:
                     affordable.append(test)
                     total += took
-            affordable.sort(key=lambda test: test.split("::")[0])  # fixtures are made once
+            affordable.sort(key=lambda test: test.split("::")[0])  # file by file, to share fixtures
             arguments = str(file.relative_to(ROOT)), number, affordable
             late = 20.0 + 5.0 * total
             if affordable and forked(is_noticed, *arguments, seconds=late) is not False:

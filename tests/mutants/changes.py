@@ -14,7 +14,7 @@ _OTHER = {
 }  # fmt: skip
 _NAMES = {"min": "max", "any": "all", "minimum": "maximum", "argmin": "argmax", "floor": "ceil"}
 _NAMES |= {other: name for name, other in _NAMES.items()}
-# Annotations are no code; these keywords say what is checked or saved, and change no result.
+# Not changed: annotations, and keywords that only control checks or speed and change no result.
 _FIELDS = {"annotation", "returns", "decorator_list"}
 _KEYWORDS = {"strict", "stacklevel", "slots", "frozen", "repr"}
 

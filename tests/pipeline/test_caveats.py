@@ -33,7 +33,7 @@ def doors(irg, store, tmp_path):
         for cell in pd.read_csv(out)["notes"]:
             yield cell.split(" | "), text
     html = irg("explore", store, "-o", tmp_path / "page.html") and (tmp_path / "page.html")
-    # The inputs below have the entries of the scene, its caveat among them.
+    # The page's inputs list all entries of the scene, also its caveat.
     text = html.read_text(encoding="utf-8").split("<h2>Inputs")[0].replace("&#x27;", "'")
     listed = re.search(r'id="caveats">(.*?)</ul>', text, re.DOTALL)[1]
     yield re.findall("<li>(.*?)</li>", listed), text

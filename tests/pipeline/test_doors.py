@@ -20,9 +20,9 @@ from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
 from tests.pipeline.page.test_model import MARGINS
 
-SAME = {"rel": 1e-9, "abs": 1e-12}  # doors ask one field, so that they differ by rounding alone
-OF_SAMPLES = {"abs": 1e-6}  # chances move by 2e-7 with the other places that are asked with one
-ON_THE_PAGE = {"abs": 0.02}  # which has straight lines between its nodes
+SAME = {"rel": 1e-9, "abs": 1e-12}  # all answers use one field and differ by rounding only
+OF_SAMPLES = {"abs": 1e-6}  # probabilities change by 2e-7 with the other places judged together
+ON_THE_PAGE = {"abs": 0.02}  # the page interpolates linearly between nodes
 PLANES = "plane", "from rest", "judged otherwise", "a band", "half done", "a slice", "surfaces"
 """Stores whose diagram has regions."""
 
@@ -31,7 +31,7 @@ def half_done():
     ds = synthetic.sweep()
     done = (ds["load"] / 50 + 4 * ds["velocity"]) % 3 > 0
     names, bend = ("rise_quantile", "max_rise", "mean_rise"), 1 + 0.03 * np.sin(ds["load"] / 40)
-    rises = {name: bend * ds[name].where(done) for name in names}  # no power law
+    rises = {name: bend * ds[name].where(done) for name in names}  # so that rises are no power law
     return ds.assign(rises | {"status": ds["status"].where(done, 0).astype(np.int8)})
 
 
@@ -167,7 +167,7 @@ def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
     axes = pipeline.plot(STORES[name](), "diagram").axes[0]
     regions = {one.get_gid(): one.get_paths() for one in axes.collections}
     asked, seen = np.transpose([*places(STORES[name](), 120)]), set()
-    # Between the lines of the grid that is drawn a region ends to within its cells.
+    # The end of a drawn region is known only to within a cell of the figure's grid.
     around = [
         pipeline.margin(held, {"load": factor * asked[0], "velocity": factor * asked[1]})["verdict"]
         for factor in (0.98, 1.0, 1.02)
@@ -203,7 +203,7 @@ def places_computed(tmp_path_factory):
     """Scene, and margins of some points: from a plane, computed alone, and from rows."""
     folder = tmp_path_factory.mktemp("doors")
     scene, rows = folder / "small.toml", [(200.0, 2.0), (400.0, 5.0), (400.0, 1.0)]
-    # Of a preset, whose error is known.
+    # The numerical error of a preset is known.
     text = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
     scene.write_text(text + MEASURED)
     lines = [f"{load},{velocity}" for load, velocity in rows]

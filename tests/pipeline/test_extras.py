@@ -27,7 +27,7 @@ def store(folder_with_results):
 
 def copy_without(left_out, folder):
     """Copy the packages into a folder, without some extras, as a git checkout would be."""
-    # Python's compiled files come along, but for those that are just being written.
+    # Compiled files are copied, too, except those that Python is just writing.
     ignored = shutil.ignore_patterns(*left_out, "*.pyc.*", "*.png")
     for package in ("tribo", "pipeline", "workflows"):
         shutil.copytree(ROOT / package, folder / package, ignore=ignored)

@@ -64,7 +64,7 @@ def test_a_jump_of_friction_ignites_the_contact_and_the_point_says_so():
 def test_solved_rises_are_stored_beside_those_at_friction_1(bump):
     ds = pipeline.open_sweep(bump)
     solved = ds["coupled_rise"].sel(load=600.0)
-    assert np.isnan(solved.sel(velocity=0.4))  # far from its limit
+    assert np.isnan(solved.sel(velocity=0.4))  # far below its limit: not solved
     verdict = pipeline.run_point(scene(BUMP), "600 N", "1.6 m/s").verdict(scene(BUMP).conditions)
     temperature = 298.15 + 0.1 * solved.sel(velocity=1.6).item()
     assert temperature == pytest.approx(verdict.decisive_temperature, abs=1e-3)
@@ -82,9 +82,9 @@ def test_an_answer_takes_the_solved_temperature_with_no_error_of_friction(bump):
 def test_other_values_than_those_solved_for_have_the_error_of_the_whole_curve(bump):
     """The error is 0.3 of the largest change of ln(friction) between bulk and limit."""
     here = pipeline.margin(pipeline.at(bump, critical_temperature="150 degC"), "600 N", "1.6 m/s")
-    assert here.error.counted == 0  # the critical temperature alone stays a condition
+    assert here.error.counted == 0  # the critical temperature may be changed afterwards
     warm = pipeline.margin(pipeline.at(bump, friction=0.11), "600 N", "1.6 m/s")
-    assert warm.error.counted > 6.0  # by so much 149 °C, by each part alone, is too low
+    assert warm.error.counted > 6.0  # 149 °C, found for each part alone, is 6 K too low
     assert "only a run of the scene solves" in warm.error.text
     warm = pipeline.margin(pipeline.at(bump, bulk_temperature="30 degC"), "600 N", "1.6 m/s")
     row = {"load": ["600 N"], "velocity": ["1.6 m/s"], "bulk_temperature": ["30 degC"]}

@@ -69,7 +69,7 @@ def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
     rise, cold = (pipeline.temperatures(ds)["mean_temperature"].sel(at) for ds in (warm, plain))
     share = 1 - warm["pin_heat_share"].sel(at).item()
     energy = 0.1 * VELOCITY * LOAD / 750.0 * np.trapezoid(LOADS, TIMES)
-    # Half of it would be missed by a line from no load to the last one.
+    # A linear load from zero to the last one would have only half of this energy.
     assert (rise - cold).item() == pytest.approx(share**2 * energy / 500.0, rel=5e-3)
 
 
@@ -81,7 +81,7 @@ def test_a_hold_that_warms_a_body_is_judged_inside():
     held = tiny.sweep(loading=ramp, wear=wear, loads=(600.0,), conditions=conditions)
     result = pipeline.run_point(held, 600.0, 1.0)
     steps = [step for step in ramp.stations(600.0, held.scene.fidelity.increments) if step.holding]
-    assert len(result.columns["time"]) == 1 + len(steps)  # where the load is reached, too
+    assert len(result.columns["time"]) == 1 + len(steps)  # all steps of the hold, and its beginning
     assert 4.0 < result.verdict(conditions).time < 104.0
     without = changed(held, conditions=replace(conditions, corrections=None))
     assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2

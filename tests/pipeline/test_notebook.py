@@ -69,7 +69,7 @@ def test_every_answer_that_the_page_of_functions_lists_has_a_table():
     assert len(listed) > 15
     for path in listed:
         module, _, name = path.rpartition(".")
-        # The first comes by the dozen, as a line each; the last is what answers are made of.
+        # `Progress` is printed as one line of many; `Results` is input of the answers.
         if name not in ("Progress", "Results"):
             assert hasattr(getattr(import_module(module), name), "_repr_html_"), path
 

@@ -150,7 +150,7 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, chang
             done, severe = np.isfinite(rises), all_rises > limit
             turns = turns[np.isfinite(turns)]
             assert (len(turns) > 0) == (outcome in (CROSSES, SEVERAL))
-            for number, place in enumerate(turns):  # between neighbours of unlike wear
+            for number, place in enumerate(turns):  # between points of different wear
                 lower, upper = severe[done & (x <= place)], severe[done & (x >= place)]
                 assert place in x or (lower[-1] != upper[0])
                 assert place in x or outcome == SEVERAL or (number, lower[-1]) == (0, False)
@@ -217,7 +217,7 @@ def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
             assert getattr(margin, f"{along}_outcome").split(" (")[0] == words
         if margin.velocity_outcome in (outcomes("velocity")[CROSSES], outcomes("velocity")[MILD]):
             assert (margin.probability > 0.5) == severe.all() or len(severe) > 1
-    if name == "a grid" or not changes:  # a row has the same words under any conditions
+    if name == "a grid" or not changes:  # words do not depend on conditions
         assert_tables_say(ds, margins)
 
 
@@ -246,7 +246,7 @@ def assert_documents_say(crossings):
         outcome = crossings[f"outcome_at_{axis}"].values
         worded = np.vectorize(outcomes(along).get)(outcome).tolist()
         if "quantile" not in crossings:
-            ranges = outcomes(along)[SEVERAL]  # which a table tells one by one
+            ranges = outcomes(along)[SEVERAL]  # a table states each range instead
             for text, words in zip(table["outcome"], worded, strict=True):
                 assert text.split(" (")[0] == words or (
                     words == ranges and text.startswith(("severe from", "severe up to"))

@@ -24,7 +24,7 @@ from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
 
-ERROR = 0.05  # of velocities by preset draft, as its page says
+ERROR = 0.05  # relative error of velocities by the preset draft
 AXES = (
     'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true'
 )
@@ -87,7 +87,7 @@ def stores(tmp_path_factory):
         assert all(new in text for _, new in CHANGES[kind])
         scene.write_text(text)
         sweep = pipeline.load_scene(scene)
-        # Of nine points one fails and one is pending; of the samples one lacks a load.
+        # One of nine points fails and one is pending; one sample lacks a load.
         skip = {"broken": points(sweep)[3:6:2], "samples": points(sweep)[:1]}.get(kind, ())
         with np.errstate(all="raise", under="ignore"):
             commit_all(store, sweep, skip)
@@ -251,7 +251,7 @@ def test_samples_that_lack_a_load_are_left_out_and_counted(ask):
     assert "1 samples are left out: not done at every load" in said
 
 
-# One answer as text, as JSON and in Python
+# The same answer as text, as JSON and in Python
 
 
 ASKED = [

@@ -19,4 +19,4 @@ def test_a_boundary_and_a_margin_take_text():
     number = pipeline.at(ds, bulk_temperature=313.15, share=0.2)
     xr.testing.assert_identical(pipeline.boundary(text), pipeline.boundary(number))
     text, number = pipeline.margin(ds, "500 N", "100 cm/s"), pipeline.margin(ds, 500.0, 1.0)
-    assert repr(text) == repr(number)  # with NaN, which is not equal to itself
+    assert repr(text) == repr(number)  # as text, since NaN is not equal to itself

@@ -64,7 +64,7 @@ def strangers(tmp_path, monkeypatch, request):
     """Working folder with hostile scenes; a file `ran` appears if their code was run."""
     folder = tmp_path / "strangers"
     (folder / "deep").mkdir(parents=True)
-    # A file of the same path and text, as in the reused folder of a test before, is not run again.
+    # A module of the same path and text is not run again, so each test has another text.
     text = PAYLOAD.format(marker=str(tmp_path / "ran")) + f"# {request.node.name}\n"
     (folder / "payload.py").write_text(text)
     (folder / "deep" / "payload.py").write_text(text)
@@ -75,7 +75,7 @@ def strangers(tmp_path, monkeypatch, request):
         (folder / f"{name}.toml").write_text(f'extends = "small.toml"\n{lines}')
     (folder / "extends.toml").write_text('extends = "wear.toml"\ntitle = "Harmless"\n')
     monkeypatch.chdir(folder)
-    monkeypatch.syspath_prepend(str(folder))  # as for python -m pipeline
+    monkeypatch.syspath_prepend(str(folder))  # as python -m pipeline does
     yield folder
     assert "payload" not in sys.modules
 

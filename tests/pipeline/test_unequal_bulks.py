@@ -63,7 +63,7 @@ def test_temperatures_are_those_of_the_fields(unequal, tmp_path):
     assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-9)
     page = pipeline.explore(unequal, tmp_path / "page.html").path.read_text()
     (held,) = re.findall(r'id="content">(.*?)</script>', page, re.DOTALL)
-    shown = json.loads(held)["fields"]["points"]["7"]  # of 3 × 3, above the colder body
+    shown = json.loads(held)["fields"]["points"]["7"]  # rises above the colder body
     ends = np.array([rise[contact].min(), rise[contact].max()])
     assert shown[1:3] == pytest.approx((ends + 35.0) / 0.07, rel=1e-3)
     share = float(at_end["failed_fraction"])
@@ -80,7 +80,7 @@ def test_the_conditions_stay_free_after_the_run(unequal, equal):
         for disk in ("20 degC", 353.15)
     )
     assert (colder_disk < warmer_disk).all()
-    # A contact without friction lies between its bodies.
+    # Without friction the temperature of a contact is between those of the bodies.
     still = deciding(pipeline.at(unequal, friction=0.0, bulk_temperature=BOTH))
     assert ((still > 298.15) & (still < 333.15)).all()
 
@@ -145,7 +145,7 @@ def test_the_commands_take_both(scene, irg):
     first, *_ = irg("boundary", out, *option, "--json")
     bulks = first["bulk temperature [°C]"], first["disk temperature [°C]"]
     assert bulks == pytest.approx((40.0, 50.0))
-    place = ("--load", "600 N", "--velocity", "1 m/s", "--preset", "draft")  # without a probe
+    place = ("--load", "600 N", "--velocity", "1 m/s", "--preset", "draft")  # of known error
     temperatures = []
     for options in ((), option, ("--bulk-temperature", "25 degC")):
         (row,) = irg("point", scene, *place, *options, "--json")

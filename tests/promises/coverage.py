@@ -49,7 +49,7 @@ def places(ensemble, bulks, count):
 
 def logged(rig, at, law):
     """Tests of a rig at these places, as entries of a log."""
-    share = van_der_corput(rig.seed + 1)  # so that few rigs have scatters as many would
+    share = van_der_corput(rig.seed + 1)  # evenly spread scatters, even for few rigs
     factor = FACTOR ** float(stats.norm.ppf(share)) if law == "drawn" else 1.0
     return [rig.tried(*place, SCATTER * factor) for place in at]
 
@@ -63,7 +63,7 @@ def van_der_corput(number):
 def judged(posterior, truth):
     """Yield, by input, how its posterior compares with the hidden true value."""
     draws = posterior.draws
-    # The inputs of the rig, which stand last, are none of the truth's.
+    # The rig's own inputs come last, and have no hidden true value.
     for unknown, column, hidden in zip(posterior.unknown, draws.inputs.T, truth, strict=False):
         if unknown.kind == "list":
             continue

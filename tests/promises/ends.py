@@ -13,9 +13,9 @@ import tribo
 from tests.helpers.campaigns import conclude, table
 from tests.helpers.scenes import STEEL
 
-_STRIP = 1e-4  # at an end [m]
+_STRIP = 1e-4  # width of the strip at an end [m]
 _ACROSS, _LONG = 64, 20e-6  # elements across the window, and the length of each [m]
-_APART = 0.03  # of the logarithm of the velocity, over which its exponent is taken
+_APART = 0.03  # step of ln(velocity) for the exponent
 PAPER, STATED = "2 × 3.4 mm", (0.04, 0.11)
 """The paper's pin, and how much hotter its ends are said to be (`pipeline.sweep.physics`)."""
 MODULUS = tribo.contact_modulus(STEEL, STEEL)

@@ -39,7 +39,7 @@ from tribo.simulation.point_warnings import SLOWEST
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")
-SHARES = (0.0, 0.1, 0.5)  # that decide, each in turn
+SHARES = (0.0, 0.1, 0.5)  # failing shares by which wear is judged
 
 
 def shipped(seed):
@@ -83,8 +83,8 @@ def shipped(seed):
 PROMISED = {name: PRESET_BOUNDS[name] for name in ("draft", "standard", "fine")}
 
 FAMILIES = {"shipped": shipped, "cylinders": random_sweep, "wide": random_wide_sweep}
-EVERY = {"shipped": 1, "cylinders": 2, "wide": 3}  # of so many, the more work they are
-FIRST = 1000  # seed of the random scenes, on which no preset was chosen
+EVERY = {"shipped": 1, "cylinders": 2, "wide": 3}  # one scene in so many, by their cost
+FIRST = 1000  # first seed of random scenes, other than those that the presets were chosen by
 
 
 def axis(rng, low, high, count, gaps, spaced=np.geomspace):
@@ -127,7 +127,7 @@ def computed(family, number):
         )
         velocities = [velocity for velocity in sweep.plane.velocities if velocity]
         low, high = min(velocities), max(velocities)
-        if family != "shipped":  # whose velocities are far apart
+        if family != "shipped":  # shipped scenes have distant velocities
             low, high = (math.sqrt(low * high) * rng.uniform(2, 5) ** sign for sign in (-1, 1))
         ends = min(sweep.plane.loads), max(sweep.plane.loads)
         loads, all_loads = axis(rng, *ends, int(rng.integers(4, 6)), 1, np.linspace)
@@ -194,7 +194,7 @@ def plane_of(row, preset, share):
         loads=np.array(row["loads"]),
         velocities=velocities,
         rises=rises,
-        # Present heat, which `fine` has as well, is judged by all the heat so far.
+        # `fine` has present heat only, too; its error is judged against all the heat so far.
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,

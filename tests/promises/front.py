@@ -72,7 +72,7 @@ def dividing(scene, fidelity):
 
 
 def errors(case, fidelity):
-    """Velocity errors, warnings and CPU time of a fidelity on a scene; None if it has no truth."""
+    """Velocity errors, warnings and CPU time of a fidelity on a scene; None without true rises."""
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))
@@ -187,7 +187,7 @@ def main():
     lines = [table(_COLUMNS, map(worded, sorted(found, key=lambda row: row[6])))]
     lines += ["", f"drawn scenes: {', '.join(names)}"]
     worse = list(beaten(found))
-    if worse and options.scenes:  # few scenes have few places: what wins there is tried on all
+    if worse and options.scenes:  # choices better on few scenes are tried on all
         choices = {name: choices[name] for pair in worse for name in pair}
         found, names = searched(path, choices, drawn(numbers, None), ends)
         lines += ["", table(_COLUMNS, map(worded, found)), "", f"{len(names)} scenes"]

@@ -12,13 +12,13 @@ from tests.helpers.entries import changed
 from tests.promises.scenes import state_at
 from tribo import PRESETS, warnings
 
-# The reference with tolerances half as large. Its rise is mostly within 0.02 % of that in 400
-# steps; where whole rows of elements wear heavily, within 0.2 %.
+# The preset `reference` with half the tolerances. Its rise is mostly within 0.02 % of that with
+# 400 steps; if whole rows of elements wear heavily, within 0.2 %.
 TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6, heat_tolerance=5e-9)
 _NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4, heat_tolerance=1e-6)
-_CLOSE = 5e-4  # relative, of a boundary velocity
-_APART = 0.03  # of the logarithm of velocity, over which its exponent is found
-_SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponent is exact enough
+_CLOSE = 5e-4  # relative tolerance of a boundary velocity
+_APART = 0.03  # step of ln(velocity) for the exponent
+_SMALL_STEP = 5e-3  # step of ln(velocity) over which a known exponent is exact enough
 
 
 def places(sweep):

@@ -32,12 +32,12 @@ from tests.helpers.samples import EXPONENT, VELOCITIES, ensemble, rise
 from tests.helpers.unknowns import ALL, CRITICAL, FRICTION, LENGTH, RATE
 
 ROOM = 298.15  # [K]
-LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0, 250.0, 350.0)  # of tests, in turn [N]
+LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0, 250.0, 350.0)  # loads of tests, in turn [N]
 STEEL = Unknown("materials.steel.thermal_conductivity", "uniform", (21.0, 46.0), "W m-1 K-1")
-SCATTER, FRICTION_ERROR = 0.05, 0.0126  # of velocities, and of the friction that tests measure
+SCATTER, FRICTION_ERROR = 0.05, 0.0126  # relative: of velocities, and of measured friction
 HIGH = "velocities 8 % high"
 WRONG = ("conductivity", "friction falls", "bulk drifts", HIGH)
-ALARMS = 0.02  # false ones, of the best of all tests
+ALARMS = 0.02  # share of false alarms of the most powerful test
 ALL_UNKNOWN = (CRITICAL, RATE, FRICTION, LENGTH, STEEL)
 REFERENCE = (
     dataclasses.replace(CRITICAL, parameters=(418.15, 1.0)),

@@ -19,7 +19,7 @@ Rows are ordered by their work; times of these short probes vary by up to a thir
 
 
 def kept(name, bound, errors, excuses):
-    """Table row of a promise; a scene with an excuse does not break it silently."""
+    """Table row of a promise: numbers of scenes, kept, broken without an excuse, and errors."""
     errors, excused = np.array(errors), np.array([bool(one) for one in excuses])
     silent = np.sum((errors > bound) & ~excused)
     shown = (f"{size:.2%}" for size in (*np.quantile(errors, [0.5, 0.9]), errors.max()))

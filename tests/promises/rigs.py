@@ -24,14 +24,14 @@ from tests.helpers.entries import changed
 from tests.promises.risk import WORKFLOWS, entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
-_SEED = 2718  # of the truths
-_FIRST = 2**15  # draws of the prior; with four times the usual ones few truths need others
-_KEPT = 8  # rises of all draws, of some 100 MB each
-_CLOSE = 1e-3  # of ln(velocity), to which a boundary is sought
-_STEP = 0.03  # of ln(velocity), twice as far each time, until a boundary lies between
+_SEED = 2718  # seed of the hidden truths
+_FIRST = 2**15  # draws of the prior; with four times the usual number few truths need more
+_KEPT = 8  # most cached arrays of rises, some 100 MB each
+_CLOSE = 1e-3  # tolerance of a boundary in ln(velocity)
+_STEP = 0.03  # first step of ln(velocity), doubled until it passes the boundary
 
-# A critical temperature of which little is known; a steel and a wear rate that were measured, with
-# tests at one bulk temperature, or neither of them, with tests at three; and a ball on a disk.
+# The critical temperature is little known in all cases. "known": measured steel and wear rate,
+# tests at one bulk temperature; "unknown": neither, tests at three; "ball": a ball on a disk.
 CASES = {
     "known": {
         f"unknown.{CRITICAL}": {"mean": "145 degC", "sd": "20 K"},

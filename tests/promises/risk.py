@@ -29,8 +29,8 @@ from tests.helpers.campaigns import conclude
 from tests.helpers.entries import changed
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
-SEED = 2718  # of the direct draws; the samples have 0 in the shipped scenes, and their risk has 1
-LIMIT = 3.0  # standard errors of the difference
+SEED = 2718  # seed of direct draws; shipped scenes use 0 for samples, and their risk 1
+LIMIT = 3.0  # most standard errors of a difference
 
 
 def _of_chunk(task):

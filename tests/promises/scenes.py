@@ -16,7 +16,7 @@ from tests.helpers.sweeps import sweep_of_fields
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
 SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
 PAIRS = ((STEEL, STEEL), (ALUMINA, STEEL), (SOFT_STEEL, STEEL), (BRONZE, STEEL))
-# With which scenes are sought: not a preset, so that they stay the same when those change.
+# Fidelity to find the scenes; no preset, so that the scenes do not change with the presets.
 ROUGHLY = tribo.Fidelity(
     pixels_per_element=4,
     averaging="sample",
@@ -25,7 +25,7 @@ ROUGHLY = tribo.Fidelity(
     contact_tolerance=0.1,
     heat_tolerance=1e-2,
 )
-SHARES = (0.3, 0.5, 0.7, 1.0)  # of the reference load
+SHARES = (0.3, 0.5, 0.7, 1.0)  # loads over the reference load
 
 
 def random_sweep(seed):
@@ -67,7 +67,7 @@ def random_sweep(seed):
         conditions=Conditions(0.1, 298.15, 400.0),
         fidelity=ROUGHLY,
     )
-    lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # of correlation, in pixels
+    lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # correlation lengths in pixels
     return _with_boundary(window_guess(sweep, lengths, velocity), velocity)
 
 

@@ -32,9 +32,9 @@ from tests.promises.rigs import add_rig_options, rigs_of, weighed
 KINDS = {"5 %": (0.05, 0.10), "10 %": (0.10, 0.15), "25 %": (0.25, 0.10)}
 """Step of the load, and scatter of the specimens in velocity."""
 HELD, OFF = (0.85, 0.95), 0.02
-WIDE = 20.0  # K, to which the critical temperature is known before
+WIDE = 20.0  # prior standard deviation of the critical temperature [K]
 _SEED = 2718
-_WITHIN = 0.8  # of the logarithm of loads, in which runs are to turn severe
+_WITHIN = 0.8  # share of the range of ln(load) in which runs turn severe
 
 
 def staged(load_transition, ends, step, scatter, count, chance):

@@ -13,7 +13,7 @@ from tests.helpers.entries import changed
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
 
-SHARES = (0.4, 0.7, 1.0)  # of the reference load
+SHARES = (0.4, 0.7, 1.0)  # loads over the reference load
 _MIDDLE = 1  # number of the load whose boundary lies in the middle of the velocities
 
 
@@ -109,7 +109,7 @@ class Draw:
     def roughness(self, seed):
         if self.chance(1 / 10):
             return None
-        ra = self.log_between(0.02e-6, 0.3e-6)  # of which most balls touch on 400 elements
+        ra = self.log_between(0.02e-6, 0.3e-6)  # most balls touch on 400 elements
         return tribo.SelfAffineRoughness(ra, self.between(0.5, 0.9), (1.0, 1.0), seed)
 
     def lengths(self):

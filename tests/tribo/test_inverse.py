@@ -20,14 +20,14 @@ def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
     estimate = specific_wear_rate(scene, width, 750.0, 1.25)
     assert estimate.lowest <= rate <= estimate.highest
     assert estimate.lowest < estimate.value < estimate.highest
-    if not rough:  # elements of 2 µm leave little room
+    if not rough:  # the rate is known well from elements of 2 µm
         assert estimate.value == pytest.approx(rate, rel=0.1)
 
 
 def test_a_smooth_contact_tells_a_range_of_wear_rates():
     rig = critical_temperature_rig()
     estimate = specific_wear_rate(rig, 50.0 * rig.grid.spacing[0], 10.0, 0.065)
-    assert estimate.lowest < 0.8 * estimate.highest  # it grows by two elements at a time
+    assert estimate.lowest < 0.8 * estimate.highest  # the width grows by two elements at a time
 
 
 @pytest.mark.parametrize("width", [1e-4, 4e-4])

@@ -37,9 +37,9 @@ SMALLER = {
     ),
 }
 _OF_A_RUN = (
-    r"/(home|root|tmp|usr|var|work|Users|opt)/|[A-Z]:\\",  # paths of a machine
+    r"/(home|root|tmp|usr|var|work|Users|opt)/|[A-Z]:\\",  # paths of one machine
     r"localhost|\b\d+\.\d+\.\d+\.\d+\b|:\d{4,5}\b",  # addresses and ports
-    r"\x1b|0x[0-9a-f]{6,}",  # colours of a terminal, and places in memory
+    r"\x1b|0x[0-9a-f]{6,}",  # terminal colours, and addresses in memory
 )
 
 
@@ -55,7 +55,7 @@ def _there_with_few_draws(folder, monkeypatch):
     fewer_draws(monkeypatch)
     monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
     with (
-        pd.option_context("display.max_columns", 20, "display.width", 80),  # those of a kernel
+        pd.option_context("display.max_columns", 20, "display.width", 80),  # options of a kernel
         mpl.rc_context({"savefig.dpi": 40}),
     ):
         yield
@@ -195,7 +195,7 @@ def test_the_notebook_leads_from_transitions_to_a_map():
     expected = [round(one, 2) for one in (prior.probability, prior.lowest, prior.highest)]
     assert [before, *ends] == expected
     assert after < before == again
-    # Inputs and tests belong to the whole scene; other numbers to fewer samples.
+    # Inputs and tests are those of the whole scene; other numbers are from fewer samples.
     stored = [stored_text(cell) for cell in code_cells("uncertain")]
     assert numbers_apart(texts[1]) == numbers_apart(stored[1])
     for number in (2, 3):
@@ -227,4 +227,4 @@ def test_the_commands_of_the_notebook_lead_to_a_probability(capsys):
     assert sorted(map(str, Path("results").glob("*.png"))) == sorted(asked)
     near = pipeline.margin("results/uncertain.zarr", 400.0, 2.0).probability
     (probability,) = re.findall(r"The probability is (\d\.\d+) there", page)
-    assert abs(near - float(probability)) < 0.15  # as far as so few samples tell
+    assert abs(near - float(probability)) < 0.15  # accuracy of so few samples

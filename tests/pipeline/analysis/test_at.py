@@ -32,7 +32,7 @@ def test_every_answer_is_at_the_conditions_that_the_dataset_carries(sweep):
     assert found.decisive_temperature == pytest.approx(expected)
     last = pipeline.temperatures(pipeline.end_of_point(hot)).sel(load=600.0, velocity=1.0)
     assert last["max_temperature"] == pytest.approx(333.15 + 0.12 * synthetic.rise(600.0, 1.0))
-    assert pipeline.results(sweep).conditions == synthetic.conditions()  # which stays as it is
+    assert pipeline.results(sweep).conditions == synthetic.conditions()  # unchanged by `at`
 
 
 def test_an_oil_works_at_the_coldest_and_hottest_that_are_allowed():

@@ -26,9 +26,9 @@ def surfaces(lifts, pending=()):
 @pytest.mark.parametrize(
     ("lift", "pending", "ranks"),
     [
-        (1e-3, (), [0.3, 1.5, np.nan]),  # mild throughout, so beyond all
-        (1e3, (), [np.nan, 0.5, 1.7]),  # severe throughout, so below all
-        (1.0, (3,), [0.2, 1.0, 1.8]),  # not known
+        (1e-3, (), [0.3, 1.5, np.nan]),  # mild throughout: transition above all others
+        (1e3, (), [np.nan, 0.5, 1.7]),  # severe throughout: transition below all others
+        (1.0, (3,), [0.2, 1.0, 1.8]),  # unknown
     ],
 )
 def test_quantiles_are_those_of_wherever_a_transition_may_lie(lift, pending, ranks):

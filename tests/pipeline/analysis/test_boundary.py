@@ -87,7 +87,7 @@ def test_the_band_of_a_sweep_that_is_half_done_holds_the_boundary_of_the_whole(k
         assert not (found["mild_below"] > critical).any()
         assert not (found["severe_above"] < critical).any()
         told += int(np.isfinite(found["mild_below"]).sum())
-    assert told > 5  # of 28
+    assert told > 5  # known ends of the band, of 28
 
 
 def test_only_the_last_step_counts():

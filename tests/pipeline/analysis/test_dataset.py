@@ -133,7 +133,7 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
     by_step = point["time"].copy(data=rise_exceeded(point["rise_quantile"].values, 0.1))
     assert rise == by_step.max("step") == by_step.sel(step=-4)
     assert rise > by_step.sel(step=0) + 10
-    # Hotter at a lower load than ever at its own: only what is reached at full load counts.
+    # Even if the contact is hotter at a lower load, only temperatures at full load count.
     earlier = held.load().copy(deep=True)
     earlier["rise_quantile"].loc[{"step": slice(None, -5)}] *= 10
     assert decisive_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise

@@ -68,7 +68,7 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
         assert node["temperature"] == pytest.approx(here.decisive_temperature, abs=0.2)
         assert node["verdict"] == here.verdict
     outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
-    assert not {MILD, SEVERE} & outcomes  # throughout what nobody computed
+    assert not {MILD, SEVERE} & outcomes  # as points are missing, none is known
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():

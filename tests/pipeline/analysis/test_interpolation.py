@@ -67,7 +67,7 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
         roots, fine = np.array(crossings(Curve(x, y), limit)), np.linspace(x[0], x[-1], 200)
         assert len(roots) == 1
         np.testing.assert_allclose(Curve(x, y)(roots), limit, rtol=1e-9, atol=1e-9)
-        assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # as the points do
+        assert (np.diff(Curve(x, y)(fine)) >= -1e-9).all()  # the curve rises as its points do
 
 
 def test_a_line_between_loads_goes_on_beyond_a_row_s_points_only_where_it_cannot_cross():

@@ -214,7 +214,7 @@ def test_what_is_continued_tells_its_error():
                 true = pipeline.margin(whole, load, velocity).decisive_temperature
                 missed.append((beyond.decisive_temperature - true) / beyond.error.interpolation)
     assert len(missed) >= 5
-    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # of the error stated, and not six of it
+    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
 
 
 def test_a_mild_place_whose_ramp_passes_through_severe_wear_says_so(tmp_path, irg):

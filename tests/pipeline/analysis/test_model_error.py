@@ -122,19 +122,19 @@ def beyond(load, velocity, **at):
 MILD, SEVERE = (
     {"critical_temperature": 1200.0},
     {"critical_temperature": 310.0},
-)  # at every velocity
+)  # mild or severe at every velocity
 
 
 @pytest.mark.parametrize(
     ("everywhere", "velocity", "outcome", "is_wrong"),
     [
         (MILD, 5.0, "severe", False),
-        (MILD, 5.0, "mild", False),  # right
+        (MILD, 5.0, "mild", False),  # the test agrees
         (MILD, 0.1, "severe", True),
         (MILD, 5.0, None, False),
         (MILD, 0.1, None, True),
         (SEVERE, 0.1, "mild", False),
-        (SEVERE, 0.1, "severe", False),  # right
+        (SEVERE, 0.1, "severe", False),  # the test agrees
         (SEVERE, 5.0, "mild", True),
         (SEVERE, 0.1, None, False),
         (SEVERE, 5.0, None, True),
@@ -146,7 +146,7 @@ def test_a_test_that_velocities_beyond_the_computed_ones_may_make_right_does_not
     ds = pipeline.at(swept_with((600.0, velocity, outcome)), **everywhere)
     expected = [beyond(600.0, velocity, **everywhere)] if is_wrong else []
     assert counted(ds) == pytest.approx(expected)
-    assert scatter_of(ds).residuals == ()  # so that a transition out of reach narrows nothing
+    assert scatter_of(ds).residuals == ()  # a transition out of range must not narrow the error
     told = "yes" if outcome == ("mild" if everywhere is MILD else "severe") else NOT_KNOWN
     assert compared(pipeline.results(ds))["agrees"].to_list() == ["no" if is_wrong else told]
 
@@ -166,7 +166,7 @@ def test_of_a_band_of_severe_wear_the_runs_within_it_are_counted(velocity):
 @pytest.mark.parametrize(
     ("tests", "residual"),
     [
-        ([(2.3, None, None)], math.log(2.3 / 1.1)),  # not beside 2.4 m/s, where wear turns mild
+        ([(2.3, None, None)], math.log(2.3 / 1.1)),  # not with 2.4 m/s, where wear turns mild
         ([(2.3, "mild", None)], math.log(2.3 / 2.4)),
         ([(1.05, "severe", "a"), (2.0, "severe", "a")], math.log(1.05 / 1.1)),
         ([(2.7, "mild", "a"), (3.5, "severe", "a")], math.log(3.5 / 2.4)),
@@ -201,9 +201,9 @@ def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_i
             f"−10 to +{100 * high:.2g} % in velocity, {rest} B and a prior of 10 %",
         ]
         assert plot(ds, "tests").axes[0].get_ylabel() == "velocity of the test [m/s]"
-    alone = synthetic.sweep(measured=tuple(tests[:2]))  # one oil needs no choice
+    alone = synthetic.sweep(measured=tuple(tests[:2]))  # a single oil is taken without a choice
     assert "of oil A" in pipeline.boundary(alone).attrs["model_error"]
-    of_scene = synthetic.sweep(measured=tuple(tests))  # the tests without a name
+    of_scene = synthetic.sweep(measured=tuple(tests))  # only tests without an oil's name count
     said = pipeline.margin(of_scene, 600.0, 1.0).model_error
     assert said == "± 10 % in velocity, assumed; no test contradicts it"
     assert "of oil A" in pipeline.margin(pipeline.at(of_scene, oil="A"), 600.0, 1.0).model_error
@@ -217,7 +217,7 @@ def test_a_test_beside_a_place_is_named_with_its_conditions():
     usual = " at friction 0.1 and bulk 25 °C"
     other = " at friction 0.14 and bulk 56.9 °C"
     assert pipeline.margin(ds, 600.0, 1.5).tested == (said + usual, said + other)
-    cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk of one of them
+    cool = pipeline.at(ds, critical_temperature=320.0)  # below the bulk temperature of one test
     assert pipeline.margin(cool, 600.0, 1.5).tested == (said + usual,)
 
 

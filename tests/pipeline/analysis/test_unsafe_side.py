@@ -103,7 +103,7 @@ def test_no_wrong_outcome_narrows_the_error_or_makes_the_other_outcome_likelier(
     before, after = chances(held), chances([*held, wrong])
     towards = 1 if wrong.outcome == "severe" else -1
     assert (towards * (after - before)).min() > -1e-12  # rounding
-    np.testing.assert_array_equal(chances([*held, right]), before)  # a right one counts nothing
+    np.testing.assert_array_equal(chances([*held, right]), before)  # agreement changes nothing
 
 
 def test_a_test_within_the_numerical_error_neither_agrees_nor_contradicts():

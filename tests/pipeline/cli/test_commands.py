@@ -11,7 +11,7 @@ import pipeline
 from pipeline.cli import main
 from tests.helpers.scenes import SCENE
 
-# With a preset, whose error is promised.
+# The numerical error of a preset is known.
 DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
 
 

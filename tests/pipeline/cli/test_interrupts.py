@@ -23,7 +23,7 @@ def running(tmp_path):
     command += ["--preset", "draft"]
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, start_new_session=True,
-        # As a terminal starts it, even if this suite was started by nohup and is to ignore it.
+        # Ctrl-C acts as in a terminal, even if this suite was started by nohup, which ignores it.
         preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
     )  # fmt: skip
     said = []

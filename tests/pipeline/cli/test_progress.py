@@ -28,7 +28,7 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     said = capsys.readouterr().err
     assert "\r" not in said
     notes, states = (re.findall(rf"irg: {kind}.*", said) for kind in ("note", r"\d"))
-    assert notes == [f"irg: note {done}" for done in range(8)]  # each, and at once
+    assert notes == [f"irg: note {done}" for done in range(8)]  # each note, without delay
     assert states[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
     assert states[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
     assert 3 <= len(states) <= 6

@@ -39,7 +39,7 @@ def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
     assert all(float(text.get_fontsize()) >= 4.9 for text in texts)
     labels = [axes.yaxis.label.get_window_extent() for axes in figure.axes if kind == "ramp"]
     for one, other in itertools.combinations(labels, 2):
-        assert not one.padded(4).overlaps(other)  # [px], a gap that is seen
+        assert not one.padded(4).overlaps(other)  # a visible gap [px]
 
 
 def test_a_logarithmic_diagram_has_the_same_boundary(sweep):

@@ -136,7 +136,7 @@ def test_each_scene_has_its_boundary_or_the_word_that_it_has_none():
     axes, words, _ = drawn(two_pins((1.0, 0.9), loads=LOADS[:2], velocities=(2.0, 4.0)))
     assert words == ["1 mm", "2 mm"]
     lines = [vertices(axes, f"boundary {name}") for name in words]
-    assert lines[0][:, 0].max() < lines[1][:, 0].max()  # the cooler pin's is the faster
+    assert lines[0][:, 0].max() < lines[1][:, 0].max()  # the cooler pin's boundary is faster
     colours = [one.get_edgecolor()[0].tolist() for one in axes.collections]
     assert colours[0] != colours[1]
     keys = [line.get_color() for line in axes.figure.legends[0].get_lines()]

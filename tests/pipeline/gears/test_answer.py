@@ -103,10 +103,10 @@ def test_a_scene_runs_and_its_margins_are_by_place(irg, tmp_path, monkeypatch):
     places = [p for p in gears.mesh(gears.read_pair("fzg_a"), 2).places if p.sliding]
     assert len(temperatures) == len(places) == 4
     for celsius, place in zip(temperatures, places, strict=True):
-        # Rough flanks are hotter than smooth ones, and half as much at most.
+        # Rough flanks are hotter than smooth ones, by at most 60 %.
         rise, smooth = celsius + 273.15 - 438.85, place.flash
         assert smooth < rise < 1.6 * smooth
-    # A column of the scene's own, of which the format of scenes knows nothing.
+    # The table keeps a column that the scene adds and the format of scenes does not define.
     expected = [1e3 * place.position for place in places]
     assert table["position [mm]"].tolist() == pytest.approx(expected, rel=1e-6)
     assert "position" in irg("margin", "mesh.zarr")

@@ -11,7 +11,7 @@ from pipeline.gears.contact import buttressing, flash_rise, load_share
 from tribo import Material, analytic, contact_modulus
 
 FZG = "fzg_a"
-STEEL = Material(206e9, 0.3, 50.0, 7850.0, 3.8e6 / 7850)  # of ISO/TR 13989-2, clause 5.3
+STEEL = Material(206e9, 0.3, 50.0, 7850.0, 3.8e6 / 7850)  # as in ISO/TR 13989-2, clause 5.3
 PRESSURES = 146, 295, 474, 621, 773, 927, 1080, 1232, 1386, 1539, 1691, 1841
 """At the pitch point by load stage [MPa], as tables of the test give them, of one pair alone."""
 
@@ -74,7 +74,7 @@ def test_a_wide_helical_pair_has_a_mean_load_on_lines_that_lean():
     for place in inner:
         assert place.share == pytest.approx(1 / toothing.contact_ratio)
         assert place.rolling_1 - place.rolling_2 == pytest.approx(place.sliding, abs=1e-9)
-        # All lines of contact together are εα b/cos βb long in the mean, and carry all.
+        # On average the lines of contact are together εα b/cos βb long, and carry the whole load.
         lines = toothing.contact_ratio * 60e-3 / math.cos(toothing.base_helix_angle)
         assert place.load_per_length * lines == pytest.approx(mesh.normal_load)
     torque = mesh.normal_load * math.cos(toothing.base_helix_angle) * toothing.base_radii[0]
@@ -99,7 +99,7 @@ def test_the_flash_is_bloks_of_like_and_of_unlike_bodies(mesh, fzg):
         effusivity,
     )  # fmt: skip
     assert tip.flash == pytest.approx(alike)
-    # Against an insulator all heat goes into the one body, as if from the other's own velocity.
+    # Against an insulator all heat goes into the first body, whose own velocity counts.
     against = flash_rise(0.1, 1e5, 1e-4, (4.0, 1.0), (12000.0, 0.0))
     own = 1.11 * 0.1 * 1e5 * 3.0 / (12000 * 2.0 * math.sqrt(2e-4))
     assert against == pytest.approx(own, rel=5e-3)
@@ -154,8 +154,8 @@ FINE = {"mesh.module": "2 mm", "mesh.centre_distance": "100 mm", "pinion.teeth":
     ("tips", "approach"),
     [
         (None, 1.0),
-        (("82.4 mm", "125 mm"), 1.4 - 4 / 15 * 2.02187),  # the wheel's end is twice as long
-        (("81.6 mm", "126 mm"), 0.6),  # more than three times
+        (("82.4 mm", "125 mm"), 1.4 - 4 / 15 * 2.02187),  # twice as long on the wheel's side
+        (("81.6 mm", "126 mm"), 0.6),  # more than three times as long
     ],
 )
 def test_flashes_are_those_of_the_rule_by_hand(tips, approach):
@@ -172,20 +172,20 @@ def test_flashes_are_those_of_the_rule_by_hand(tips, approach):
     geometry /= (first * second) ** 0.25
     angle = 1.22 * (math.sin(working) * math.cos(pressure)) ** 0.25
     angle /= math.sqrt(math.cos(working) * math.cos(pressure))
-    radius = 40.0 if tips else 4.5 * 16 / 2  # of the pinion's reference circle [mm]
+    radius = 40.0 if tips else 4.5 * 16 / 2  # radius of the pinion's reference circle [mm]
     load, speed = 1e3 * duty.torque / radius / 20, duty.speed * radius / 1e3
     e1, e2 = (abs(length) / toothing.base_pitch for length in (toothing.path.e, toothing.path.a))
     long, short = max(e1, e2), min(e1, e2)
     assert short < 1 < long < e1 + e2 < 2
     relief = 1 + 0.06 * long + 0.02 * long**2
     heat = math.sqrt(1000) * (206e3 / 0.91) ** 0.25 / (1e-3 * math.sqrt(50.0 * 3.8e6))
-    assert heat == pytest.approx(50.0, rel=2e-3)  # of the standard, in three digits
+    assert heat == pytest.approx(50.0, rel=2e-3)  # the standard gives three digits
     tip = 0.07 * heat * geometry * angle * load**0.75 * math.sqrt(speed)
     tip /= (1e3 * toothing.centre_distance) ** 0.25 * approach * relief
     share = 0.18 * long**2 + 0.70 * short**2 + 0.82 * long - 0.52 * short - 0.30 * long * short
     share /= 2 * (e1 + e2) * e1
     found = gears.integral_temperature(rig, duty)
-    assert found.tip_flash == pytest.approx(tip, rel=1e-5)  # lengths of ends have six digits
+    assert found.tip_flash == pytest.approx(tip, rel=1e-5)  # path lengths have six digits
     assert found.mean_flash == pytest.approx(share * found.tip_flash, rel=1e-9)
 
 

@@ -123,14 +123,14 @@ def test_friction_of_the_rule_ends_at_its_fastest_and_lightest(fzg):
 
     assert friction(velocity=50.0) == pytest.approx(friction(velocity=60.0))
     assert friction(velocity=10.0) == pytest.approx(friction(velocity=20.0) * 2**0.2)
-    least = 150 * 20 * radius  # N/mm, of 20 mm
+    least = 150 * 20 * radius  # 150 N/mm on 20 mm
     assert friction(least) == pytest.approx(friction(least / 3))
     assert friction(2 * least) == pytest.approx(friction(least) * 2**0.2)
     assert friction(friction_lubricant_factor=0.8) == pytest.approx(0.8 * friction())
     rougher = friction(pinion_roughness="0.7 um", wheel_roughness="0.7 um")
     assert rougher == pytest.approx(friction() * 2**0.25)
     mean = friction(pinion_roughness="0.2 um", wheel_roughness="0.5 um")
-    assert mean == pytest.approx(friction())  # of both
+    assert mean == pytest.approx(friction())  # the mean Ra counts
     heavier = gears.Duty(2 * least, 10 / radius, 373.15, load_factor=1.5)
     assert gears.friction_coefficient(fzg, heavier) == pytest.approx(friction(3 * least))
 
@@ -174,7 +174,7 @@ def test_the_scene_of_a_mesh_has_its_places_and_its_window(fzg, mesh):
         turn = 2e3 * math.pi * place.radius_1
         assert float(row["motion.track_length"].split()[0]) == pytest.approx(turn, rel=1e-6)
         assert "duty" not in row
-    # A quarter of 4 µm, over 1.2 times the contact that peaks of 3 Rq widen; 8 pixels a step.
+    # Pixels of 4 µm/4 over 1.2 times the contact, widened by peaks of 3 Rq; a multiple of 8.
     widest = max(
         math.sqrt(4 * place.half_width**2 + 24 * fzg.rms_roughness * place.reduced_radius)
         for place in sliding

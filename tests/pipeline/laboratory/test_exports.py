@@ -19,7 +19,7 @@ TRACES = {
     "ehd": ("ehd", {}, 0.5),
     "lvm": ("lvm", {}, samples.SPEED),
 }
-LOAD = {"mtm": 0.1, "ehd": 0.1}  # of that of the run
+LOAD = {"mtm": 0.1, "ehd": 0.1}  # load over the load of the other samples' run
 NO_OIL = {"umt", "trb3", "sine", "t11", "lvm"}
 
 
@@ -42,7 +42,7 @@ def assert_run(document, name, velocity):
     (test,) = document["tests"]
     share = LOAD.get(name, 1.0)
     assert document["transition_time"] == pytest.approx(140, abs=1)
-    if name == "t11":  # it does not record the load
+    if name == "t11":  # this machine does not record the load
         assert (test["load"], test["outcome"]) == ("50 N", "severe")
     else:
         assert number(test["mild_up_to"]) == pytest.approx(share * samples.MILD, rel=0.005)
@@ -60,7 +60,7 @@ def test_a_run_of_a_machine_is_read_with_what_it_lacks(tmp_path, irg, name):
     assert document["form"][0] == exports()[form].title
     assert document["scene"] == exports()[form].scene or document["scene"] is None
     assert_run(document, name, velocity)
-    if given:  # without it the answer or the refusal says what to give
+    if given:  # without these options the answer or the error says what to give
         code = 2 if name == "t11" else 0
         asked = irg("tests", path, code=code)
         assert all(re.search(rf'--given "{one}=\.\.\. \w+', asked) for one in given)
@@ -158,4 +158,4 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
 
 def test_each_export_has_a_sample():
     forms = {form for form, *_ in TRACES.values()}
-    assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # whose tests stand above
+    assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # tested above

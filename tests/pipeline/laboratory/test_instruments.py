@@ -13,7 +13,7 @@ HOLED = np.where(np.random.default_rng(6).random(HEIGHTS.shape) < 0.1, np.nan, H
 PIXEL = 0.5e-6, 2e-6
 
 FILES = {
-    # name of a file: its content, and how near the heights are
+    # By file name: its content, and the tolerance of the heights.
     "matrix.x3p": (x3p(HOLED, PIXEL), 0),
     "floats.x3p": (x3p(HOLED, PIXEL, dtype="F"), 1e-13),
     "integers.x3p": (x3p(HOLED, PIXEL, dtype="L"), 0.5e-9),

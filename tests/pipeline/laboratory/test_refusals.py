@@ -81,7 +81,7 @@ def bomb(name, size, read):
     def build():
         with zipfile.ZipFile(name, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("xl/worksheets/sheet1.xml", bytes(2**10))
-            archive.filelist[0].file_size = size  # as its directory says
+            archive.filelist[0].file_size = size  # unpacked size stated by its directory
         return read(Path(name))
 
     return build
@@ -120,7 +120,7 @@ def no_library():
 
 def packed_bomb():
     content = bytearray(sur(SMALL, PIXEL, is_compressed=True))
-    content[524:528] = (2**31).to_bytes(4, "little")  # what a block unpacks to
+    content[524:528] = (2**31).to_bytes(4, "little")  # stated unpacked size of a block
     return scan(bytes(content), None, "a.sur")()
 
 

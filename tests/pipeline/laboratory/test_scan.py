@@ -41,7 +41,7 @@ def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
     other = surface_statistics(scan.with_name("again.npy"), 1.0, GRID.spacing)
     assert other.ra == pytest.approx(statistics.ra, rel=0.01)
     assert other.rq == pytest.approx(statistics.rq, rel=4 * scatter)
-    # Of eight such surfaces the lengths scatter by 12 %, the exponents by 6 %; pairs by √2 of it.
+    # The lengths of eight such surfaces scatter by 12 %, exponents by 6 %; differences by √2 more.
     assert other.fit.correlation_length == pytest.approx(statistics.fit.correlation_length, rel=0.5)
     assert other.fit.hurst_exponent == pytest.approx(statistics.fit.hurst_exponent, rel=0.25)
 

@@ -37,7 +37,7 @@ def risen(row, to=0.3, end=COUNT, base=LEVEL):
 
 
 def ramps(each=100, rise=12):
-    """Load of each row of six stages; between stages it rises for `rise` rows."""
+    """Load of each row of six stages with `each` rows; it rises during the first `rise` of them."""
     parts = [np.full(each, 100.0)]
     for level in range(200, 700, 100):
         climb = np.linspace(level - 100, level, rise + 1)[1:]
@@ -46,7 +46,7 @@ def ramps(each=100, rise=12):
 
 
 CASES = {
-    # name: load [N], velocity [m/s], friction, the right ends of the run or the test
+    # By name: load [N], velocity [m/s], friction, and the expected ends of the run or the test.
     "within a stage": (SIX, 1.5, risen(430), {"mild_up_to": 400, "severe_at": 500}),
     "at a step": (SIX, 1.5, risen(500), {"mild_up_to": 500, "severe_at": 600}),
     "no rise": (SIX, 1.5, LEVEL, {"mild_up_to": 600}),

@@ -256,7 +256,7 @@ def test_a_page_prints_as_a_report_of_at_most_four_pages_with_20_duties(page):
     heads = [head.text for head in driver.find_elements(By.TAG_NAME, "h2") if head.is_displayed()]
     height = "return arguments[0].getBoundingClientRect().height"
     radius = driver.find_element(By.XPATH, "//td[.='pin.radius']")
-    assert driver.execute_script(height, radius) > 0  # though its section is closed on a screen
+    assert driver.execute_script(height, radius) > 0  # printed, even if closed on the screen
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
     assert heads == [
         "Answer", "Operating points", "Transition diagram", "Conditions", "Critical velocities",

@@ -135,7 +135,7 @@ def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, t
     middle = len(loads) // 2
     expected = field.probability(loads[middle], velocities, scatter)
     np.testing.assert_allclose(plane[middle], expected, atol=1e-6)
-    # Loads rise upwards: the picture's top row is that of the highest one.
+    # Load increases upwards: the top row of the picture has the highest load.
     picture = opened(held["picture"])
     assert picture.size == (len(velocities), len(loads))
     assert coloured(plane[::-1]) == held["picture"]
@@ -147,7 +147,7 @@ def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, t
     assert len(held["measured"]) == 1
     assert f"he model's own error: {scatter.text}" in unescape(text)
     assert (page.points, page.points_with_fields) == (int((ds["status"] == DONE).sum()), 0)
-    assert "<th>friction</th>" not in text  # each sample has its own
+    assert "<th>friction</th>" not in text  # each sample has its own friction
 
 
 # Pictures

@@ -106,7 +106,7 @@ def elsewhere():
             f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
             for key, file in configured.items()
         }
-        # One of its workers with threads that may not compute at the same time.
+        # One worker has several threads, which may not compute at the same time.
         with closing(Cluster(folder, "tls", variables, security, threads=(1, 3))) as cluster:
             yield cluster, configured, folder / "scheduler.json"
 
@@ -260,8 +260,8 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
         tasks.scheduler = cluster.scheduler
         outcome = run_sweep(SWEEP, tmp_path / "out.zarr", client=client)
         given = dict(tasks.below)
-        many = tuple(0.5 + 0.01 * number for number in range(60))  # that none computes meanwhile
-        for _ in range(2):  # lost on the way, then gone from the beginning
+        many = tuple(0.5 + 0.01 * number for number in range(60))  # too many to be done meanwhile
+        for _ in range(2):  # workers are lost during the run, then missing from its start
             with pytest.raises(ExecutionError, match="none has come within 1 s"):
                 run_sweep(
                     tiny.sweep(velocities=many),

@@ -16,7 +16,7 @@ needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mo
 
 def reported(folder, *campaigns, trials=1):
     words = "-m", "tests.crash", *campaigns, "--trials", trials
-    # Stores lie in this folder, too, which is in memory if there is enough: syncs take no time.
+    # Stores are in this folder, too. It is in memory if that is large enough, where syncs are fast.
     done = python(*words, cwd=folder, variables={"TMPDIR": str(folder)}, timeout=800)
     assert (folder / "results/crash.md").read_text().endswith(done.stdout)
     reports = json.loads(done.stdout)

@@ -156,5 +156,5 @@ def test_the_time_to_go_is_that_of_the_points_so_far(processes, path):
     first, *_, last = reports
     assert (first.done, first.time_to_go, last.done, last.time_to_go) == (0, None, 3, 0.0)
     for report in reports[1:]:
-        left = (3 - report.done) / 2  # on two workers, none less than a point's time
+        left = (3 - report.done) / 2  # on two workers
         assert report.time_to_go >= 0.2 * max(left, min(1, 3 - report.done))

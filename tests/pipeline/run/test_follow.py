@@ -18,7 +18,7 @@ from tribo import Fidelity, Grid
 from tribo.simulation import Trunks
 
 TOLERANCE = 0.01
-# Smooth, so that the rise is, and so that a point takes milliseconds.
+# Without roughness the rise is a smooth function, and a point takes milliseconds.
 SWEEP = changed(
     PAPER,
     roughness=None,
@@ -63,7 +63,7 @@ def followed(tmp_path_factory):
 def test_the_boundary_is_that_of_the_grid_for_a_fifth_of_its_points(grid, followed):
     ds = pipeline.open_sweep(followed)
     velocities = pipeline.boundary(ds)["critical_velocity"].values
-    # The grid is interpolated too, to about 0.1 %.
+    # The boundary of the grid is interpolated, too, with an error of about 0.1 %.
     assert velocities == pytest.approx(grid, rel=TOLERANCE + 0.002)
     assert pipeline.summary(followed).done <= len(points(SWEEP)) / 5
 
@@ -75,7 +75,7 @@ def test_the_store_is_one_like_any_other(followed):
     assert counts.done < ds["status"].size  # the store has room for more points
     result = pipeline.boundary(ds)
     assert result.attrs["missing_points"] == 0
-    # It answers for other conditions too, where these leave the boundary between its points.
+    # It also answers for other conditions, where the boundary is still between its points.
     warmer = pipeline.boundary(pipeline.at(ds, friction=0.102))["critical_velocity"]
     assert np.isfinite(warmer).sum() > len(SWEEP.plane.loads) / 2
     assert ds["velocity"].min() >= 0.5
@@ -116,7 +116,7 @@ def test_a_grid_that_is_there_is_used(tmp_path):
     outcome = follow(asked, searched, source=out)
     assert outcome.computed == 0
     assert outcome.done == 3
-    # And a search can be completed to the whole sweep later.
+    # A search can be completed to the whole sweep later.
     whole = pipeline.run_sweep(few, tmp_path / "whole.zarr", workers=1, source=searched)
     assert (whole.total, whole.computed) == (3, 0)
     for sweep, other in ((asked, out), (few, searched)):

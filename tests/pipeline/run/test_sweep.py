@@ -115,7 +115,7 @@ def test_other_conditions_of_the_scene_are_told(copy):
     warmer = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
         run_sweep(warmer, copy, progress=messages.hear)
-    assert len(messages) == 1  # not again, since the store has them then
+    assert len(messages) == 1  # told once: then the store has the new entries
     assert "friction.coefficient: 0.1 in the store, 0.12 in the scene" in messages[0]
 
 
@@ -123,7 +123,7 @@ def test_other_conditions_of_the_scene_are_told(copy):
 
 
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, monkeypatch):
-    monkeypatch.setattr(schedule, "TRIALS", 2)  # in each a worker dies, and another starts
+    monkeypatch.setattr(schedule, "TRIALS", 2)  # a worker dies in each trial, and another starts
     deadly, velocities = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0), tiny.VELOCITIES[:2]
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=2)
     assert {failed.load for failed in outcome.failed} == {250.0}
@@ -190,7 +190,7 @@ def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(copy):
     paths = [copy.parent, copy, *copy.rglob("*")]
     for path in paths:
         path.chmod(0o555)
-    # A root without this capability may write no more than others.
+    # Without this capability root may not write more than other users.
     powerless = [] if os.geteuid() else ["setpriv", "--bounding-set=-dac_override"]
     done = python("-c", READER, copy, before=powerless)
     for path in paths:
@@ -245,7 +245,7 @@ def driver(path, tmp_path):
         text=True,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        # As a terminal starts it, even if this suite runs in the background and is to ignore it.
+        # Ctrl-C acts as in a terminal, even if this suite runs in the background, which ignores it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     yield process
@@ -293,7 +293,7 @@ run_sweep(tiny.sweep(), sys.argv[1], workers=2)
 
 def test_a_script_that_calls_it_unguarded_is_told_so_once(path, tmp_path):
     (tmp_path / "script.py").write_text(UNGUARDED)
-    done = python(tmp_path / "script.py", path)  # a busy machine takes two minutes
+    done = python(tmp_path / "script.py", path)  # takes up to two minutes on a busy machine
     assert done.returncode == 1
     assert done.stderr.count("Traceback") == done.stderr.count("ExecutionError: ") == 1
     assert 'call run_sweep under if __name__ == "__main__":' in done.stderr

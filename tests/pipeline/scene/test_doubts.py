@@ -32,8 +32,8 @@ def surface(**changes):
     return SurfaceFacts(**({"measured": True, "ra": 0.3e-6, "rq": 0.4e-6} | changes))
 
 
-# The usual ranges, as they stand in no other place: a bound by which a slip of a unit is seen, and
-# a real scene is not doubted.
+# The usual ranges, stated here independently of the code: wide enough for any real scene, narrow
+# enough to notice a wrong unit.
 STEELS = "materials.AISI 52100"
 USUAL = [
     (f"{STEELS}.elastic_modulus", 1, 1200, "GPa", {f"{STEELS}.hardness": "20 MPa"}),
@@ -128,7 +128,7 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
         SMOOTH,
         hertz_half_width=Span(1e-6, half_width),
         contact_width=Span(90e-6, max(expected, 90e-6)),
-        window=(100e-6, 20e-6),  # which repeats along y
+        window=(100e-6, 20e-6),  # periodic along y
     )
     doubts = [doubt for doubt in doubts if note_on_ends(SMOOTH) not in doubt]
     assert len(doubts) == bool(said)
@@ -137,7 +137,7 @@ def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
 
 def test_sharp_ends_turn_severe_at_lower_velocities():
     ((nearest, farthest),) = re.findall(r"(\d+)–(\d+) % less", note_on_ends(SMOOTH))
-    # Rises 4 to 11 % higher, each about a square root of the velocity (PHYSICS.md).
+    # Rises are 4 to 11 % higher, and grow about as the square root of velocity (PHYSICS.md).
     falls = [100 * (1 - (1 + rise) ** -2.0) for rise in (0.04, 0.11)]
     assert falls == pytest.approx([int(nearest), int(farthest)], rel=0.25)
 
@@ -149,7 +149,7 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
     assert any("the window's 90 µm" in doubt for doubt in said_of(BALL, **contact, window=wide))
     ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
     longer = ratio[1] / ratio[0]
-    for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
+    for room, fits in ((0.97, False), (0.99, True)):  # the contact is 98 µm wide
         window = (1.0, room * 100e-6 * longer)
         doubts = said_of(CROWNED, **contact, window=window)
         assert any("beyond the window" in doubt for doubt in doubts) is not fits

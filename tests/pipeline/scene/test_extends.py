@@ -116,7 +116,7 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     shipped = load_scene("first_try")
     (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
     assert load_scene("mine.toml").plane.loads == shipped.plane.loads
-    (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # a file goes first
+    (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # files precede shipped scenes
     assert load_scene("first_try").scene.motion is not None
 
 

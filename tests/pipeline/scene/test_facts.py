@@ -109,7 +109,7 @@ def test_a_tilted_surface_is_described_above_its_mean_plane():
     tilted = level + 5e-6 + 2e-8 * i - 1e-7 * j
     facts = surface_facts(rough(tilted))
     assert facts.mean_height == pytest.approx(tilted.mean(), rel=1e-12)
-    # the waves themselves lean a little: 8 periods from a sine's zero on
+    # The waves, 8 periods of a sine, have a small slope of their own.
     assert facts.rise == pytest.approx((64 * 2e-8, -32 * 1e-7), rel=0.06)
     assert facts.rq == pytest.approx(0.3e-6 / np.sqrt(2), rel=0.01)
     assert facts.ra == pytest.approx(0.3e-6 * 2 / np.pi, rel=0.05)
@@ -128,7 +128,7 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
 
     assert lay((4e-6, 4e-6), 128) is None
     assert lay((4e-6, 40e-6), 128) == pytest.approx(90.0, abs=5.0)
-    assert lay((40e-6, 4e-6), 2000) == pytest.approx(0.0, abs=5.0)  # only described
+    assert lay((40e-6, 4e-6), 2000) == pytest.approx(0.0, abs=5.0)  # given by its statistics only
 
 
 @pytest.mark.parametrize(

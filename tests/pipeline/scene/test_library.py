@@ -73,7 +73,7 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 
 @pytest.mark.parametrize(
     ("grade", "warm"),
-    # Of viscosity index 95 by ASTM D2270, as calculators of it print them.
+    # Viscosities at 100 °C for a viscosity index of 95, by calculators of ASTM D2270.
     [(32, 5.3), (46, 6.6), (68, 8.5), (100, 11.1), (150, 14.5), (220, 18.7), (320, 24.0),
      (460, 30.3), (680, 39.1)],
 )  # fmt: skip
@@ -83,4 +83,4 @@ def test_every_grade_from_32_to_680_has_its_viscosity_at_40_and_100_degrees(read
     assert oil.pressure_coefficients[0] > oil.pressure_coefficients[1] > 0
     line = read(text=f'{TEXT}[oil]\nlike = "ISO VG {grade}"\n{LINE}\n').lubricant
     assert line.viscosities == (32e-6, 5e-6)
-    assert line.pressure_coefficients is None  # that of the grade belongs to its temperatures
+    assert line.pressure_coefficients is None  # the grade's hold at its temperatures only

@@ -46,7 +46,7 @@ def test_the_template_holds_every_table_and_key(template):
     lines = re.findall(r"^#?(\w+)[\w.]* = (.*?) +#", text, flags=re.MULTILINE)
     tables = [section.path for section in sections() if section.path]
     assert {name for name, _ in lines} == {key for _, key in KEYS}
-    assert len(text.splitlines()) <= len(KEYS) + len(tables)  # it grows with the format
+    assert len(text.splitlines()) <= len(KEYS) + len(tables)  # one line for each entry and table
     headers = re.findall(r"^#?\[+([\w.]+)\]+ +#", text, flags=re.MULTILINE)
     assert headers == [path.replace("NAME", "steel") for path in tables]
 

@@ -146,7 +146,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         ('"draft"', '"draft"\nincrements = 30\npartition = "uniform"'),
     )
     assert changed == expected
-    # A choice of this call goes before the preset of this call.
+    # A single numerical choice precedes the preset given in the same call.
     assert read(preset="standard", overrides=overrides).scene.fidelity.increments == 30
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
     overrides = {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3}

@@ -29,7 +29,7 @@ from tests.helpers.unknowns import ALL
 
 
 def back(sweep):
-    """The sweep after a way through text."""
+    """Sweep read again from its stored text, whose entries are those of the sweep."""
     text = sweep_text(sweep)
     assert json.loads(text)["entries"] == sweep.entries
     return parse_sweep(text, file_contents(sweep))
@@ -228,7 +228,7 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     for name in names:
         (tmp_path / name).unlink()
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
-    copy = pipeline.results(ds.drop_vars("inputs")).stored  # answers all that needs no surface
+    copy = pipeline.results(ds.drop_vars("inputs")).stored  # enough where no surface is needed
     assert copy.conditions == pipeline.results(ds).stored.conditions
     assert all("is not beside" in str(copy.variant(n).scene.roughness) for n in copy.variants.names)
     sweep = pipeline.results(ds).stored

@@ -66,11 +66,11 @@ LINKS = {
 def test_nothing_is_written_by_way_of_a_link(copy, outside, lay):
     lay(copy, outside)
     before = tree(outside)
-    wider = tiny.full(loads=(150.0, 250.0, 600.0, 700.0))  # for which the store grows
+    wider = tiny.full(loads=(150.0, 250.0, 600.0, 700.0))  # needs a larger store
     with suppress(StoreError):
         pipeline.run_sweep(wider, copy, workers=1)
     for command in ("status", "verify", "boundary"):
-        assert main([command, str(copy)]) in (0, 1, 2)  # as the link is of what they read, or not
+        assert main([command, str(copy)]) in (0, 1, 2)  # fails if the command reads the linked file
     assert tree(outside) == before
 
 
@@ -141,7 +141,7 @@ def test_a_chunk_of_another_size_than_its_array_s_is_not_unpacked(copy, name, bo
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < 100e6  # of the 268 MB that it would unpack to
+    assert peak < 100e6  # unpacked it would take 268 MB
 
 
 def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):

@@ -166,7 +166,7 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
         ds.load()
     assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
     assert verify_store(path).is_clean
-    other = Point(1500.0, 3.0)  # goes on otherwise than it was begun
+    other = Point(1500.0, 3.0)  # a selection other than the interrupted one
     commit(path, tiny.full(loads=(1500.0,), velocities=(3.0,)), [other])
     assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
     assert verify_store(path).is_clean
@@ -219,7 +219,7 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
     other = tiny.full(
         variants=rows("pin", {"own": {}, "thick": {"pin.radius": 9e-3, "pin.length": 3e-3}})
     )
-    with writing(tmp_path / "rows.zarr", other) as store:  # the first row is the same scene
+    with writing(tmp_path / "rows.zarr", other) as store:  # its first row is the scene of the store
         assert take_points(store, opened(path)) == 9
         assert {point.variant for point in store.pending()} == {(("pin", "thick"),)}
     assert verify_store(tmp_path / "rows.zarr").is_clean

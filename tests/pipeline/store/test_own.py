@@ -52,7 +52,7 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
     assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
     with pytest.raises(pipeline.StoreError, match="doubled, which is not of the store, would not"):
         commit(copy, tiny.full(loads=(700.0,)), ())
-    other = changed(SWEEP, title="Another title")  # another root
+    other = changed(SWEEP, title="Another title")  # writes another root document
     assert pipeline.run_sweep(other, copy, workers=1).computed == 0
     with xr.open_zarr(copy, chunks=None) as ds:
         assert (ds.attrs["comment"], ds.attrs["title"]) == ("mine", "Another title")
@@ -123,7 +123,7 @@ def opened(made):
 @pytest.mark.parametrize("name", PLAIN)
 def test_plain_xarray_works_on_whole_and_half_done_sweeps(opened, name):
     for ds in opened:
-        assert ds.chunks is not None  # one length of chunks along each axis
+        assert ds.chunks is not None  # fails if chunks along an axis differ in length
         assert {values.dtype.kind for values in ds.data_vars.values()} <= {*"bif"}
         assert PLAIN[name](ds, "load" if "load" in ds.dims else "point").load().data_vars
 

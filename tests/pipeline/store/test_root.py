@@ -65,7 +65,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
             function(forged)
         except StoreError:
             refused += 1
-    if refused:  # what is not refused is not read
+    if refused:  # values that are not refused are not read
         assert refused == 3
         with pytest.raises(StoreError):
             commit(forged, SWEEP, ())

@@ -138,7 +138,7 @@ def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
 
 def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):
     messages = Heard()
-    with computing({}, pace=0.0), pytest.raises(KeyError):  # the point that is still to do
+    with computing({}, pace=0.0), pytest.raises(KeyError):  # no record for the point not yet done
         run_sweep(SWEEP, made, progress=messages.hear)
     assert messages == [f"{made} has no locks: let one run at a time write to it"]
     with writing(made, SWEEP):

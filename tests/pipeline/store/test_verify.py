@@ -63,14 +63,14 @@ def exchanged(file):
     other.write_bytes(content)
 
 
-# Columns are written alike, and so are flags: an array of each kind is enough.
+# All columns are written in one way, and so are flags: one array of each kind is enough.
 KINDS = "load", "status", "message", "mean_rise"
 OTHERS = "x", "asked", "steps", "checksum", "rise"
 HARMED = [
     *((harm, name) for harm in (flipped, missing, exchanged) for name in KINDS),
     *((flipped, name) for name in OTHERS),
 ]
-# By its status a point is pending, as it is before it is computed.
+# A damaged status means pending, so that damage of these arrays names no point.
 UNNAMED = ["status", "asked"]
 
 
@@ -254,7 +254,7 @@ def test_a_run_that_is_killed_while_it_mends_leaves_no_damaged_point_done(copy, 
 
 @pytest.mark.parametrize("method", ["read", "keys", "put"])
 def test_what_a_disk_refuses_is_an_error_of_the_store(copy, monkeypatch, method):
-    (copy / "mean_rise" / "zarr.json").unlink()  # to be written anew
+    (copy / "mean_rise" / "zarr.json").unlink()  # so that it is written anew
 
     def refused(*_):
         raise PermissionError(errno.EACCES, "Permission denied")

@@ -40,7 +40,7 @@ def test_values_are_correlated_on_the_scales_on_which_they_are_normal():
 @pytest.mark.parametrize("number", range(4))
 def test_each_keeps_its_own_distribution(number):
     values = drawn(PAIRS, 3, 2**12)[:, number]
-    # By chance alone it would be 0.02 in 5 of 100 cases; these points are more even than chance.
+    # Random points would exceed 0.02 in 5 % of cases; these points are more even.
     assert kstest(values, distribution_of(PAIRS[number]).cdf).statistic < 0.01
 
 
@@ -54,7 +54,7 @@ def test_what_is_correlated_with_nothing_before_it_is_drawn_as_if_it_were_alone(
 @pytest.mark.parametrize("last", [-0.5, 0.0, 0.99])
 def test_the_first_unfit_input_is_the_one_that_makes_the_matrix_no_correlation(last):
     matrix = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])
-    # By the closed form of three: the product of two, give or take that of their complements.
+    # For three inputs: r₁₃ is within r₁₂ r₂₃ ± √((1 − r₁₂²)(1 − r₂₃²)).
     half = math.sqrt((1 - 0.8**2) * (1 - 0.5**2))
     is_fit = abs(last - 0.4) < half
     assert (np.linalg.eigvalsh(matrix).min() > 0) == is_fit

@@ -36,7 +36,7 @@ def test_tasks_of_a_ramp_ascend_in_load():
     assert [task.points for task in every] == [
         (Point(load, velocity),) for velocity in tiny.VELOCITIES for load in tiny.LOADS
     ]
-    # 150 N is below a quarter of the reference load, and so on a trunk of smaller increments.
+    # 150 N is below a quarter of the reference load, so it has its own ramp of smaller increments.
     assert [len(list(same)) for _, same in groupby(every, key=lambda task: task.ramp)] == 3 * [1, 2]
 
 
@@ -129,7 +129,7 @@ def test_the_course_is_that_of_the_states_at_the_increments(physics):
     columns = run_point(sweep, 600.0, 1.0).columns
     assert columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
     scene = sweep.scene
-    if physics == "few elements":  # whose points are computed on smaller ones from the start
+    if physics == "few elements":  # whose points have smaller elements from the start
         finer = replace(scene.fidelity, pixels_per_element=1, history_coarsening=1)
         scene = replace(scene, fidelity=finer)
     as_given = replace(scene.fidelity, elements_per_summit=0)

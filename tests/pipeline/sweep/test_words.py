@@ -25,7 +25,7 @@ EXACT = PIXELS | {"contact_tolerance": 1e-3}
         ("draft", {"fewest_elements": 39}, None),
         ("draft", {"elements_per_summit": 0.7}, None),
         ("draft", {"hold_increments": 7}, None),
-        ("draft", {"hold_increments": 0}, None),  # as many as the ramp's 4
+        ("draft", {"hold_increments": 0}, None),  # 0 means as many as the ramp's 4
         ("draft", {"hold_increments": 0, "increments": 8}, 0.05),
         ("draft", {"imprint": 26.0}, None),
         ("draft", {"imprint": 0.0}, None),  # no step is cut

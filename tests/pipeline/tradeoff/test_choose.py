@@ -54,7 +54,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
 ):
     out = tmp_path / "out.zarr"
     small = changed(tiny.sweep(), loads=(250.0, 600.0), velocities=(1.0, 1.5))
-    begun = choose_accuracy(small, 0.1, store=out)  # not there yet
+    begun = choose_accuracy(small, 0.1, store=out)  # the store does not exist yet
     pipeline.run_sweep(begun, out, workers=1)
     assert opened(out).sweep.selection == begun.selection
     assert pipeline.results(pipeline.open_sweep(out)).sweep.selection == begun.selection
@@ -72,7 +72,7 @@ def test_a_store_says_why_it_has_its_fidelity_and_goes_on_without_another_measur
         )
     outcome = pipeline.run_sweep(again, out, workers=1)
     assert (outcome.computed, outcome.done) == (2, 6)
-    # Without --accuracy, but with the same fidelity, the reasons stay.
+    # Without --accuracy, but with the same fidelity, the store keeps the reasons of the choice.
     pipeline.run_sweep(changed(again, selection=None), out, workers=1)
     assert opened(out).sweep.selection == begun.selection
     stricter = begun.selection.error / 2

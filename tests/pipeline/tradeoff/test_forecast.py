@@ -71,7 +71,7 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
 
 
 def test_workers_share_the_time(monkeypatch):
-    # On two cores, where a contact takes 1 s and its temperature 9 s.
+    # A machine of two cores, on which a contact takes 1 s and its temperature 9 s.
     timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
     monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
     monkeypatch.setattr(forecast, "cores", lambda: 2)
@@ -84,11 +84,11 @@ def test_workers_share_the_time(monkeypatch):
     whole = estimate(many, 1)
     assert (whole.points, whole.tasks) == (3 * 40, 120)
     assert whole.seconds == pytest.approx(1.0 + 40 * ramp + 120 * 0.005)
-    # More workers than cores take turns, and no more of them work than there are tasks.
-    longest = 30 * 1.0 + 9.0 + 0.005  # that of the highest load from the start
+    # If workers outnumber cores, they take turns; no more workers are busy than there are tasks.
+    longest = 30 * 1.0 + 9.0 + 0.005  # time of the highest load alone
     assert estimate(sweep, 50).seconds == pytest.approx(1.0 + 6 / 2 * longest)
     assert (estimate(sweep, 50).workers, estimate(sweep).workers) == (50, 2)
-    # 4 increments and the ends of 4 loads, with a temperature each, whose contacts 4 samples share.
+    # 4 increments, and ends of 4 loads with a temperature each; 4 samples share a contact.
     shared = 128 * (4 * 9.0 + 8 * 1.0 / 4)
     assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 

@@ -47,7 +47,7 @@ SMALL = {
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (12e-6, 12e-6), seed=0),
     )
 }
-# So many velocities that it pays to look for a cheaper choice than the reference.
+# With so many velocities, measuring the fidelities costs less than using the reference.
 VELOCITIES = tuple(float(velocity) for velocity in np.geomspace(0.25, 8.0, 40))
 ALL = {
     name: changed(scene, velocities=VELOCITIES) for name, scene in (SCENES | LARGE | SMALL).items()
@@ -93,7 +93,7 @@ def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin)
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(3600)  # the true boundary of a full window takes minutes of an idle machine
+@pytest.mark.timeout(3600)  # the true boundary of a full window takes minutes
 @pytest.mark.parametrize("accuracy", [0.05, 0.02, 0.01])
 @pytest.mark.parametrize("name", ALL)
 def test_the_true_error_is_within_every_accuracy(name, accuracy, say):

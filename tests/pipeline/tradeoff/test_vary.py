@@ -52,7 +52,7 @@ def test_the_boundary_is_that_of_the_whole_sweep(variations, folder):
     grid = np.array([2.0, 2.4, 2.8, 3.3, 4.0])
     results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
     critical = np.interp(418.15, [result.decisive_temperature for result in results], grid)
-    # The search may err by 1 %, and so may straight lines between the five velocities.
+    # The search and linear interpolation between the five velocities may each be 1 % wrong.
     assert velocities(variations, "unchanged")[0] == pytest.approx(critical, rel=0.02)
 
 
@@ -70,12 +70,12 @@ def test_wear_rate_thermal_constants_and_friction_take_each_contact_once(folder,
     shared = pipeline.vary(scene, over, workers=1)
     assert shared.contacts <= shared.points / 2
     friction, conductivity, rate = over
-    # Of the same points, though on contacts that other rows share.
+    # The points are the same, but other rows share their contacts.
     assert velocities(shared, friction) == pytest.approx(velocities(variations, friction), rel=1e-9)
     unchanged, rated = (velocities(shared, entry) for entry in ("unchanged", rate))
     assert velocities(shared, conductivity)[0] < 0.995 * unchanged[0]
     alone = pipeline.vary(scene, {}, overrides={rate: over[rate][0]}, workers=1)
-    # Other points lie beside the boundary, and each search may err by 1 %: measured 0.9 %.
+    # Other points are computed, and each search may be 1 % wrong; the measured difference is 0.9 %.
     expected = pytest.approx(velocities(alone, "unchanged"), rel=0.015, nan_ok=True)
     assert rated == expected
     assert rated != unchanged

@@ -83,7 +83,7 @@ def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share(
     indices = pipeline.sensitivity(ensemble(JOINT))
     assert np.isnan(indices.total).all()
     assert not indices.given_measured
-    # To be linear and normal: the squared correlation of each input with the boundary.
+    # If the model is linear and normal, indices are squared correlations with the boundary.
     direct = drawn(JOINT, 99, 2**14)
     y = np.log(critical_velocity(direct, 400.0))
     x = np.log(direct)

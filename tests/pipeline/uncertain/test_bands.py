@@ -40,4 +40,4 @@ def test_bands_of_few_contacts_hold_waves_between_them_and_are_not_said_to_suffi
             run = math.log(rise(row[None], 400.0, velocity, unknown)[0]) + wave(row[1], velocity)
             missed = excess.values[0] + samples.log_limit(row[None])[0] - run
             held.append(abs(missed) < 1.645 * excess.error[0])
-    assert np.mean(held) > 0.82  # 0.74 with the constants of all rows
+    assert np.mean(held) > 0.82  # 0.74 if constants were fitted to all rows

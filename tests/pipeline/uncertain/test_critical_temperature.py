@@ -29,7 +29,7 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
     )
     result = critical_temperatures(changed(sweep.take_surface(2), measured=measured))
     assert result.surfaces == (2,)
-    # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
+    # With velocities every 0.5 m/s the boundary is known to 1 %, and the rise of 120 K to 0.5 %.
     assert result.means == pytest.approx([418.15] * 2, abs=1.0)
     assert result.spread < 1.0
     both = critical_temperatures(changed(sweep, measured=measured))

@@ -32,9 +32,9 @@ def design(inputs, layers, per_contact):
         ((RATE, HEAT, HEAT, HEAT), ("wear rate", "heat", "heat", "heat"), 2, 128),  # 16 · 2³
         ((SEED, RATE), ("contact", "wear rate"), 4, 128),  # 32 contacts of 4
         ((replace(SEED, parameters=tuple(map(float, range(20)))),), ("contact",), 4, 160),
-        ((LENGTH,), ("contact",), 4, None),  # each has another contact
+        ((LENGTH,), ("contact",), 4, None),  # each sample has its own contact
         ((RATE,), ("wear rate",), 1, None),
-        ((HEAT,), ("heat",), 64, 32),  # each is left out alone
+        ((HEAT,), ("heat",), 64, 32),  # each sample is left out alone
     ],
 )
 def test_so_many_samples_suffice(inputs, layers, per_contact, count):

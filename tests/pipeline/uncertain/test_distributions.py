@@ -37,7 +37,7 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
     assert (design.layers, design.per_contact) == (("wear rate", "contact", "contact"), 4)
     only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
     judged = Draw.of(pipeline.load_scene(scene(tmp_path, only)).variants.draw).design
-    # Samples that share a contact differ in the wear rate, though it is known.
+    # Samples that share a contact have different wear rates, even if the scene's is known.
     assert (judged.layers, judged.per_contact) == (("wear rate",), 2)
 
 

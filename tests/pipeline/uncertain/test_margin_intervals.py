@@ -31,8 +31,8 @@ def test_medians_and_intervals_are_those_of_the_closed_form():
     left = DIRECT[:, 0] - hot
     at_load = critical_velocity(DIRECT, 400.0)
     at_velocity = (limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58)
-    # The ends from 8192 draws are known to 2 % of a standard deviation, of 5 to 10 K; those of a
-    # difference of two, whose standard deviation is 13 K, to twice the error of 0.4 K.
+    # From 8192 draws the ends of intervals are known to 2 % of a standard deviation of 5 to 10 K.
+    # The standard deviation of a difference is 13 K; its error may be twice as large.
     for name, direct, error in (
         ("decisive_temperature", hot, {"abs": 0.4}),
         ("distance", left, {"abs": 0.8}),
@@ -105,6 +105,6 @@ def test_what_samples_scatter_by_widens_the_interval():
 
     expected = np.ptp(np.quantile(np.log(hot), ENDS))
     here = width(found.intervals["decisive_temperature"])
-    assert here == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
+    assert here == pytest.approx(expected, rel=0.25)  # 64 samples give a standard deviation to 9 %
     alone = margin(ensemble(few), 400.0, 2.0)
     assert here > 1.5 * width(alone.intervals["decisive_temperature"])

@@ -139,7 +139,7 @@ kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]
 density = "866 kg/m^3"
 pressure_viscosity_coefficient = "20 1/GPa"
 """
-# Each of the two is sound with the scene's value of the other one.
+# Each of the two inputs is valid with the scene's value of the other one.
 DISC = SCENE.replace("[disk]", '[disk]\ndiameter = "60 mm"\nwidth = "5 mm"\nbore = "10 mm"')
 RING = (
     '"disk.diameter" = { from = "20 mm", to = "60 mm" }',

@@ -18,7 +18,7 @@ from tests.helpers.samples import EXPONENT, LOADS, critical_velocity, dataset, r
 from tests.helpers.unknowns import CRITICAL, FRICTION, JOINT, LENGTH, RATE
 from tribo import Corrections, Friction
 
-# A rise in closed form is emulated as well from half as many samples, in half the time.
+# For a closed form half as many samples suffice, in half the time.
 ensemble = functools.partial(samples.ensemble, count=32)
 
 
@@ -57,7 +57,7 @@ def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
     sharp = ensemble((CRITICAL, RATE, near, LENGTH), tests=transitions(truth))
-    # The friction that was measured is that of another machine, and decides at each transition.
+    # The friction was measured on another machine, so it counts at the transitions only.
     elsewhere = dataclasses.replace(sharp, same_rig=False)
     _, _, friction, *_ = pipeline.posterior(elsewhere).summary()
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
@@ -83,7 +83,7 @@ def test_the_friction_of_a_rig_is_learnt_with_its_scatter_between_tests(spread, 
     density = np.exp(-0.5 * ((grid - 0.1) / 0.005) ** 2)
     density *= np.exp(-0.5 * ((log_tau - math.log(0.02)) / math.log(3.0)) ** 2)
     for one in measured:
-        variance = np.exp(2 * log_tau) + max(error / one, 0.005) ** 2  # as logs are rounded
+        variance = np.exp(2 * log_tau) + max(error / one, 0.005) ** 2  # rounding in logs
         density *= np.exp(-0.5 * np.log(one / grid) ** 2 / variance) / np.sqrt(variance)
     mean = np.average(grid, weights=density)
     sd = math.sqrt(np.average((grid - mean) ** 2, weights=density))
@@ -113,19 +113,19 @@ def test_the_friction_of_another_machine_tells_nothing_of_the_scene_s():
     ],
 )
 def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
-    # All is about linear: the precisions of what was assumed and of what was measured add up.
+    # In a linear model the precisions (1/variance) of prior and measurement add up.
     limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
     critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
     posterior = pipeline.posterior(ensemble((critical, LENGTH), tests=[entry]), 0.01)
     (marginal, _) = posterior.summary()
-    of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
+    of_length = 0.02 * 3 / math.sqrt(12)  # part due to the uniform correlation length
     expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
     assert marginal["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
 
 
 def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_says():
-    # One unknown, so that Bayes' rule is an integral over a line.
+    # With one unknown input Bayes' rule is a one-dimensional integral.
     tests = [
         {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "outcome": "mild"},
         {"normal_load": 400.0, "velocity": 2.4, "friction": 0.1, "outcome": "severe"},
@@ -154,7 +154,7 @@ def stage(load, outcome, velocity=2.0, **more):
 
 
 def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
-    # A run that turned severe within its stages, a run beyond its last, a run at its first.
+    # Wear turns severe between stages of run 1, after the last of run 2, in the first of run 3.
     tests = [
         *(stage(load, "mild", run="1") for load in (200.0, 300.0, 350.0)),
         stage(430.0, "severe", run="1"),
@@ -182,7 +182,7 @@ def test_stages_of_a_run_are_of_one_specimen_and_tails_of_it_at_its_ends():
         "severe",
     ]
     assert posterior.evidence == "3 runs"
-    assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # those that decide
+    assert [len(one.tests) for one in posterior.judged] == [2, 1, 1]  # numbers of decisive tests
 
 
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
@@ -190,7 +190,7 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution(monkeypatch):
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
     measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), tests=measured))
-    # Drawn near the tests, and not weighed draws of the prior.
+    # The draws are new ones near the tests, not weighted draws of the prior.
     assert np.ptp(sharp.draws.inputs[:, 0]) < 0.8 * np.ptp(sharp.prior.inputs[:, 0])
     assert 0.4 < sharp.draws.effective / len(sharp.draws.weights) < 1
     many = prior(sharp.unknown, 5, 2**15)
@@ -238,7 +238,7 @@ WIDE = Unknown(CRITICAL.path, "uniform", (383.15, 473.15), "K")
 def test_friction_that_falls_with_velocity_is_a_fault_of_the_model_and_not_of_a_test():
     measured = transitions(np.array([418.15, 1.2e-15, 0.1, 4.5e-6]), 0.03, seed=1, loads=EIGHT)
     falling = [
-        dict(entry, velocity=entry["velocity"] ** 1.4)  # as µ ~ V to the power -0.2 makes it
+        dict(entry, velocity=entry["velocity"] ** 1.4)  # the effect of µ ~ V to the power -0.2
         for entry in measured
     ]
     wrong = pipeline.posterior(ensemble((WIDE, RATE, FRICTION), tests=falling))
@@ -286,7 +286,7 @@ def test_friction_by_velocity_is_known_however_it_bends():
     assert test.critical_velocity[1] == pytest.approx(first, rel=0.01)
 
 
-# What varies from part to part
+# Inputs that vary from part to part
 
 
 def test_what_varies_from_part_to_part_is_scatter_and_is_not_learnt():

@@ -193,7 +193,7 @@ def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
             near = [p for p in (x - 10 * y, x - y, x, x + y, x + 10 * y) if -reach < p < reach]
             return integrate.quad(of_point, -reach, reach, points=near, limit=200)[0]
 
-        # y = half_y·u³, since the rows next to the point are warm as −ln y.
+        # Substitute y = half_y·u³, as rows near the point warm it as −ln y.
         rows = integrate.quad(
             lambda u: row_conditions(half_y * u**3) * 3 * half_y * u**2, 0, 1, epsrel=1e-7
         )[0]
@@ -211,4 +211,4 @@ def test_a_moving_circle_is_that_of_tian_and_kennedy(peclet):
     velocity = peclet * 2 * KAPPA / 1e-4
     fit = 2.32 * 1e9 * 1e-4 / (K * math.sqrt(math.pi * (1.234 + peclet)))
     rise = analytic.moving_ellipse_rise(1.5e9, 1e-4, 1e-4, velocity, K, KAPPA)
-    assert rise == pytest.approx(fit, rel=0.012)  # of the fit, between its two ends
+    assert rise == pytest.approx(fit, rel=0.012)  # error of the fit between its two limits

@@ -100,7 +100,7 @@ def test_sphere_is_hertz_and_converges_with_the_grid():
         exact = hertz_pressure(np.hypot(x, y), contact_radius, peak)
         errors.append(np.abs(pressure - exact).mean() / peak)
     order = -np.polyfit(np.log([16, 32, 64, 128]), np.log(errors), 1)[0]
-    assert order > 1  # the pressure falls off like a square root at a rim that cuts elements
+    assert order > 1  # limited by the square root of the pressure near the rim, which cuts elements
     assert errors[-1] < 2e-3
 
 
@@ -113,7 +113,7 @@ def test_westergaard_wave_in_full_and_partial_contact():
     full = westergaard_full_contact_pressure(amplitude, length, E_STAR)
     contact = solve_contact(solid, z, 1.2 * full * grid.area)
     expected = 1.2 * full + full * np.cos(2 * np.pi * grid.coordinates(0) / length)
-    # Constant pressure on 256 elements resolves the wave to (qdx)²/24.
+    # Constant pressure on each of 256 elements approximates the wave to (qdx)²/24.
     assert contact.pressure[:, 0] == pytest.approx(expected, rel=2e-4)
     half_width = length / 5
     partial = westergaard_mean_pressure(half_width, full, length)

@@ -28,7 +28,7 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
         increment = RAMP.increment(load, 100)
         assert steps[:-1] == pytest.approx(increment)
         assert 0 < steps[-1] <= increment * (1 + 1e-9)
-    # Of loads with the same increment the trunk is one, whatever else is in the diagram.
+    # Loads with the same increment share a ramp, whatever other loads the diagram has.
     assert RAMP.increment(187.5, 100) == RAMP.increment(750.0, 100) == 7.5
     assert RAMP.increment(100.0, 100) == RAMP.increment(187.0, 100) == 3.75
 

@@ -48,7 +48,7 @@ def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
         nearest = min(stations, key=lambda station: abs(station.time - moment))
         assert nearest.normal_load == pytest.approx(load, abs=1.0)
     assert min(s.normal_load for s in stations) == 0.0
-    triangles = 200**2 / 202 + 100**2 / 103 + 300**2 / 303  # above 0, each twice
+    triangles = 200**2 / 202 + 100**2 / 103 + 300**2 / 303  # twice the triangles' areas above 0
     assert stations[-1].impulse == pytest.approx(150 + triangles / 2, rel=1e-12)
     scene = replace(small_scene(increments=8), loading=record)
     states = list(simulate(scene, 300.0, 1.25))

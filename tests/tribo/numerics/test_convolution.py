@@ -28,7 +28,7 @@ def test_equals_the_sum_that_defines_it(shape, periodic):
     convolve = Convolution(grid, np.fft.rfft2(kernel))
     expected = direct(grid, kernel, field)
     assert convolve(field) == pytest.approx(expected, abs=1e-13)  # rounding of about 40 terms
-    assert convolve(field) == pytest.approx(expected, abs=1e-13)  # kept buffers carry nothing over
+    assert convolve(field) == pytest.approx(expected, abs=1e-13)  # reused buffers change nothing
 
 
 @pytest.mark.parametrize("periodic", AXES)

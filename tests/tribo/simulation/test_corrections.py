@@ -45,7 +45,7 @@ def added(corrections, columns):
 def left_by_turns(velocity, speed, share, duration, load):
     """Warming of a disc's tread [K] at the end of a ramp, as a sum over its turns."""
     age = np.arange(1, int(duration * speed / AROUND) + 1) * AROUND / speed
-    heat = share * velocity * load * (1 - age / duration) / speed / WIDTH  # J/m² a turn
+    heat = share * velocity * load * (1 - age / duration) / speed / WIDTH  # heat of a turn [J/m²]
     strip = erf(WIDTH / (4 * np.sqrt(DIFFUSIVITY * age)))
     return (heat * strip / (CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * age))).sum()
 
@@ -57,7 +57,7 @@ def test_both_discs_are_warmed_by_their_own_turns(load):
     pin = left_by_turns(velocity, 1.5 * velocity, SHARE, duration, load)
     disk = left_by_turns(velocity, 2.5 * velocity, 1 - SHARE, duration, load)
     of_both = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)
-    # A sum with the share of each turn of its own differs by less than 0.1 %.
+    # With the heat share of each turn instead of the last one the sum differs by less than 0.1 %.
     assert added(of_both, columns) == pytest.approx(SHARE * pin + (1 - SHARE) * disk, rel=0.01)
 
 
@@ -66,7 +66,7 @@ def test_a_disc_as_wide_as_the_contact_loses_no_heat_to_its_sides(load, kelvin):
     """Expected values: PHYSICS.md, section 14, whose sum omits the factor for a strip."""
     velocity = {3000.0: 6.6, 8000.0: 2.5}[load]
     columns = record([load / 500.0], [load], velocity, rise=1e9)
-    narrow = replace(TRACK, disc=tribo.Disc(diameter=10.0, width=WIDTH))  # hardly curved
+    narrow = replace(TRACK, disc=tribo.Disc(diameter=10.0, width=WIDTH))  # nearly plane rim
     of_both = tribo.Corrections(track=narrow, pin_track=narrow, motion=ROLLING)
     assert 0.06 * added(of_both, columns) == pytest.approx(kelvin, rel=0.01)
     wide = tribo.Corrections(track=TRACK, pin_track=TRACK, motion=ROLLING)

@@ -12,7 +12,7 @@ from tribo.simulation.coupled_friction import coupled_heat
 from tribo.thermal import ConductingHalfSpace, contact_quantiles, partition_heat
 
 BULK, LOAD, VELOCITY = 298.15, 600.0, 1.5
-_CLOSE = 0.1  # K, a third of what is promised: of each round 2e-4 of some 120 K may be left
+_CLOSE = 0.1  # [K], a third of the promised error: iteration may stop at 2e-4 of some 120 K
 
 
 def line(slope):

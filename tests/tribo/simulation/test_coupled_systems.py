@@ -16,8 +16,8 @@ SYSTEMS = {
     for case in cases([0])
     if case.family in ("coarse pixels", "lay", "twin disc", "local", "wide summits")
 }
-_CLOSE = 0.3  # K, as promised
-_STEP, _STILL, _MOST = 0.3, 1e-2, 200  # share of a change that is taken, its end [K], and rounds
+_CLOSE = 0.3  # promised error [K]
+_STEP, _STILL, _MOST = 0.3, 1e-2, 200  # damping, last change [K], most rounds
 
 
 def line(bulk, slope):
@@ -61,7 +61,7 @@ def iterated(scene, state, velocity, law, bulk):
 def test_straight_lines_are_solved_on_all_systems(states, name, slope):
     scene, velocity, bulk, state = states[name]
     state = dataclasses.replace(state, passing=())
-    # A friction that warms the hottest tenth by about 100 K.
+    # Friction by which a tenth of the contact is warmed by more than about 100 K.
     coefficient = 100.0 / state.heat.rise_quantile[tribo.QUANTILES.index(0.9)]
     law = tribo.Friction(coefficient, by_temperature=line(bulk, slope))
     found = coupled_heat(scene, state, velocity, law, bulk)

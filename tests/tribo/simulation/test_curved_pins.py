@@ -67,7 +67,7 @@ def test_the_width_of_a_contact_is_that_along_sliding_in_a_window_twice_as_long_
     smooth = replace(ball(), pixels=window, roughness=None, wear=None)
     hertz = smooth.pin.hertz(200.0, E_STAR)
     width = measures(smooth, end(smooth))["contact_width"]
-    # Whole elements are counted, of which one at each end may touch in part.
+    # The width counts whole elements; one at each end may touch in part only.
     assert width == pytest.approx(2 * hertz.half_width, abs=2 * smooth.grid.spacing[0])
 
 
@@ -88,7 +88,7 @@ def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
     p = contact.pressure
     assert contact.approach == pytest.approx(expected.approach, rel=1e-3)
     assert p.max() == pytest.approx(expected.peak_pressure, rel=1e-3)
-    # ∫x²p is Fa²/5 of the semi-ellipsoid, which knows the axes better than the elements count.
+    # For Hertz's pressure ∫x²p = Fa²/5, which gives the half-axes better than counted elements.
     for axis, half in ((0, expected.half_x), (1, expected.half_y)):
         square = np.moveaxis(grid.coordinates(axis)[:, None] ** 2 * np.ones((1, 120)), 0, axis)
         assert math.sqrt(5 * np.sum(square * p) / p.sum()) == pytest.approx(half, rel=1e-3)
@@ -145,7 +145,7 @@ def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
 
 def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     """A ball that always meets new summits does not conform to them by wear."""
-    # Many times as many patches as the scene takes, each worn point by point:
+    # True value: the mean over many more patches than the scene uses, each worn locally.
     few = {"pixels": 96, "side": 640e-6 / 96}
     true = hot(end(ball(history_coarsening=1, increments=60, **few)))
     swept, patch = ball(**few), ball(pattern="local", **few)
@@ -186,7 +186,7 @@ def test_a_ball_that_rolls_is_swept_over_and_wears_around():
 
 
 def test_a_smooth_pin_wears_swept_as_it_wears_locally():
-    # No roughness passes it, so each of its points wears by the pressure on it.
+    # Without roughness each point of the pin wears by the pressure on it.
     swept, local = (
         end(replace(ball(pattern=pattern), pin=Crowned(5e-3, 10e-3, STEEL), roughness=None))
         for pattern in ("swept", "local")

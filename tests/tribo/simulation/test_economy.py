@@ -28,12 +28,12 @@ def with_hardness(scene, hardness):
 
 
 def total_work(states):
-    # The iterations of a last step are counted on the finest grid, where most of them are done.
+    # Iterations of the last step count on the finest grid, where most of them are made.
     counts = (s.iterations + (s.heat.iterations if s.heat else 0) for s in states)
     return sum(s.pressure.size * count for s, count in zip(states, counts, strict=True))
 
 
-# The history of a point on a coarser grid.
+# Steps before the end of a point on a coarser grid
 
 
 def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
@@ -43,12 +43,12 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
     assert coarse[0].pressure.shape == (96, 48)
     assert coarse[-1].pressure.shape == coarse[-1].heat.rise.shape == (192, 96)
     assert total_work(coarse) < total_work(full) / 2
-    # Few summits touch at a time on so small a patch; on the shipped scene it is 0.02 %.
+    # Few summits touch on so small a patch; on the shipped scene the difference is 0.02 %.
     decisive = [states[-1].heat.rise_quantile[DECISIVE] for states in (full, coarse)]
     assert decisive[1] == pytest.approx(decisive[0], rel=0.01)
 
 
-# No wear.
+# Without wear
 
 
 @pytest.mark.parametrize("wear", [None, Wear(0.0)])
@@ -57,8 +57,8 @@ def test_without_wear_a_point_is_one_step(wear):
     scene = replace(scene, wear=wear)
     states = list(simulate(scene, 600.0, 1.25))
     assert len(states) == 1
-    # The way there changes nothing: a pin that hardly wears gets to the same, plastic yield and
-    # all, in 8 steps.
+    # The path of the load does not matter: a pin that hardly wears reaches the same contact, with
+    # plastic yield, in 8 steps.
     hardly = list(simulate(replace(scene, wear=Wear(1e-25)), 600.0, 1.25))
     assert len(hardly) == 8
     assert measures(scene, states[0])["saturated_fraction"] > 0
@@ -89,7 +89,7 @@ def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity,
     assert (ends[1].heat.max_rise > ends[0].heat.max_rise) == (velocity > 0)
 
 
-# Both bodies smooth.
+# Two smooth bodies
 
 
 def smooth(pattern, **fidelity):

@@ -30,7 +30,7 @@ def chosen(scene, load=600.0):
 def test_narrow_summits_need_small_elements():
     """The highest tenth of summits is 1.9, 3.5 and 5.3 pixels wide, and yields."""
     assert [chosen(rough((n, n)))[0] for n in (1.5, 5, 12)] == [1, 2, 4]
-    assert chosen(rough((12, 12), ra=0.3e-6))[0] == 2  # touched elastically, half as wide
+    assert chosen(rough((12, 12), ra=0.3e-6))[0] == 2  # elastic contacts, half as wide
 
 
 def test_loads_that_share_a_ramp_have_the_same_elements_and_small_loads_smaller_ones():
@@ -67,7 +67,7 @@ def test_a_point_has_the_elements_of_its_surface():
     assert tribo.measures(scene, alone[-1]) == tribo.measures(pixels, exact[-1])
 
 
-# Steps by the wear.
+# Number of steps by the wear
 
 
 def local(rate=1.2e-15, pattern="local", **fidelity):

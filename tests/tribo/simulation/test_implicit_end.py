@@ -32,7 +32,7 @@ def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
     few, many = (last(worn_scene(increments=n), 600.0).heat for n in (10, 200))
     assert few.mean_rise == pytest.approx(many.mean_rise, rel=0.005)
     assert few.rise_quantile[-3] == pytest.approx(many.rise_quantile[-3], rel=0.01)
-    assert last(worn_scene(1e-16), 600.0).history is None  # hardly an element comes into contact
+    assert last(worn_scene(1e-16), 600.0).history is None  # hardly any element is new in contact
 
 
 def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
@@ -63,7 +63,7 @@ def test_higher_loads_pass_through_it_only_with_the_heat_of_all_steps(heat_model
 
 @pytest.mark.parametrize("pattern", ["swept", "local"])
 def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
-    # A record that rises unevenly: between stations its mean load is not that of both ends.
+    # The load of this record is not linear between steps: its mean is not that of the ends.
     record = MeasuredLoad(np.array([0.0, 1.0, 1.1, 4.0]), np.array([0.0, 600.0, 300.0, 750.0]))
     scene = replace(worn_scene(), loading=record, wear=Wear(1e-14, pattern))
     state = last(scene, 750.0)

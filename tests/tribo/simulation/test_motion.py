@@ -102,7 +102,7 @@ def test_the_worn_volume_is_that_of_the_work_on_the_whole_track(preset, pattern)
     scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)))
     kept = measures(scene, state := end(scene, 1.25))
     assert kept["wear_volume"] == pytest.approx(1.2e-15 * 1.25 * 5.0 * LOAD / 2, rel=1e-10)
-    # Shared by the whole track, 33 windows long, of which each loses the same.
+    # The wear is spread evenly over the pin's track, which is 33 windows long.
     share = 96 * 4e-6 / (2 * math.pi * RADIUS)
     assert state.wear_depth.mean() == pytest.approx(
         share * kept["wear_volume"] / (96 * 4e-6 * LENGTH), rel=1e-10
@@ -135,6 +135,6 @@ def test_a_ball_that_rolls_wears_a_groove_around_itself():
     assert worn[24] > 20 * worn[4]
     fine = end(replace(scene, fidelity=replace(scene.fidelity, wear_scheme="sdirk2")), 1.0, 150.0)
     assert np.allclose(worn, fine.wear_depth[0], atol=0.05 * worn.max())
-    profile = coarse.pressure.sum(axis=0)  # flatter along y than that of the round ball
+    profile = coarse.pressure.sum(axis=0)  # wear has flattened the ball along y
     unworn = end(replace(scene, wear=None), 1.0, 150.0).pressure.sum(axis=0)
     assert profile.max() < 0.8 * unworn.max()

@@ -39,7 +39,7 @@ def test_direction_of_sliding_is_a_mirror():
         scene, roughness=MeasuredRoughness(scene.roughness.heights(scene.pixels)[::-1])
     )
     forth, back = last(scene, 300.0, 1.5), last(mirrored, 300.0, -1.5)
-    # To the solvers' tolerance of 1e-6, since the numbers are summed in another order.
+    # Equal within the solvers' tolerance of 1e-6, as numbers are summed in another order.
     assert back.pressure[::-1] == pytest.approx(forth.pressure, abs=1e-4 * forth.pressure.max())
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
 
@@ -60,7 +60,7 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
     ninth = QUANTILES.index(0.9)
     assert 25 + 0.094 * as_tried.rise_quantile[ninth] == pytest.approx(146.0, abs=0.5)
     assert 25 + 0.094 * as_tried.max_rise == pytest.approx(173.0, abs=0.5)
-    # Section 4: with the length of the pin 1.4 K cooler, in the mean over several surfaces.
+    # Section 4: a pin of finite length is 1.4 K cooler, as a mean over several surfaces.
     cooler = 0.094 * (as_tried.rise_quantile[ninth] - state.heat.rise_quantile[ninth])
     assert cooler == pytest.approx(1.4, abs=0.25)
 

@@ -150,7 +150,7 @@ def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, words):
     ("radius", "depth", "words"),
     [
         (2e-3, 0.0, None),
-        (0.46e-3, 0.0, "0.28 mm wide"),  # 35 rows of 8 µm are 0.61 of it
+        (0.46e-3, 0.0, "0.28 mm wide"),  # 35 rows of 8 µm are 0.61 of the radius
         (0.47e-3, 0.0, None),
         (2e-3, 0.091e-3, "worn 0.091 mm deep"),
         (2e-3, 0.089e-3, None),
@@ -169,7 +169,7 @@ def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, words):
     [
         (Motion(slide_roll_ratio=1.9999), 1.0, "turns 0.00"),
         (Motion(slide_roll_ratio=1.0), 1.0, None),
-        (Motion(slide_roll_ratio=2.0), 1.0, None),  # at rest at every velocity
+        (Motion(slide_roll_ratio=2.0), 1.0, None),  # the pin is at rest at every velocity
         (Motion(entrainment_velocity=1.0), 2.0, "stands still at this very velocity"),
         (Motion(entrainment_velocity=1.0), 1.9, "turns 4 times"),
         (None, 1.0, None),
@@ -185,9 +185,9 @@ def test_a_pin_that_hardly_turns_warns(motion, velocity, words):
 @pytest.mark.parametrize(
     ("changes", "velocity", "words"),
     [
-        ({}, 0.05, None),  # by 0.9 %
+        ({}, 0.05, None),  # 0.9 % too warm
         ({}, 0.02, "about 1.2 % too warm"),
-        ({}, 1.0, None),  # by 0.3 %
+        ({}, 1.0, None),  # 0.3 % too warm
         ({"heat_model": "history"}, 0.02, None),
     ],
 )
@@ -208,6 +208,6 @@ def test_a_ball_worn_at_speed_whose_rise_hardly_grows_with_the_velocity_warns():
 @pytest.mark.parametrize(("turns", "words"), [(9.9, "turns 9.9 times"), (10.1, None)])
 def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
     scene = replace(small_scene(), motion=Motion(slide_roll_ratio=1.0))
-    time = turns * 2 * np.pi * scene.pin.radius / 0.5  # at half the sliding velocity
+    time = turns * 2 * np.pi * scene.pin.radius / 0.5  # the pin rolls at half the sliding velocity
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
     assert_told(words, scene, state, WarningKind.FEW_TURNS)

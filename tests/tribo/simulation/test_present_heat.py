@@ -11,7 +11,7 @@ from tribo import Ball, Grid, MeasuredLoad, Ramp, Wear
 from tribo.simulation.present_heat import excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
-# Neither width nor shape of the contact are in the closed form.
+# The closed form depends neither on width nor on shape of the contact.
 WITHIN = pytest.approx(1.0, abs=0.2)
 WORN = small_scene(increments=20, contact_tolerance=1e-4)
 BALL = replace(

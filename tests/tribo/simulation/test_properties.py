@@ -81,7 +81,7 @@ def assert_alike(first, second, tolerance=1e-5):
 @few
 @given(scenes(), st.floats(0.2, 20.0), st.integers(-3, 3), st.integers(-3, 3))
 def test_units_scale(drawn, velocity, length_power, force_power):
-    # Metres of another size and newtons of another size; seconds and kelvins stay.
+    # Units of length and force are scaled; seconds and kelvins stay.
     load, scene = drawn
     metre, newton = 10.0**length_power, 10.0**force_power
     stress = newton / metre**2
@@ -145,7 +145,7 @@ def test_more_load_never_means_less_contact(drawn):
     assert nodes == sorted(nodes)
     assert all(0 <= share <= 1 for share in saturated)
     for before, after in itertools.pairwise(states):
-        # Nor does any element carry less: a monotone problem (Barber 1974).
+        # No element carries less, either: the problem is monotone (Barber 1974).
         assert (after.pressure - before.pressure).min() >= -1e-6 * after.pressure.max()
 
 

@@ -120,7 +120,7 @@ def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):
     errors = np.array([(quantiles_at(heat, r) - exact(r)) / scale for r in ratios])
     assert np.abs(errors[:, NINE_TENTHS]).max() < 3e-3
     assert np.abs(errors).max() < 2e-2
-    assert (errors[:, -1] > -1e-12).all()  # the highest is convex: never too cold
+    assert (errors[:, -1] > -1e-12).all()  # the maximum is convex: never too cold
 
 
 @pytest.mark.parametrize("heat_model", ["elapsed", "history"])

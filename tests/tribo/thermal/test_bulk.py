@@ -61,7 +61,7 @@ def test_a_steady_state_is_the_balance_of_heat_in_both_bodies():
 
 def test_a_bulk_resists_by_its_loss_alone_once_it_is_steady():
     assert tribo.Bulk(loss=2.0).resistance == 0.5
-    assert tribo.Bulk(capacity=650.0, loss=2.0).resistance == 0.0  # it is still warming
+    assert tribo.Bulk(capacity=650.0, loss=2.0).resistance == 0.0  # it is not yet steady
     assert tribo.Bulk(loss=2.0).capacity == tribo.Bulk(650.0).loss == 0.0
     assert str(tribo.Bulk(loss=2.0)) == "2 W/K"
     assert str(tribo.Bulk(650.0)) == "650 J/K"

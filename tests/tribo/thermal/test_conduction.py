@@ -104,8 +104,8 @@ def test_entries_equal_the_heat_source_integral(case):
 @pytest.mark.parametrize("periodic", AXES)
 @pytest.mark.parametrize("velocity", [0.0, 0.3, 12.0, -1e5])
 def test_no_heat_is_lost_while_the_window_holds_the_wake(periodic, velocity):
-    # Free axes lose exp(-(window/s)²), below 1e-16 as long as the window is six s wide.
-    # Periodic ones lose none at any time: the last time is 400 turns of the window.
+    # Free axes lose exp(-(window/s)²) of the heat: below 1e-16 if the window is six spreads s wide.
+    # Periodic axes never lose heat: at the last time the surface has passed the window 400 times.
     grid = Grid((90, 31), ELEMENT, periodic)
     reach = 15 * min(ELEMENT)
     free_time = (reach / 6) ** 2 / (4 * STEEL.thermal_diffusivity)
@@ -188,12 +188,12 @@ def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(ny, whole,
     kernel = thermal_influence(grid, STEEL, velocity, time, 16, length=length)
     images = summed(ny, whole, velocity, time)
     scale = images.mean(axis=1).max()
-    # With an even number of elements the images end half an element beside the pin's ends.
+    # With an even number of elements the images end half an element away from the pin's ends.
     beside = (ELEMENT[1] / length) ** 2 if ny % 2 == 0 else 0.0
     np.testing.assert_allclose(
         kernel.mean(axis=1), images.mean(axis=1), rtol=0, atol=(beside + 1e-10) * scale
     )
-    # What varies along y does not feel the ends: seven periods of it are nearly an endless number.
+    # Variations along y hardly depend on the ends: seven periods are nearly infinitely many.
     if whole == 3:
         np.testing.assert_allclose(kernel, images, rtol=0, atol=4e-3 * images.max())
 
@@ -234,8 +234,8 @@ def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, vel
             assert share == pytest.approx(1.0, rel=1e-11)
         else:
             assert 0 < share < 1 + 1e-11
-        # Far outrun by the surface, a free element's centre warms in one dimension, for a/V; the
-        # correction is of the order of 1/√(2π Pe), and Pe = Va/2κ is above 2000.
+        # On a very fast surface a free element's centre warms in one dimension, for a time a/V.
+        # The correction is of the order of 1/√(2π Pe), and Pe = Va/2κ is above 2000.
         if abs(velocity) > 1e4 and time > 1e-5 and spacing[0] <= spacing[1] and not periodic[0]:
             passage = spacing[0] / 2 / abs(velocity)
             once = uniform_flux_rise(1.0, passage, STEEL.thermal_effusivity)
@@ -246,8 +246,8 @@ def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, vel
 @pytest.mark.parametrize("velocity", [0.01, -1.25])
 def test_a_kernel_has_settled_once_the_heat_of_one_end_has_passed_the_other(n, velocity):
     grid = Grid((n, 4), ELEMENT)
-    # By a thousandth earlier: from an element's edge to the centre of the last one, and the rear
-    # of the heat is six diffusion lengths, 2√(κt) each, behind.
+    # Without the margin of 0.1 %: heat from the edge of the first element has passed the centre of
+    # the last one, with its rear six diffusion lengths, 2√(κt) each, behind.
     time = settling_time(grid, STEEL, velocity) / 1.001
     rear = abs(velocity) * time - 6 * 2 * math.sqrt(STEEL.thermal_diffusivity * time)
     assert rear == pytest.approx((n - 0.5) * ELEMENT[0], rel=1e-9)

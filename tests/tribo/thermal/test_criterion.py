@@ -53,13 +53,13 @@ def test_at_its_limit_wear_is_mild_and_what_is_not_known_is_neither():
 @pytest.mark.parametrize(
     ("rises", "fault"),
     [
-        ([[10.0, 50.0], [0.0, 5.0]], None),  # the lowest of one point, the highest of the other
-        ([[10.0 - 4e-8, 0.0], [0.0, 5.0]], None),  # by rounding of 1e-9 of the highest, 50 K
+        ([[10.0, 50.0], [0.0, 5.0]], None),  # lowest rise at one point, highest at the other
+        ([[10.0 - 4e-8, 0.0], [0.0, 5.0]], None),  # rounding: 1e-9 of the highest rise, 50 K
         ([[10.0, 50.0 + 4e-8], [0.0, 5.0]], None),
         ([[10.0 - 6e-8, 0.0], [0.0, 5.0]], "beyond the lowest and highest"),
         ([[10.0, 50.0 + 6e-8], [0.0, 5.0]], "beyond the lowest and highest"),
         ([[np.nan, 0.0], [0.0, 5.0]], "or is not a number"),
-        ([[10.0, np.nan], [0.0, 5.0]], None),  # of a point without a contact
+        ([[10.0, np.nan], [0.0, 5.0]], None),  # at a point without contact
         ([10.0, 0.0], r"shape \(2,\); they must have \(2, 2\), one for each row"),
     ],
 )

@@ -38,7 +38,7 @@ def by_rings(disc, hold, count=60):
     flow += np.diag(2 * disc.face_loss * volumes / disc.width)
     half = thickness / 2 / CONDUCTIVITY
     rim = np.pi * disc.diameter * disc.width
-    lost = disc.rim_loss / (1 + disc.rim_loss * half)  # through half of the last ring
+    lost = disc.rim_loss / (1 + disc.rim_loss * half)  # loss through half of the last ring
     flow[-1, -1] += lost * rim
     if disc.bore:
         area = np.pi * disc.bore * disc.width
@@ -46,7 +46,7 @@ def by_rings(disc, hold, count=60):
         flow[0, 0] += shaft / (1 + shaft * half) * area
     else:
         flow += np.diag(disc.shaft_loss * volumes / volumes.sum())
-    # The flux into the rim meets its loss there, before half of the last ring.
+    # At the rim the flux is divided between its loss and conduction through half of the last ring.
     entering = 1 / (1 + disc.rim_loss * half)
     rates, size = -flow / (CAPACITY * volumes)[:, None], count + 2
     system = np.zeros((size, size))
@@ -68,7 +68,7 @@ def by_turns(disc, hold):
     turn = np.pi * disc.diameter / SPEED
     heat = (times, loads), disc.width, DIFFUSIVITY, CAPACITY
     warmed = track_warming(times[-1], turn, *heat, disc)
-    # The sum of 1/√n over turns is 2√N + ζ(½), and that of a source that never pauses 2√N.
+    # Σ 1/√n over N turns is 2√N + ζ(½); for a continuous source it is 2√N.
     pause = POWER / SPEED / (disc.width * CAPACITY * np.sqrt(np.pi * DIFFUSIVITY * turn))
     return warmed - zeta(0.5) * pause
 

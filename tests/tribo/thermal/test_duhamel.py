@@ -36,8 +36,8 @@ def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(time
     fluxes = [np.full(PLANE.shape, 1e6 * time) for time in times]
     split, _ = run(PLANE, fluxes, times)
     exact = ramped_flux_rise(1e6 * times[-1] / 2, times[-1], EFFUSIVITY)
-    # The flux is linear between the steps. In one dimension the quadrature is exact to rounding;
-    # both bodies are one half-space each, and so the solver's 1e-8 is not needed either.
+    # The flux is linear between steps, and in one dimension the quadrature is exact to rounding.
+    # Both bodies are equal half-spaces, so the solver's tolerance of 1e-8 does not matter.
     np.testing.assert_allclose(split.rise, exact, rtol=1e-9)  # ages are rounded to 9 digits
     assert split.pin_share == pytest.approx(0.5, rel=1e-9)
 
@@ -49,12 +49,12 @@ def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
     split, _ = run(PLANE, [np.full(PLANE.shape, flux) for flux in strengths], times)
     corners = np.concatenate(([0.0], times))
     slopes = np.diff(np.concatenate(([0.0], strengths / 2))) / np.diff(corners)
-    exact = sum(  # each change of slope is a ramp of its own, on to the end
+    exact = sum(  # each change of slope begins a ramp, which lasts to the end
         ramped_flux_rise(change * (times[-1] - corner), times[-1] - corner, EFFUSIVITY)
         for corner, change in zip(corners, np.diff(np.concatenate(([0.0], slopes))), strict=False)
     )
     scale = uniform_flux_rise(1e6, times[-1], EFFUSIVITY)
-    np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-8 * scale)  # ages to 9 digits
+    np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-8 * scale)  # ages have 9 digits
 
 
 def test_temperature_with_history_depends_little_on_the_steps():
@@ -109,13 +109,13 @@ def test_a_constant_flux_in_many_steps_is_one_that_acted_all_the_time_whatever_t
             flux,
             flux > 0,
         )
-        # Of either flux the split differs a little between the steps, being older or younger.
+        # The division of the flux differs a little, as heat is older or younger by part of a step.
         assert split.rise.max() == pytest.approx(elapsed.rise.max(), rel=2e-3)
         assert split.pin_share == pytest.approx(elapsed.pin_share, rel=5e-3)
 
 
 def test_no_contact_has_no_temperature_but_goes_on():
-    # A record whose load vanishes half-way: the pin cools in between.
+    # The load of this record is 0 in the middle, where the pin cools.
     times, loads = np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([0.0, 400.0, 0.0, 0.0, 500.0])
     scene = replace(
         small_scene(increments=4, heat_model="history", wear=False),
@@ -125,6 +125,6 @@ def test_no_contact_has_no_temperature_but_goes_on():
     assert [state.heat is None for state in states] == [False, True, True, False]
     fresh = small_scene(increments=1, heat_model="history", wear=False)
     alone = last(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25)
-    # What the first pulse has left warms the second, by less than its own rise.
+    # Heat left by the first pulse warms the second one, by less than its own rise.
     assert 1 < states[-1].heat.mean_rise / alone.heat.mean_rise < 1.2
     assert math.isfinite(states[-1].heat.max_rise)

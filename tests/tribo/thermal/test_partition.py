@@ -109,7 +109,7 @@ def test_exchanging_the_bodies_exchanges_their_shares():
 
 
 def test_friction_and_bulk_difference_superpose():
-    # So that one sweep answers for any friction and bulk temperature.
+    # Due to this a single sweep answers for any friction and bulk temperature.
     grid = grid_of(n=32)
     flux = rough_contact(grid)
     friction, exchange, both = (
@@ -132,7 +132,7 @@ def test_uniform_makes_mean_temperatures_equal_and_brackets_the_local_maximum():
     disk_rise = disk(flux - uniform.pin_flux)
     assert uniform.rise[on].mean() == pytest.approx(disk_rise[on].mean() + 5.0, rel=1e-12)
     np.testing.assert_allclose(uniform.pin_flux, uniform.pin_share * flux, rtol=1e-14)
-    assert uniform.residual > 0.05  # it says that it is no solution point by point
+    assert uniform.residual > 0.05  # it does not solve the problem at each point
     # One share leaves the surfaces at two temperatures; the true one lies between their maxima.
     local = partition_heat(pin, disk, flux, on, "local", bulk_difference=5.0)
     extremes = sorted([uniform.rise[on].max(), disk_rise[on].max() + 5.0])
@@ -140,7 +140,7 @@ def test_uniform_makes_mean_temperatures_equal_and_brackets_the_local_maximum():
 
 
 def test_a_hot_pin_warms_the_cold_leading_edge():
-    # A band: the disk arrives cold at its upstream edge and takes more than is generated there.
+    # A band contact: at its upstream edge the cold disk takes more heat than is generated there.
     grid = Grid((60, 1), (2e-6, 1.0), LINE)
     x = grid.coordinates(0)
     flux = np.sqrt(np.maximum(1 - (x / 50e-6) ** 2, 0.0))[:, None] * 1e8

@@ -49,7 +49,7 @@ def test_between_the_kept_bulk_ratios_quantiles_are_linear():
         found = combine_bulks(at_zero, kept, ratio)
         assert found == pytest.approx(at_zero + slope * ratio, rel=1e-12)
     assert combine_bulks(at_zero, kept, 0.0) is at_zero
-    bend = kept + 30.0 * (np.array(BULK_RATIOS) == 500.0)[:, None]  # at one of them alone
+    bend = kept + 30.0 * (np.array(BULK_RATIOS) == 500.0)[:, None]  # at a single tabulated ratio
     for ratio, share in ((200.0, 0.0), (350.0, 0.5), (500.0, 1.0), (800.0, 0.4), (1000.0, 0.0)):
         found = combine_bulks(at_zero, bend, ratio) - at_zero - slope * ratio
         assert found == pytest.approx(np.full(len(QUANTILES), 30.0 * share), abs=1e-11)

@@ -10,9 +10,9 @@ def test_the_heated_end_of_a_rod_warms_as_finite_differences_have_it():
     dx = 1 / (nodes - 1)
     conduction = (np.diag(np.ones(nodes - 1), 1) + np.diag(np.ones(nodes - 1), -1)) / dx**2
     conduction -= np.diag(np.full(nodes, 2 / dx**2))
-    conduction[0, 1], source = 2 / dx**2, np.zeros(nodes - 1)  # heated at the first node
+    conduction[0, 1], source = 2 / dx**2, np.zeros(nodes - 1)  # heat enters at the first node
     source[0] = 2 / dx
-    inner = conduction[:-1, :-1]  # the last is at the holder's temperature
+    inner = conduction[:-1, :-1]  # the last node has the holder's temperature
     rates, modes = np.linalg.eig(inner)
     amplitudes = np.linalg.solve(modes, source)
     warmed = [(modes @ (amplitudes * np.expm1(rates * t) / rates))[0].real for t in tau]
@@ -25,7 +25,7 @@ def test_a_rod_warms_by_its_own_flux_in_time():
         (4.0, [5.0], [3.0]),
         (4.0, [5.0, 65.0], [3.0, 3.0]),
         (4.0, [0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0]),
-        (400.0, [0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0]),  # whose far end is never felt
+        (400.0, [0.5, 1.0, 1.0, 2.0], [4.0, 4.0, 1.0, 2.0]),  # its far end has no effect
     ):
         rod = tribo.Stem(2.0, settling_time=settling)
         grid = np.linspace(0.0, times[-1], 10001)

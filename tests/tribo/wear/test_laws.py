@@ -32,7 +32,7 @@ def test_running_in_wears_off_what_the_closed_form_says(scheme):
     scene = small_scene(increments=40)
     scene = replace(scene, wear=LAW, fidelity=replace(scene.fidelity, wear_scheme=scheme))
     expected = ramped_volume(LAW, scene.loading.rate, VELOCITY, LOAD)
-    assert worn_volume(scene) == pytest.approx(expected, rel=2e-3)  # of second order in the steps
+    assert worn_volume(scene) == pytest.approx(expected, rel=2e-3)  # error of second order in steps
 
 
 def test_a_law_of_a_constant_rate_is_archard_s():

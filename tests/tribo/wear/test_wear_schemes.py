@@ -55,7 +55,7 @@ def roughness_of_pressure(state):
     return float(np.abs(np.diff(inside, 2)).mean() / inside.mean())
 
 
-# Falls by steps, to nothing and below, and rises and falls between two stations.
+# The load falls in steps to 0 and below, and rises and falls between two steps of the simulation.
 RECORD = MeasuredLoad(
     np.array([0.0, 0.7, 1.0, 1.2, 2.0, 2.6, 2.65, 2.7, 3.5, 4.0]),
     np.array([-5.0, 300.0, 20.0, 400.0, 0.0, -30.0, 500.0, 0.0, 0.0, 750.0]),
@@ -79,7 +79,7 @@ def work_of(loading):
         itertools.pairwise(loading.times), itertools.pairwise(loading.loads), strict=True
     ):
         crosses = F0 * F1 < 0
-        above = max(F0, F1) / abs(F1 - F0) if crosses else 1.0  # share of the time
+        above = max(F0, F1) / abs(F1 - F0) if crosses else 1.0  # share of time with load above 0
         total += above * (t1 - t0) * (max(F0, 0.0) + max(F1, 0.0)) / 2
     return total
 
@@ -167,5 +167,5 @@ def test_stiffness_is_that_of_the_shapes_that_wear():
     assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
     assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
     rolling = RollingWear(1.2e-15, "local", 0.5).stiffness(solid, 0.0625)
-    assert rolling > 0  # of its stripes along the track
+    assert rolling > 0  # the scheme's stripes along the track remain
     assert RollingWear(1.2e-15, "swept", 0.5).stiffness(solid, 0.0625) == 0

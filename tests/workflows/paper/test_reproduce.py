@@ -99,9 +99,9 @@ def small(folder, scenes, narrow):
             with ExitStack() as stack:
                 stack.enter_context(np.errstate(all="raise", under="ignore"))
                 for module, names in fewer.items():
-                    module = sys.modules[f"workflows.paper.{module}"]  # some hide behind functions
+                    module = sys.modules[f"workflows.paper.{module}"]  # not a function of its name
                     stack.enter_context(mock.patch.multiple(module, **names))
-                if name == "fig4":  # cheap enough to be made as it is
+                if name == "fig4":  # fast enough to be computed in full
                     (made[name],) = paper.write_gallery(folder / "page", ["fig4"])
                     (folder / "fig4.png").symlink_to(folder / "page" / "fig4.png")
                 else:
@@ -140,7 +140,7 @@ def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):
         critical = np.array(data["critical_celsius"][oil])
         assert critical.shape == (count, 1, len(data["conductivity"]))
         assert (np.diff(critical, axis=-1) < 0).all()
-    # A body that moves fast takes heat as the root of its conductivity, one at rest in proportion.
+    # A fast body takes heat as the square root of its conductivity, a resting one in proportion.
     white = np.array(data["critical_celsius"]["white oil"])[:, 0] - 25.0
     hard, soft = (white[:, data["conductivity"].index(K)] for K in (21.0, 45.0))
     assert (hard / soft > (45 / 21) ** 0.5).all()
@@ -186,7 +186,7 @@ def test_explicit_wear_warns_in_fig6_and_needs_more_increments(small):
     (published,) = (f for f in report.findings if "as published" in f.computed)
     assert not published.agrees
 
-    # Next elements have nothing to do with each other, where implicit steps make them alike.
+    # Explicit steps leave pressures of neighbouring elements independent, implicit ones alike.
     neighbours = report.data["neighbours"]
     assert neighbours["explicit, local (as published)"] < 0.2
     assert neighbours["implicit, local"] > 0.7
@@ -240,7 +240,7 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
         load_scene(scenes / f"{name}.toml").scene.wear.specific_wear_rate
         for name in ("oil_a", "oil_a_hot")
     ]
-    # `draft` finds 5.5 and 1.6 % less than `standard`, which finds these rates to 0.5 %.
+    # `draft` gives 5.5 and 1.6 % less than `standard`, which gives these rates within 0.5 %.
     assert np.sqrt(np.prod(rates, axis=1)) == pytest.approx(expected_rates, rel=0.06)
     temperatures = np.mean(small("inverse").data["critical_celsius"]["oil A"], axis=1)
     critical = load_scene(scenes / "oil_a.toml").conditions.critical_temperature - 273.15
@@ -250,7 +250,7 @@ def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, sc
 
 def test_the_shipped_gallery_shows_what_the_command_gives_now(small, folder):
     """Only the result that takes a second is compared; the others take too long."""
-    findings = small("fig4").findings  # which writes the page
+    findings = small("fig4").findings  # this writes the page
     shipped = (WORKFLOWS / "README.md").read_text(encoding="utf-8")
     page = (folder / "page" / "README.md").read_text(encoding="utf-8")
     assert "Statements that agree: [fig4](#fig4) 3 of 3" in page
