@@ -39,7 +39,7 @@ def raised() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if came:  # as of a module whose import was interrupted
+        if came:  # such as the error of a module whose import was interrupted
             raise KeyboardInterrupt from error
         raise
     finally:

@@ -238,7 +238,7 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
     """Decisive rise of each done point of a store [K], and the points that failed."""
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
-    inner = len(store.dims) - store.dims.index(along)  # dimensions from there on, with steps
+    inner = len(store.dims) - store.dims.index(along)  # dimensions after that of loads, and steps
     loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
     variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
     rises = {

@@ -32,7 +32,7 @@ PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
 
 CONFIGURATION = {
-    # `pipeline.run.schedule` tries again the points of a dead worker, and spares bystanders.
+    # `pipeline.run.schedule` itself tries the points of a dead worker again.
     "distributed.scheduler.allowed-failures": 0,
     "distributed.worker.multiprocessing-method": "forkserver",
     "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
@@ -51,7 +51,7 @@ CONFIGURATION = {
 }
 """Dask's configuration of a cluster that a run starts, for the driver and its workers."""
 POLL = 1.0
-"""Time between two looks at the workers [s]."""
+"""Time between two updates of the list of workers [s]."""
 GONE = (CancelledError, OSError, ClosedClientError, AttributeError, RuntimeError)
 """Errors that Dask raises without a scheduler, the last three by a client that was closed."""
 LOST = f"the Dask scheduler is lost; {SAFE}"
@@ -114,7 +114,7 @@ class Connection:
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
     progress: Report = silent
     cluster: LocalCluster | None = None  #: The cluster if it was started here.
-    #: Number of threads of each worker, by address, at the last look.
+    #: Number of threads of each worker, by address, at the last update.
     workers: dict[str, int] = field(default_factory=dict)
     _reported: set[str] = field(default_factory=set)
     _looked: float = -math.inf

@@ -60,6 +60,6 @@ def block_interrupts() -> Iterator[None]:
 
 def end_if_imported() -> None:
     """Exit silently if this process is a worker that runs its driver's script by importing it."""
-    script = sys.modules.get("__mp_main__")  # under this name, and before the worker has a parent
+    script = sys.modules.get("__mp_main__")  # a worker's name for it, before it has a parent
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # an exception would show a traceback for each worker

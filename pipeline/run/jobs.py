@@ -56,7 +56,7 @@ class Jobs:
         self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
-        # Requests of results from the workers, and the futures by key that each has.
+        # Pending requests for results, each with the futures that it asks for, by key.
         self._gathering: dict[Answer[dict[str, Any]], dict[str, Future]] = {}
         self._next = 0.0  # time of the next gathering
         self._without_result: list[tuple[Job, Loss]] = []
@@ -82,7 +82,7 @@ class Jobs:
         """Send the sweep to the scheduler, which gives it to all present and later workers."""
         try:
             self._client.register_plugin(self._run)
-        except GONE:  # a worker or the scheduler is gone, as the next look finds
+        except GONE:  # a worker or the scheduler is gone, as the next update finds
             pass
         except Exception as error:
             raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}") from error
@@ -119,7 +119,7 @@ class Jobs:
         lost, self._without_result = self._without_result, []
         while self._ended:
             key = self._ended.popleft()
-            if not (job := self.running.pop(key, None)):  # which was given up before
+            if not (job := self.running.pop(key, None)):  # it was given up before
                 continue
             if job.future.status == "finished":
                 self.computed[key] = job
@@ -167,7 +167,7 @@ class Jobs:
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]
             gathered: dict[str, Any] = {}
-            # A scheduler may be started again, as the next look finds.
+            # A scheduler may be started again, as the next update finds.
             with self._link.reached(), suppress(CancelledError, OSError):
                 gathered = answer.result()
             for key, result in gathered.items():

@@ -123,7 +123,7 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
 
 
 def wear_of(table: Any) -> Any:
-    """Archard's wear, or a wear law of this package."""
+    """Make the `tribo.Wear` of a table, or the wear law of this package that it names."""
     values = dict(vars(table))
     law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
     return law(**values)

@@ -62,7 +62,7 @@ _PRINTED = tuple(
         (r"^\s*/", "1/"),  # /GPa
         (r"\b(k?N)(m)\b|\b(m?Pa)(s)\b|\b(k?g)(K|degC)\b", r"\1\3\5 \2\4\6"),
         (r"(?<=W/)(\(?[cm]?m)(K|degC)\b", r"\1 \2"),  # no millikelvin
-        (r"^([^/]*)/\s*((?!.*\^-)[^/()]* [^/()]*)$", r"\1/(\2)"),  # all behind the line
+        (r"^([^/]*)/\s*((?!.*\^-)[^/()]* [^/()]*)$", r"\1/(\2)"),  # W/m K is W/(m K)
         (r"(?<= )degC(?=\))", "K"),  # a difference
         (r"\bkp\b", "kgf"),
     )

@@ -42,7 +42,7 @@ def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
         name: np.asarray(values, VARIABLES[name].dtype, order="C")
         for name, values in (record.data or {}).items()
     }
-    # Names of files in a message may be no valid text.
+    # Names of files in a message may not be valid UTF-8.
     message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
     about = {"message": message, "warning_flags": np.int32(record.warning_flags)}
     return replace(

@@ -43,7 +43,7 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
     else is at `path`, another process writes to the store, or it cannot be read or written.
     """
     place = place_of(path)
-    find_root(place)  # before a lock is put into a folder that is no store
+    find_root(place)  # raises if this is no store, before a lock is put there
     with locked(place, progress) as lock:
         if isinstance(place, Folder):
             with io_errors(place, "written"):

@@ -168,7 +168,7 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)  # which raises any
+        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)  # of any class
         if not is_expected or isinstance(error, TriboError) or is_lack_of_memory(error):
             raise
         file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error
@@ -185,7 +185,7 @@ def read_errors(place: StorePlace, name: str) -> Iterator[None]:
         try:
             yield
         except (RuntimeError, ValueError, DamagedError) as error:
-            if is_lack_of_memory(error):  # nothing is damaged
+            if is_lack_of_memory(error):  # which is no damage
                 raise
             raise DamagedError(damaged(place, name)) from error
 

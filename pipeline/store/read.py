@@ -76,7 +76,7 @@ class _Backend(BackendEntrypoint):
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""
-        store = opened(filename_or_obj)  # statuses first: a point that was done stays whole
+        store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
         _require_chunks(store)
         root, rows = _plane(store.root)
         present = root.coordinates()

@@ -78,7 +78,7 @@ class Store:
             for name in ("status", "asked")
         )
 
-    # Places of points
+    # Indices of points
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
@@ -107,7 +107,7 @@ class Store:
         within = [0] * (self.arrays[name].ndim - len(numbers))
         return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
 
-    # What is read
+    # Reading
 
     def read(self, name: str, key: Any) -> Any:
         """Read a part of a variable; raise a `StoreError` if a chunk is damaged."""
@@ -128,7 +128,7 @@ class Store:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
 
-    # What is written: every method raises a `StoreError` if it fails, or the lock was lost
+    # Writing: every method raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
         """Write the records of points: data first and statuses last, so that done means safe."""
@@ -153,7 +153,7 @@ class Store:
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
         changed, self.asked = self.asked != wanted, wanted
-        self._write_flags("status", self.flags, changed)  # lost ones would look like none
+        self._write_flags("status", self.flags, changed)  # always, so that a lost chunk is noticed
         self._write_flags("asked", wanted, changed)
 
     def write(

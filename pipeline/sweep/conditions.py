@@ -152,7 +152,7 @@ class Conditions(Judging):
         return self.critical_temperature
 
     def changed(self, **changes: Any) -> Conditions:
-        """The conditions with some of them replaced, by the names of `changes_of`."""
+        """The conditions with some of them replaced; keywords are those of `changes_of`."""
         return replace(self, **changes_of(**changes))
 
 

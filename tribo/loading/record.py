@@ -190,7 +190,7 @@ class MeasuredLoad:
 
 @functools.lru_cache(maxsize=4)  # each scene of a sweep asks for it
 def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
-    """Compute `MeasuredLoad.course`; cached."""
+    """Compute and cache `MeasuredLoad.course`: pairs of time [s] and share of the load."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times, loads = record.times[rows] - begin, np.maximum(0.0, record.loads[rows])
@@ -206,7 +206,8 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     """Share of all steps done by each reading, and its time [s]; None if steps are equal in time.
 
-    A reading moves the load's travel only beyond a dead band, so that noise does not count.
+    The share is the mean of that of the duration and that of the load's travel up and down. Travel
+    counts only beyond a dead band, so that noise adds none.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end

@@ -72,14 +72,14 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
 
 
 def _prolong(field: Array, shape: tuple[int, int]) -> Array:
-    """A field on finer elements, each with the value of the larger element around it."""
+    """Copy a field to finer elements: each gets the value of the larger element around it."""
     for axis, n in enumerate(shape):
         field = np.repeat(field, n // field.shape[axis], axis)
     return field
 
 
 def _spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
-    """Wear on finer elements, linear along x and y; its mean stays the same."""
+    """Interpolate wear depths to finer elements, linearly along x and y; the mean stays equal."""
     for n in shape[::-1]:  # along the last axis, then turned
         fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
         wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T

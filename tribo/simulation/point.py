@@ -70,7 +70,7 @@ def simulate(
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:
-    """A state of `contacts` at a velocity [m/s], with its temperature if requested.
+    """Add the temperature at a velocity [m/s] to a state from `contacts`, if it is requested.
 
     The scene may have any thermal constants. Its wear number at the velocity must be that of the
     contact.

@@ -186,7 +186,7 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise left by earlier fluxes, and the part of these fluxes that can still act later."""
+    """Rise left by earlier fluxes [K], and the spectra of fluxes without modes that have faded."""
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
     kept = []
