@@ -1,7 +1,8 @@
 """Entries of a scene for objects of the physics, so that tests may give either."""
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -27,15 +28,18 @@ PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
 FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions", "tested_oil"}
 
 
+@dataclass(eq=False)
 class Given:
     """A scene reader that replaces some of the parts that it reads by given objects."""
 
-    def __init__(self, reader, values):
-        self.reader, self.values = reader, values
+    reader: Any
+    values: dict[str, Any]
+    contents: Any = None
 
-    @property
-    def contents(self):
-        return self.reader.contents
+    def __post_init__(self):
+        if self.contents is None:
+            self.contents = self.reader.contents
+        self.reader = replace(self.reader, contents=self.contents)
 
     def read(self, entries):
         parts = self.reader.read(entries)
