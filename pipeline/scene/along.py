@@ -178,7 +178,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
         "sweep.velocities": [f"{velocity!r} m/s" for velocity in sorted(velocities)],
     }
     first = {path: value for path, value in rows[0].items() if "." in path}  # no labels
-    return document.above(places | first), partial(_extend, rows)
+    return document.default(places | first), partial(_extend, rows)
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:

@@ -55,8 +55,8 @@ class Document(NamedTuple):
         """The entries of all layers, merged."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
-    def above(self, entries: Mapping[str, Any]) -> Document:
-        """The document with `entries`, by path, as defaults: its last layer."""
+    def default(self, entries: Mapping[str, Any]) -> Document:
+        """The document with a further, last layer of defaults: `entries` by path."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:

@@ -36,7 +36,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
     """
     over = entry_at(document.entries(), "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
-    return document.above({path: v[0] for path, v in listed if isinstance(v, list) and v}), _extend
+    return document.default({p: v[0] for p, v in listed if isinstance(v, list) and v}), _extend
 
 
 def _extend(sweep: Sweep) -> Sweep:

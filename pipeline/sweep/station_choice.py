@@ -18,7 +18,7 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """Default of `steps`: "course" if pins wear on a ramp without shared contacts, else "end"."""
+    """Default of ``sweep.steps``: "course" if pins wear on unshared ramps, else "end"."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
