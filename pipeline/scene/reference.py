@@ -40,10 +40,7 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Entry of each key that holds a value, and the only form of the table that has the key.
-
-        The name of the form is empty if all forms have the key.
-        """
+        """Each key that holds a value: its entry, and a form of the table if not all have it."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:

@@ -15,7 +15,7 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield the values taken for a table from one source, in words, and the source."""
+    """Yield a pair for each table and source: the values taken, in words, and the source."""
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

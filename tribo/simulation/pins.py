@@ -81,7 +81,7 @@ class Pin(Protocol):
         """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m]."""
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
-        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +139,7 @@ class Cylinder:
         return WornContact(width, 1.5 * area / width)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
-        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         return minimum_line_film(*oil, normal_load / self.length, self.radius, contact_modulus)
 
     @property
@@ -193,7 +193,7 @@ class Ball:
         return _worn_ellipse(half_width, volume, self.radius, 1.0)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
-        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         return minimum_point_film(*oil, normal_load, self.radius, contact_modulus)
 
     @property
@@ -256,7 +256,7 @@ class Crowned:
         return _worn_ellipse(half_width, volume, self.radius, longer)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
-        """Minimum thickness of the film between the smooth, unworn bodies [m]."""
+        """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
         across = self.hertz(1.0, contact_modulus).aspect  # the same at any load
         return minimum_point_film(*oil, normal_load, self.radius, contact_modulus, across)
 
