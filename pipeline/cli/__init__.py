@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     try:
         options = parse(arguments)
-        return carried_out(options, _run_command)
+        return exit_code_of(options, _run_command)
     except KeyboardInterrupt:  # before a command began
         return 130
 
@@ -61,7 +61,7 @@ def _run_command(options: argparse.Namespace) -> Any:
         return function(options)
 
 
-def carried_out(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
+def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
     """Run a command and return its exit code; print an error as a single message."""
     # Imported here, as they import NumPy, which --help does not need.
     from pipeline.cli import output

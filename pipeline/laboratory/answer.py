@@ -16,7 +16,7 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.logs import Log, read_log
-from pipeline.laboratory.reading import OF_TRACE, Read, goes_on, is_trace, read_table, read_trace
+from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table, read_trace
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import Stages, Test
@@ -44,7 +44,7 @@ def tests(options: argparse.Namespace) -> Result:
     }  # fmt: skip
     named = {"columns": dict(options.column), **taken}
     read = read_table(path, named, OF_TRACE)
-    if goes_on(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
+    if is_one_run(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
         return _trace_result(path, read, options)
     if options.output:
         raise InputError(f"{path} is no record of friction over time, which -o draws; leave it out")

@@ -17,7 +17,7 @@ def _sides(text: str) -> tuple[float, float]:
     return read(first), read(second if comma else first)
 
 
-def _word(text: str) -> tuple[str, str]:
+def _word_meaning(text: str) -> tuple[str, str]:
     """Read ``WORD=OUTCOME``: what a word in a log means; an empty word stands for empty cells."""
     name, _, outcome = map(str.strip, text.partition("="))
     if outcome not in ("mild", "severe"):
@@ -51,7 +51,7 @@ _TESTS = (
         "repeated",
     ),
     Option(
-        "--word", metavar="WORD=OUTCOME", type=_word, action="append", default=[],
+        "--word", metavar="WORD=OUTCOME", type=_word_meaning, action="append", default=[],
         help='what a word of the log means, like Fresser=severe, or an empty cell, "=mild"; may be '
         "repeated",
     ),

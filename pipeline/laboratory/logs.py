@@ -14,7 +14,7 @@ from pipeline.laboratory.reading import (
     OF_TRACE,
     Read,
     add_hints,
-    goes_on,
+    is_one_run,
     read_table,
     require,
 )
@@ -88,7 +88,7 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
     ("measured" or "tested"); without it the log's columns decide.
     """
     read = read_table(path, options)
-    if goes_on(read_table(path, options, OF_TRACE).sheet):
+    if is_one_run(read_table(path, options, OF_TRACE).sheet):
         read.sheet.faults.append(
             "this is a record of friction over time: one run, no list of tests"
         )

@@ -236,7 +236,7 @@ def is_trace(sheet: Sheet) -> bool:
     return "time" in sheet.places and bool(has_friction) and len(sheet.rows) >= LEAST_ROWS
 
 
-def goes_on(sheet: Sheet) -> bool:
+def is_one_run(sheet: Sheet) -> bool:
     """True if the table is a trace of one run: a record of friction whose time keeps rising."""
     before = len(sheet.faults)
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)

@@ -286,7 +286,7 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     for k, piece in enumerate(pieces[1:], 1):
         is_ramp = _is_ramp(commands, pieces, levels, k)
         before, _, was_ramp = merged[-1]
-        if was_ramp and (is_ramp or _goes_on(commands, time, before, piece)):
+        if was_ramp and (is_ramp or _continues_ramp(commands, time, before, piece)):
             merged[-1] = slice(before.start, piece.stop), levels[k], True
             continue
         merged.append((piece, levels[k], is_ramp))
@@ -306,7 +306,7 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     return [piece for piece, _ in kept], [is_ramp for _, is_ramp in kept]
 
 
-def _goes_on(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
+def _continues_ramp(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
     """True if a short piece after a ramp continues it at half its rate or more."""
     if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False

@@ -108,7 +108,7 @@ def _page_facts(data: Results) -> dict[str, Any]:
     sweep = data.sweep
     return {
         "name": sweep.name,
-        "outside": _outside(data.loads, data.velocities),
+        "outside": _range_hint(data.loads, data.velocities),
         "origins": _ORIGINS,
         "friction_band": sweep.declared.friction.band,
         "range": {name: range_of(data, name) for name in ("load", "velocity")},
@@ -150,7 +150,7 @@ def _nearest_of(places: Array, place: float) -> int:
     return int(np.abs(places - place).argmin())
 
 
-def _outside(loads: Array, velocities: Array) -> str:
+def _range_hint(loads: Array, velocities: Array) -> str:
     """Hint for the reader: the range of loads and velocities that may be typed."""
     ends = [f"{x[0]:.4g} to {x[-1]:.4g}" for x in (loads, velocities)]
     return f"Type a load and a velocity within the sweep: {ends[0]} N, {ends[1]} m/s."
@@ -192,7 +192,7 @@ def content_of_samples(data: Results) -> dict[str, Any]:
     return {
         "name": data.sweep.name,
         "measured": [_test_facts(test) for test in laboratory_tests(data)],
-        "outside": _outside(loads, velocities),
+        "outside": _range_hint(loads, velocities),
         "misfit": [("wear", field.misfit)] if field.misfit else [],
         "loads": loads.tolist(),
         "velocities": velocities.tolist(),

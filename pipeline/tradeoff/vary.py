@@ -115,7 +115,7 @@ def vary(
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value}, laws)
         for key, values in over.items()
-        for value in _absolute(sweep, key, values)
+        for value in _absolute_values(sweep, key, values)
     }
     variations = [(_UNCHANGED, ""), *others]
     scenes = [sweep, *others.values()]
@@ -167,7 +167,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
     return replace(sweep, reader=reader, variants=labelled_rows(_ROW, rows))
 
 
-def _absolute(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
+def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
     """Yield the values of an entry; ``"+20%"`` becomes the scene's value increased by 20 %."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None

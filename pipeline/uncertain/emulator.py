@@ -113,12 +113,12 @@ class LeftOut(NamedTuple):
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
-def fitted(
+def fit_emulator(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output); a fit kept by `keeper` is read instead."""
     mean = outputs.mean(axis=0)
-    groups, parts = _parts(features[:, 0], contacts)
+    groups, parts = _folds(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
     data = features[part], dimensions, contacts[part], (outputs - mean)[part]
 
@@ -242,7 +242,7 @@ def band_factor(scores: Array, count: int) -> float:
     return max(found, 1.0) if share > 1 else found
 
 
-def outer(along: Array) -> Array:
+def end_weight(along: Array) -> Array:
     """Weight of the ends of a range of ln(velocity): 1 at both ends, 0 in the middle.
 
     `along` is the position in the range, from 0 to 1.
@@ -250,7 +250,7 @@ def outer(along: Array) -> Array:
     return np.asarray(np.clip((np.abs(2 * along - 1) - (1 - 2 * END)) / (2 * END), 0.0, 1.0))
 
 
-def _parts(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
+def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     """Group of each row (its contact), and masks of rows to leave out in cross-validation.
 
     The masks are folds of groups, then the rows at the lowest and at the highest velocities.

@@ -39,10 +39,10 @@ from pipeline.uncertain.emulator import (
     LeftOut,
     columns_until,
     decisive_rises,
+    end_weight,
     features_of,
-    fitted,
+    fit_emulator,
     load_weights,
-    outer,
 )
 from pipeline.uncertain.inputs import BULK, CRITICAL, FRICTION, LEAST_FRICTION, SHARE
 from pipeline.uncertain.samples import Design, Draw
@@ -286,7 +286,7 @@ class Ensemble:
         table = self.conditions.friction_factor(self.sample_velocities)
         features = features_of(self.design, self.inputs.T, self.sample_velocities)
         values = np.log(self.rises / table[:, None])
-        return fitted(*features, self.contacts, values, self.keeper)
+        return fit_emulator(*features, self.contacts, values, self.keeper)
 
     def _emulate(
         self, draws: Array, load: Axis | float, velocity: Axis | float
@@ -303,7 +303,7 @@ class Ensemble:
         weights, bends = map(np.array, zip(*between, strict=True))
         low, high = np.log(self.velocities)
         # Errors are larger at the ends of the velocities, as cross-validation shows.
-        widening = 1 + outer((np.log(nodes) - low) / (high - low)) * (emulator.check.ends - 1)
+        widening = 1 + end_weight((np.log(nodes) - low) / (high - low)) * (emulator.check.ends - 1)
         at_nodes = []
         for node, wider in zip(nodes, widening.tolist(), strict=True):
             features, _ = features_of(self.design, columns, np.full(len(draws), node))

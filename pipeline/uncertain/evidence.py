@@ -248,7 +248,7 @@ class Joint:
 
     def judge_draws(self, inputs: Array) -> JudgedTests:
         """Compare draws (n, n_unknown) of all inputs [SI] with the tests; see `JudgedTests`."""
-        shift, variance = self._part_scatter
+        shift, variance = self._specimen_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))
         distances = distances._replace(
             values=distances.values + shift, variance=distances.variance + variance
@@ -282,7 +282,7 @@ class Joint:
         return Runs(low, high, likelihoods)
 
     @functools.cached_property
-    def _part_scatter(self) -> tuple[Array, Array]:
+    def _specimen_scatter(self) -> tuple[Array, Array]:
         """Mean and variance (n_test, 1) of distances due to inputs that vary between specimens."""
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))

@@ -58,7 +58,7 @@ class SampleField:
     draws: Draws
     source: Results
     posterior: Posterior | None = None
-    _kept: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
+    _cached: dict[float, tuple[Array, Array]] = field(default_factory=dict, init=False)
     counts_inputs = True
     at_once = 50
 
@@ -192,7 +192,7 @@ class SampleField:
         It is found from the velocities at which wear changes in each draw.
         """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
-        self._keep([load for load in np.unique(loads).tolist() if load not in self._kept])
+        self._cache_lines([load for load in np.unique(loads).tolist() if load not in self._cached])
         result = np.empty(loads.shape)
         for load, by in {*zip(loads.ravel().tolist(), shifts.ravel().tolist(), strict=True)}:
             here = (loads == load) & (shifts == by)
@@ -239,9 +239,9 @@ class SampleField:
         With `beyond` they reach this far beyond the samples' ln(velocity). The rise without
         friction by velocity is then extrapolated as a power law.
         """
-        if load not in self._kept:
-            self._keep([load])
-        x, lines = self._kept[load]
+        if load not in self._cached:
+            self._cache_lines([load])
+        x, lines = self._cached[load]
         if beyond:
             ends = slice(2), slice(-2, None)
             slopes = (np.diff(lines[:, end])[:, 0] / np.diff(x[end]) for end in ends)
@@ -261,7 +261,7 @@ class SampleField:
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
-    def _keep(self, loads: Sequence[float]) -> None:
+    def _cache_lines(self, loads: Sequence[float]) -> None:
         """Compute ln(rise/limit) along velocity at several loads at once, and cache it.
 
         This is hardly slower than at one load. Cached lines exclude friction by velocity, which may
@@ -273,10 +273,10 @@ class SampleField:
         lines = self._random_excess(loads, velocities)
         if self.conditions.has_friction_curve:
             lines -= self._log_factor(np.log(velocities))
-        if len(self._kept) + len(loads) > _MOST_KEPT:
-            self._kept.clear()
+        if len(self._cached) + len(loads) > _MOST_CACHED:
+            self._cached.clear()
         for number, load in enumerate(loads):
-            self._kept[load] = np.log(velocities), lines[:, number]
+            self._cached[load] = np.log(velocities), lines[:, number]
 
     def _random_excess(self, loads: Axis, velocities: Axis | float) -> Array:
         """ln(rise/limit) by draw, with random emulator error and random friction of a run."""
@@ -298,7 +298,7 @@ def _friction_nodes(conditions: Conditions, x: Array) -> Array:
 
 _FINE = 120  # nodes at which friction by velocity is evaluated
 _GRID = 4001  # nodes of ln(velocity)
-_MOST_KEPT = 64  # loads whose lines are kept, 1.3 MB each
+_MOST_CACHED = 64  # loads whose lines are kept, 1.3 MB each
 
 
 def _normal_below(sd: float, distances: Array) -> Array:

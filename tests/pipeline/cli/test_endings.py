@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.cli import carried_out, output
+from pipeline.cli import exit_code_of, output
 from pipeline.cli.output import Result
 from tribo import InputError
 
@@ -27,7 +27,7 @@ def carry_out(result=None, command="stores:status", **options):
         return result if isinstance(result, Result) else Result({}, ["a line"])
 
     usual = {"quiet": False, "json": False, "output": None, "command": command}
-    return carried_out(argparse.Namespace(**usual | options), function)
+    return exit_code_of(argparse.Namespace(**usual | options), function)
 
 
 def error_of(module):
