@@ -179,7 +179,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Indices of the velocities of two points around each slot (see `_slots`) on each load."""
+        """Indices of the two points around each slot of velocity (see `_slots`), for each load."""
         return _neighbours(self._is_done)
 
     @functools.cached_property

@@ -90,7 +90,7 @@ def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
 def points_near_boundary(
     sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Points near the boundary at ``standard``, and d ln(rise)/d ln(velocity) at each.
+    """Points near the boundary by the preset ``standard``, and d ln(rise)/d ln(velocity) at each.
 
     Velocities from half the lowest to twice the highest are searched. Without a transition the
     nearer end is taken.

@@ -66,7 +66,7 @@ def closed_excess(self, draws, load, velocity):
 
 
 def samples_of(unknown):
-    """Ensemble for the closed form: only its unknown inputs matter."""
+    """Ensemble with these unknown inputs, whose rises a closed form replaces."""
     return dataclasses.replace(ensemble(unknown[:1], 16), unknown=unknown)
 
 
