@@ -41,7 +41,8 @@ def error_in_words(sweep: Sweep) -> str:
     error = velocity_error(sweep)
     if error is None:
         return f"how far boundary velocities err is not known; {MEASURES} measures it"
-    return f"preset {_preset(sweep)}: boundary velocities may be off by up to {100 * error:g} %"
+    by = f"{100 * error:g} % (irg help choosing)"
+    return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
 
 
 def _preset(sweep: Sweep) -> str | None:

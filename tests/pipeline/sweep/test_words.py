@@ -60,7 +60,7 @@ def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured()
     few = replace(standard.conditions, failing_share=0.04)
     assert velocity_error(standard) == 0.015
     assert velocity_error(changed(standard, conditions=few)) == 0.05
-    assert error_in_words(draft) == ("preset draft: boundary velocities may be off by up to 5 %")
+    assert error_in_words(draft).endswith("may be off by up to 5 % (irg help choosing)")
 
 
 def test_a_point_is_said_with_its_place_and_variant():
