@@ -64,7 +64,8 @@ def upright(frame: pd.DataFrame) -> pd.DataFrame:
 def lines_of(frame: pd.DataFrame) -> list[str]:
     """Lines of text with aligned columns, headings first.
 
-    Headings and cells of the last column are broken between words, to keep lines to 100 letters.
+    Headings and cells of the last column are broken between words, and columns move closer, to keep
+    lines to 100 letters.
     """
     heads = [
         textwrap.wrap(str(head), _HEAD_LETTERS, break_long_words=False, break_on_hyphens=False)
@@ -73,13 +74,15 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
     rows = _cells(frame, "-")
     columns = zip(*rows, strict=True) if rows else [()] * len(heads)
     widths = [max(map(len, [*head, *column])) for head, column in zip(heads, columns, strict=True)]
-    room = max(_COLUMNS - sum(width + 2 for width in widths[:-1]), _FEWEST_LETTERS)
+    fewest = min(widths[-1], _FEWEST_LETTERS)
+    gap = " " if sum(width + 2 for width in widths[:-1]) + fewest > _COLUMNS else "  "
+    room = max(_COLUMNS - sum(width + len(gap) for width in widths[:-1]), _FEWEST_LETTERS)
     lines = [*itertools.zip_longest(*heads, fillvalue="")]
     for *cells, last in rows:
         parts = textwrap.wrap(last, room, break_long_words=False, break_on_hyphens=False) or [""]
         lines += itertools.zip_longest(*([cell] for cell in cells), parts, fillvalue="")
     return [
-        "  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
+        gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     ]
 
