@@ -14,7 +14,7 @@ import pipeline.gears
 from pipeline.analysis.tables import frame_of, records, short, upright, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
-from pipeline.cli.output import Result
+from pipeline.cli.output import Result, wrapped
 from pipeline.gears.contact import Mesh, mesh
 from pipeline.gears.doubts import doubts
 from pipeline.gears.fzg import critical_temperature, first_failure, predict_stages, stage_duty
@@ -36,8 +36,9 @@ _PLACES = (
 """Column headings for the fields of `MeshPlace`."""
 _DRAWN = 400  # places in the figure, so that steps of the load are steep
 _WIDE = (
-    "reduced radius [mm]", "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]",
-    "temperature error [K]", "integral temperature [°C]", "sentence", "notes",
+    "radius 1 [mm]", "radius 2 [mm]", "reduced radius [mm]", "rolling 1 [m/s]", "rolling 2 [m/s]",
+    "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]", "sentence", "notes",
+    "temperature error [K]", "integral temperature [°C]",
 )  # fmt: skip
 """Columns left out on a terminal, which is too narrow."""
 
@@ -46,8 +47,7 @@ def gears(options: argparse.Namespace) -> Result:
     """Answer ``irg gears``: contact along a mesh, its scene, FZG's test, or a duty spectrum."""
     pair = read_pair(options.pair, settings_in(options))
     if options.critical_temperature is not None:
-        sd = pair.file.temperature.critical_sd
-        pair = pair.with_critical(options.critical_temperature, sd)
+        pair = pair.with_critical(options.critical_temperature, pair.file.temperature.critical_sd)
     _check(options, pair)
     if options.stage:
         pair = replace(pair, duty=stage_duty(pair, options.stage))
@@ -76,7 +76,7 @@ def gears(options: argparse.Namespace) -> Result:
     document = {"title": pair.title, "caveats": caveats, "said": sentences}
     return Result(
         document | {"facts": records(found), "rows": records([table])},
-        [pair.title, "", *text, *sentences, "", short(table, _WIDE), "", *caveats],
+        [pair.title, "", *text, *wrapped(sentences), "", short(table, _WIDE), "", *caveats],
         frames=[table],
         draw=lambda: pipeline.gears.draw_mesh(mesh(pair, _DRAWN)),
     )
