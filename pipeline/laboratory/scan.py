@@ -153,10 +153,7 @@ class SurfaceStatistics:
         if self.is_like:
             yield from ["random surfaces like it, in a scene:", "", *self.toml.splitlines()]
         else:
-            yield (
-                f"no random surface is like it ({self.fault_of_fit}): use the scan itself, as "
-                "disk.roughness.file"
-            )
+            yield f"no random surface is like it ({self.fault_of_fit}): use the scan itself"
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
         """Yield pairs of name and value of the scan's quantities, in words."""

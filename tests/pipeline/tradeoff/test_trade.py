@@ -26,7 +26,7 @@ SMALL = changed(
 def measured():
     said = Heard()
     table = trade(SMALL, progress=said.hear)
-    assert said[0].startswith(f"{len(table.choices)} choices at 1 places")
+    assert said[0].startswith(f"{len(table.choices)} choices at 1 place")
     assert said[1] == f"1 of {len(table.choices)}: reference"
     assert len(said) == 1 + len(table.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
