@@ -82,7 +82,7 @@ def _conjugate_gradients(
     """Find the pressure [Pa] that makes the gap equal at all free nodes, ignoring its bounds.
 
     `goals` are a fraction of the first residual and a gap [m]; reaching either is enough. Returns
-    the pressure at the free nodes, and the number of iterations.
+    the pressure at the free nodes, and the number of iterations, at most `most`.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)

@@ -19,6 +19,7 @@ def correct_guess(problem: Problem, separation: Array, guess: Array, displacemen
     """Return a guess of the pressure [Pa], moved into its bounds and corrected where it is wrong.
 
     `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds.
+    `separation` is the distance of the undeformed surfaces [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

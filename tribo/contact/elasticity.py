@@ -139,7 +139,7 @@ def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
 
 
 def _values(n: int, step: float, s: Array) -> Array:
-    """Factor E of Eq. (1) at distances of 0, 1, … n − 1 elements, shape (widths, n)."""
+    """Factor E of Eq. (1) for widths s, at 0 to n − 1 times `step`, an element's side, (s, n)."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
@@ -160,7 +160,10 @@ def _all_images(n: int, s: Array) -> Array:
 
 
 def _line_load(grid: Grid, axis: int) -> Array:
-    """Transform of a line load's influence −2 ∫ ln(|x|/c) dx over an element; c exceeds all x."""
+    """Transform along `axis` of a line load's influence, −2 ∫ ln(|x|/c) dx over an element.
+
+    c exceeds all |x|.
+    """
     step, length = grid.spacing[axis], padded_shape(grid)[axis]
     c = length * step + grid.size[1 - axis]
     x, a = np.arange(length // 2 + 1) * step, step / 2

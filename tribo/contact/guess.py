@@ -87,7 +87,10 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _springs(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure [Pa] as if each element were a spring, and the nearest tenth carried the load."""
+    """Pressure [Pa] as if each element were a spring, and the nearest tenth carried the load.
+
+    `heights` is the separation [m], `total` the sum of the pressure and `hardness` its bound [Pa].
+    """
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)
     weight = float(penetration.sum())

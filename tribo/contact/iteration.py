@@ -64,7 +64,10 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Counters after another iterate; `has_settled` if few nodes are at a wrong bound."""
+        """Counters after an iterate of this residual.
+
+        `has_settled` if few nodes are at a wrong bound.
+        """
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:
             steps = 0
@@ -126,7 +129,7 @@ def iterate(
 def _first_iterate(
     problem: Problem, guess: Array, displacement: Array | None, spent: float
 ) -> Iterate:
-    """The first iterate: the guess, scaled to the load and moved into the bounds."""
+    """The first iterate: the guess, scaled to the load and moved into the bounds; see `iterate`."""
     # Heights count from a datum near the contact: far from 0 they would have few digits.
     datum = float(problem.heights.min())
     separation = problem.heights - datum

@@ -39,7 +39,10 @@ class Problem:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
-        """Set up the problem of pressing a surface of these heights [m] into a solid."""
+        """Set up the problem of pressing a surface of these heights [m] into a solid.
+
+        `total` is the sum of the pressure, and `hardness` its upper bound [Pa].
+        """
         return cls(solid, heights, total, hardness, *_prepare_solid(solid))
 
     @property
@@ -146,7 +149,10 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
-    """Approach [m] that makes `gap` [m] vanish on average at the `free` nodes, at no bound."""
+    """Approach [m] that makes `gap` [m] vanish on average at the `free` nodes, at no bound.
+
+    Without such nodes: halfway from the widest gap of `loaded` nodes to the narrowest of others.
+    """
     if free.size:
         return float(gap.take(free).sum()) / free.size
     lowest = float(gap[loaded].max(initial=-math.inf))

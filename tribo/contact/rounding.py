@@ -33,7 +33,10 @@ def update_error(updates: int, rounding: float, displacement: float) -> float:
 
 
 def transform_error(rounding: float, displacement: float) -> float:
-    """Bound on the error of a displacement just computed [m], from its largest value [m]."""
+    """Bound on the error of a displacement [m] that was just computed.
+
+    `displacement` is its largest value [m], and `rounding` the machine epsilon.
+    """
     return _TRANSFORM_ERROR * rounding * displacement
 
 
@@ -68,7 +71,7 @@ class LowestResidual(NamedTuple):
     convolutions: float = 0.0  # spent until it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
-        """The lowest residual after another iterate."""
+        """The lowest residual after an iterate with this one, reached by so many `convolutions`."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:

@@ -129,7 +129,10 @@ class RowMetric:
     def _shifted_at_once(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip`, None on failure."""
+        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip`, None on failure.
+
+        `sums` are Qᵢ, `total` and `highest` those of `nearest`.
+        """
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):
@@ -154,13 +157,16 @@ class RowMetric:
         return None
 
     def _moving(self, field: Array, highest: float) -> Array:
-        """Number of nodes in each row whose value lies between the bounds."""
+        """Number of nodes in each row whose value in `field` is above 0 and below `highest`."""
         return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) as exactly as the digits of q allow; return clip(q + s), s and row sums."""
+        """Solve Eq. (2) as exactly as the digits of q allow; return clip(q + s), s and row sums.
+
+        `sums` are Qᵢ, `total` and `highest` those of `nearest`.
+        """
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
         reach = self._d * (top + float(np.abs(q).max()))
@@ -187,7 +193,8 @@ class RowMetric:
     ) -> tuple[Array, Array, Array]:
         """Solve Eq. (2) for sᵢ at a given μ; return clip(q + s), s, and nodes between the bounds.
 
-        Where there is no root, all nodes of the row are at one bound, whatever s.
+        `sums` are Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top`
+        is the most that a node can carry. Without a root, all nodes of a row are at one bound.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

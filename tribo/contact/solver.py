@@ -215,7 +215,7 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure [Pa], and the displacement of a single element that alone carries it [m]."""
+    """Mean pressure [Pa] of a load [N], and the displacement of one element that carries it [m]."""
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 

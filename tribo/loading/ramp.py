@@ -158,7 +158,8 @@ class Ramp:
     def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
         """Times since the start of the hold at which its steps end [s].
 
-        `before` is the impulse of the loading before the hold, divided by the full load [s].
+        `before` is the impulse of the loading before the hold, divided by the full load [s]. A step
+        multiplies the impulse by about exp(10/`increments`).
         """
         begin, before = 0.0, max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
         stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}
@@ -171,7 +172,7 @@ class Ramp:
             begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations of the shared ramp (trunk), and the last station, at `normal_load`."""
+        """Stations of the shared ramp (trunk), and the last, at `normal_load`; see `increment`."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):
@@ -183,7 +184,7 @@ class Ramp:
         yield self._station_at_load(normal_load, False, last + 1)
 
     def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
-        """Station at which the growing load has reached `normal_load`."""
+        """Station at which the growing load has reached `normal_load` [N]; see `Station`."""
         time = normal_load / self.rate
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 

@@ -226,7 +226,7 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
-    """Index of the first reading that is not finite or not later, and why; None without any."""
+    """Index of the first reading [s, N] that is not finite or not later, and why; None if none."""
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
     first = int(broken[0]) if broken.size else len(times)
     backwards = np.flatnonzero(np.diff(times[:first]) <= 0)

@@ -167,7 +167,10 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets of a block's elements along x and y, and a unit load on its middle element."""
+    """Offsets along x (−rx to rx) and y (−ry to ry) of a block's elements, flat, and a unit load.
+
+    The load is 1 on the middle element, else 0.
+    """
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
 
@@ -186,7 +189,10 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Matrices from modes to values at offsets 0 to 2: cosine and sine along x, cosine along y."""
+    """Matrices from modes to values at offsets 0 to 2: cosine and sine along x, cosine along y.
+
+    `mx` and `my` are the lengths of the transform.
+    """
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

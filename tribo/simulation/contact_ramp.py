@@ -191,14 +191,17 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State on the coarse grid at a station (moment of the loading) that higher loads share."""
+    """State on the coarsest of the `levels`, at a station that higher loads share.
+
+    `levels` is the scene on ever finer grids; `before` is the state one step earlier.
+    """
     return _last_part(levels, velocity, before, station)[1]
 
 
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States before and after the last part of a step, on the coarse grid; see `parts_of`."""
+    """States before and after the last part of a step, on the coarsest level; see `parts_of`."""
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
@@ -217,7 +220,10 @@ def _solve_requested(
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """Repeat the step from `before` to `after` on the finest grid, and request its temperature."""
+    """Repeat the step from `before` to `after` on the finest level, and request its temperature.
+
+    `course` is stored in the state returned.
+    """
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
@@ -231,7 +237,10 @@ def _unworn(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station if it does not depend on earlier steps; cached for all velocities."""
+    """State at a station on the way to `normal_load` [N], if it does not depend on earlier steps.
+
+    It is cached for all velocities.
+    """
     scene = levels[-1]
 
     def compute() -> State:

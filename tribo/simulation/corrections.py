@@ -240,7 +240,7 @@ class Corrections:
         return added
 
     def _speeds(self, sliding: float) -> tuple[float, float]:
-        """Speeds of the surfaces of pin and disk past the contact [m/s]."""
+        """Speeds of the surfaces of pin and disk past the contact, for a sliding velocity [m/s]."""
         pin, disk = self.motion.velocities(sliding) if self.motion else (0.0, sliding)
         return abs(pin), abs(disk)
 
@@ -249,7 +249,8 @@ class Corrections:
     ) -> Array:
         """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment).
 
-        `to_bodies` are the conductances from the contact to pin and disk at the moments [W/K].
+        `velocities` are sliding velocities [m/s], `to_bodies` the conductances from the contact to
+        pin and disk at the moments [W/K].
         """
         bulks = self.pin_bulk, self.disk_bulk
         if not any(bulk and bulk.capacity for bulk in bulks):
@@ -354,7 +355,10 @@ def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | f
 def _turn_resistance(
     track: Track | None, moments: Sequence[_Moment], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns, divided by the contact's heat, at each moment [K/W]."""
+    """Warming of a track by earlier turns, divided by the contact's heat, at each moment [K/W].
+
+    `speeds` are those of the track through the contact [m/s].
+    """
     if track is None:
         return 0.0
     return np.array(
@@ -366,7 +370,10 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
-    """Warming of a track by earlier turns per unit friction, if its body takes all heat [K]."""
+    """Warming of a track by earlier turns per unit friction, if its body takes all heat [K].
+
+    `speed` is that of the track through the contact [m/s].
+    """
     width = track.width or track.aspect * moment.contact_width
     return track_warming(
         moment.times[-1],

@@ -137,7 +137,10 @@ def coupled_heat(
 
 
 def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
-    """Solve Eq. (1) with the disk at the position to which the state's pressure belongs."""
+    """Solve Eq. (1) with the disk at the position to which the state's pressure belongs.
+
+    `added` is the rise per unit friction that is added evenly, r of Eq. (1) [K].
+    """
     contact = state.pressure > 0
     nodes = np.flatnonzero(contact)
     pin, disk = bodies_at(scene, state, frictions.velocity)
@@ -183,7 +186,10 @@ class _Frictions:
         return np.asarray(self.law.at(self.velocity, self.bulk + rise))
 
     def may_ignite(self, cold_rise: Array) -> bool:
-        """True if friction rises steeply below the highest temperature that it may cause."""
+        """True if friction rises steeply below the highest temperature that it may cause.
+
+        `cold_rise` is the rise with the friction at the bulk temperature [K].
+        """
         highest = self.law.highest(self.bulk) / self.law.at(temperature=self.bulk)
         hottest = self.bulk + float(highest * cold_rise.max())
         return self.law.steepness(self.bulk, hottest) >= STEEP

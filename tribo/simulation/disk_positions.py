@@ -95,7 +95,7 @@ def passes(
     """Contacts that the step from `state` to `station` has to solve, in order.
 
     `distance` is the distance slid in the step [m]. If `observed`, the last contact is that with
-    the disk at its own position.
+    the unshifted disk.
     """
     if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
@@ -123,7 +123,10 @@ def passes(
 
 
 def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
-    """Distance of the unworn, undeformed surfaces with the disk shifted [m]."""
+    """Separation of the unworn, undeformed surfaces [m], (nx, ny), with the disk moved by `shift`.
+
+    The shift is in elements towards +x and +y; None for the unmoved disk.
+    """
     _, separation, heights, _ = elastic_bodies(scene)
     if shift is None or heights is None:
         return separation

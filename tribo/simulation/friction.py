@@ -147,7 +147,7 @@ class Friction:
         return bulk + np.where(is_steep, steep, own)
 
     def limit(self, temperature: Any, bulk: float) -> Any:
-        """Rise per unit friction coefficient above which the contact exceeds a temperature [K]."""
+        """Rise above `bulk` per unit friction at which the contact has a temperature [K]."""
         if self.coefficient == 0:
             return np.full(np.shape(temperature), np.inf)[()]
         if not self.by_temperature:
@@ -159,7 +159,7 @@ class Friction:
         return np.maximum(above / self.at(temperature=temperature), steep)[()]
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
-        """Derivative of a contact temperature by ln(r), r its rise per unit friction [K]."""
+        """Derivative of a contact temperature by ln(rise above `bulk` per unit friction) [K]."""
         if not self.by_temperature or self.coefficient == 0:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))
@@ -194,7 +194,7 @@ class Friction:
         return float(np.ptp(logs))
 
     def hottest(self, rise: Any, bulk: float) -> Any:
-        """Upper bound of the contact temperature for a rise, by the highest friction [K]."""
+        """Upper bound of the contact temperature for a rise above `bulk` at friction 1 [K]."""
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:

@@ -76,7 +76,9 @@ def check_contact(
 
 @_QUIET
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
-    """Check wear depths [m] after a step against the worn `volume` [m³], k·∫F dS of the whole pin.
+    """Check wear depths before and after a step [m] against the worn `volume` [m³], k·∫F dS.
+
+    `area` is that of an element, times the number of windows that wear [m²].
 
     Examples
     --------
@@ -149,7 +151,7 @@ def guard_range(what: str) -> Iterator[None]:
 
 
 def _require_finite(name: str, total: float, field: Array) -> None:
-    """Raise `InvariantError` for a field whose sum is not finite, with its first bad place."""
+    """Raise `InvariantError` for a field whose sum `total` is not finite, and say where."""
     if math.isfinite(total):
         return
     bad = np.argwhere(~np.isfinite(field))

@@ -72,9 +72,10 @@ def advance(
         Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
         given.
     observed : bool, optional
-        True to solve the contact at the disk's own position, too, where other positions pass.
-    scheme : str, optional
-        Scheme of the wear; the fidelity's if not given.
+        The pin of a scene that averages over positions of the disk wears at shifted positions.
+        True to solve the contact at the unshifted position afterwards, where pressure counts.
+    scheme : {"implicit", "explicit", "sdirk2"}, optional
+        Time integration of the wear; that of the fidelity if not given.
 
     Returns
     -------
@@ -132,7 +133,7 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Volume that the whole pin has worn off up to a station, according to its wear law [m³]."""
+    """Volume that the whole pin has lost up to a station [m³], by its wear law since `state`."""
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area

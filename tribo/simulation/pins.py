@@ -32,7 +32,10 @@ class WornContact(NamedTuple):
 
 
 class OilEntry(NamedTuple):
-    """Oil at the inlet of a contact: its speed, viscosity and pressure-viscosity coefficient."""
+    """Oil at the inlet of a contact.
+
+    Mean speed of both surfaces [m/s], viscosity [Pa s] and pressure-viscosity coefficient [1/Pa].
+    """
 
     speed: float  # mean of both surfaces [m/s]
     viscosity: float  # [Pa s]
@@ -268,7 +271,10 @@ class Crowned:
 
 
 def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
-    """Worn contact of a paraboloid whose flat is `longer` times as long as wide."""
+    """Worn contact of a paraboloid of this radius [m] whose flat is `longer` times as long as wide.
+
+    `half_width` is that of the unworn contact [m], and `volume` was worn off [m³].
+    """
     flat = worn_point_width(volume / longer, radius)
     width = ((2 * half_width) ** 4 + flat**4) ** 0.25
     return WornContact(width, 8 * volume / (math.pi * width**2 * longer))

@@ -92,6 +92,7 @@ def _late_warming(
     """Excess of the rise if present heat had acted since time 0, per heat per length [m K/W].
 
     `lacking` are the shares of the present load that were lacking at `ages`, ascending from 0 [s].
+    The body moves at `velocity` [m/s] past heat on a `length` across the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -228,7 +228,7 @@ def rise_limit(conditions: Judging) -> float:
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
     """Index of the step of highest rise among those at `load` or above; the last if there is none.
 
-    Both arrays have the steps on their last axis.
+    `rise` and `normal_load` [N] have the steps on their last axis.
     """
     counts = np.isfinite(rise) & (normal_load >= load)
     step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
@@ -236,7 +236,10 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 
 
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Convert columns of rises above the pin's bulk to rises above the colder body's bulk [K]."""
+    """Convert columns of rises above the pin's bulk to rises above the colder body's bulk [K].
+
+    Rises are per unit friction. So is `bulk_ratio`, the disk's bulk less the pin's [K].
+    """
     if bulk_ratio == 0:
         return columns
     above_pin = add_bulk_ratio(columns, bulk_ratio)

@@ -119,7 +119,7 @@ def flux_history_spectrum(
 
     By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under
     the integral. Strengths belong to ages [s] that do not decrease; they are linear in between, and
-    0 before the first and after the last.
+    0 before the first and after the last. The other parameters are those of `ConductingHalfSpace`.
 
     Returns
     -------
@@ -221,7 +221,7 @@ def _leaving_length(grid: Grid, drift: float) -> float:
     """Diffusion length at which the source has left the patch, from end to end [m].
 
     From then on its heat does not come back against the motion. Infinite at rest, and where the
-    patch repeats along x.
+    patch repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
     """
     if grid.periodic[0]:
         return math.inf
@@ -235,7 +235,11 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s [m] on a panel of the integral, and the kernel's x factor times weight at each."""
+    """Nodes s [m] on a panel of the integral, and the kernel's x factor times weight at each.
+
+    `drift` is ``|V|/(4κ)`` [1/m], and `rule` Gauss' nodes and weights on [−1, 1]; with `filon` the
+    weights are those of `filon_weights`.
+    """
     (low, high), (nodes, weights) = panel, rule
     if not filon:
         s = (high + low) / 2 + (high - low) / 2 * nodes

@@ -165,7 +165,7 @@ class Criterion:
 
 
 def _require_within(name: str, rise: Any, quantiles: Array) -> None:
-    """Raise if a user's criterion returns a rise outside the contact's rises."""
+    """Raise if a user's criterion returns a rise outside the contact's `quantiles` (last axis)."""
     expected = np.shape(quantiles)[:-1]
     if np.shape(rise) != expected:
         raise InvariantError(

@@ -186,7 +186,10 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise left by earlier fluxes [K], and the spectra of fluxes without modes that have faded."""
+    """Rise at the time `now` left by earlier fluxes [K], and their spectra without faded modes.
+
+    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux at each.
+    """
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
     kept = []

@@ -32,6 +32,8 @@ class Axis:
     def series_start(self, drift: float) -> float:
         """Diffusion length from which the Fourier series is cheaper than samples [m].
 
+        `drift` is ``|V|/(4κ)`` [1/m].
+
         The series needs many modes before that. Samples need images of the source once heat has
         spread over the period, and many nodes once a source has passed many elements. At rest the
         series needs no more modes than there are elements once heat has spread over four elements.
@@ -45,7 +47,10 @@ class Axis:
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Transform of the kernel's factor E at a panel's nodes s, (nodes, modes); real at rest."""
+    """Transform of the kernel's factor E at a panel's nodes s, (nodes, modes); real at rest.
+
+    `low` is the lower end of the panel [m], and `drift` is ``|V|/(4κ)`` [1/m].
+    """
     factor: Spectrum
     if low >= axis.series_start(drift):
         factor = series_terms(axis, s, wavenumbers(axis, low)).sum(axis=1)
@@ -58,7 +63,7 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
 
     Only the elements within reach of the source are evaluated. Elements of all periods fall on
-    the same `length` places and add up.
+    the same `length` places and add up. `shift` is how far the source has moved at each node [m].
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

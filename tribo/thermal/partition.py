@@ -219,7 +219,11 @@ def _iterate_flux(
     tolerance: float,
     max_iterations: int,
 ) -> tuple[Array, int]:
-    """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
+    """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
+
+    `both` is the sum of the maps of pin and disk, and `target` the temperature [K] that it has to
+    give on the nodes.
+    """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))
     precondition = functools.partial(near.on(nodes), near.inverse)

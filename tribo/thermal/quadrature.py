@@ -38,7 +38,8 @@ def panels(
     """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
 
     Heat spreads in proportion to s, hence panels that double. Within one panel the source moves by
-    at most `REACH` diffusion lengths, unless Filon's rule takes care of that.
+    at most `REACH` diffusion lengths, unless Filon's rule, used from `filon_start`, takes care of
+    that. `drift` is ``|V|/(4κ)`` [1/m], and `side` that of an element [m].
     """
     low = start
     while low < end:
@@ -56,10 +57,11 @@ def panels(
 
 
 def _undisturbed(drift: float, low: float, side: float) -> float:
-    """Growth of s [m] until an edge of the moving source is next felt at an element's centre.
+    """Growth of s from `low` [m] until an edge of the moving source is next felt at a centre.
 
-    0 or less if it does so now. An edge passes a centre where drift·s² is an odd multiple of half
-    the side. Its heat is felt there as long as s differs by less than `REACH`/(2 drift).
+    It is 0 or less if an edge is felt there now. An edge passes a centre where drift·s² is an odd
+    multiple of half the side. Its heat is felt there as long as s differs by less than `REACH`/(2
+    drift).
     """
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)
@@ -79,6 +81,7 @@ def filon_weights(
 
     g is expanded in Legendre polynomials, whose integrals against exp(−iθξ) over [−1, 1] are
     2(−i)^l j_l(θ) (Bakhvalov & Vasil'eva, USSR Comput. Math. 8, 1968). Shape (nodes, *ω.shape).
+    `omega` is ω; `nodes` and `weights` are those of Gauss' rule on [−1, 1].
     """
     degrees = np.arange(len(nodes))
     projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]

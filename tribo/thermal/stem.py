@@ -102,7 +102,7 @@ def stem_fraction(time: float | Array) -> Array:
 
 
 def _integrated_fraction(tau: Array) -> Array:
-    """Integral of `stem_fraction` from 0 to τ."""
+    """Integral of `stem_fraction` from 0 to the dimensionless times τ."""
     odd = 2 * np.arange(_TERMS) + 1.0
     series = np.exp(-(odd**2) * (math.pi**2 / 4) * tau[..., None]) / odd**4
     settled = tau - 1 / 3 + 32 / math.pi**4 * series.sum(axis=-1)

@@ -38,7 +38,8 @@ def track_warming(
 
     The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
     that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
-    time 0. The length of the contact along the track cancels.
+    time 0. The length of the contact along the track cancels. `width` is B [m], `diffusivity` is κ
+    [m²/s], and `heat_capacity` is that of a volume, ρc [J/(m³ K)].
 
     Examples
     --------

@@ -212,13 +212,13 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min as in `Wear`, over the waves along y alone; 0 if there are none."""
+        """k·dS/λ_min as in `Wear.stiffness`, over the waves along y alone; 0 if there are none."""
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
             return 0.0
         return self._compliance(solid, distance) / float(waves[waves > 0].min())
 
     def _compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Worn depth per mean pressure [m/Pa], for the mode k_x = 0 of the padded grid."""
+        """Depth worn over a distance [m] per mean pressure [m/Pa], for k_x = 0, with padding."""
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
