@@ -160,7 +160,11 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Dataset whose attributes make the scene's laboratory tests weigh its samples (posterior)."""
+    """Dataset whose attributes make the scene's laboratory tests weigh its samples (posterior).
+
+    `scatter` is the relative scatter of measured velocities; None for the usual one. Raises an
+    `InputError` without `given_measured` or samples, or with `others`, which the tests weigh.
+    """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
             "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "

@@ -137,7 +137,7 @@ def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
 
 
 def axis_of(name: str, values: Array) -> xr.Variable:
-    """Loads [N] or velocities [m/s] as a variable of a dataset, with their attributes."""
+    """The values of the axis "load" [N] or "velocity" [m/s] as a variable of a dataset."""
     about = COORDINATES[name]
     return xr.Variable(about.dims, values, attributes_of(about))
 

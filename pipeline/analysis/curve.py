@@ -143,7 +143,7 @@ class Curve:
 
     @property
     def _numbers(self) -> Indices:
-        """Number of each curve, from 0, in an array of the curves' shape."""
+        """Consecutive number of each curve from 0, in an array of the curves' shape (...)."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
@@ -176,7 +176,10 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Abscissae (n,) at which curves pass limits, for n given curve numbers and intervals."""
+        """Abscissae (n,) at which curves pass limits.
+
+        `rows` are the numbers of the curves, and `pieces` of their intervals, each (n,).
+        """
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
         )

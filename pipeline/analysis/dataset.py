@@ -85,7 +85,7 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
-    """Sweep of a dataset as it was stored, without the values of `pipeline.at`."""
+    """Sweep of a dataset as its scene file states it: values set by `pipeline.at` do not count."""
     return judged_sweep(Origin.of(ds), "{}")
 
 

@@ -185,7 +185,10 @@ class PointField:
         )
 
     def _reason(self, load: float, velocity: float, is_known: bool) -> str:
-        """Why there is no answer at a load [N] and velocity [m/s]; empty if there is one."""
+        """Why there is no answer at a load [N] and velocity [m/s]; empty if there is one.
+
+        `is_known` is True if the rise there is.
+        """
         axes = self.loads, self.velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
@@ -212,7 +215,10 @@ class PointField:
         return np.where(is_within, within, continued), is_within
 
     def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
-        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor."""
+        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor.
+
+        Beyond the computed points they are NaN, or extrapolated if `continued`.
+        """
         rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
 
@@ -240,18 +246,18 @@ class PointField:
     def _load_curves(self) -> tuple[Curve, ...]:
         """Curves of rise over load at each surface and velocity of the points.
 
-        There are three: through computed rises only, through those of `_certain`, and through rises
-        extrapolated at every load.
+        There are three: through computed rises only, with rises extrapolated as `_extended_rises`
+        does, and with rises extrapolated at every load.
         """
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
-        parts = self._curves(x) * factor, self._certain(x), self._curves(x, True) * factor
+        parts = self._curves(x) * factor, self._extended_rises(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
 
-    def _certain(self, velocities: Array) -> Array:
-        """Rises [K] (m, n_load, n_velocity); extrapolated only if the outcome cannot change.
+    def _extended_rises(self, velocities: Array) -> Array:
+        """Rises [K] (m, n_load, n) at n velocities; NaN where extrapolation may change the outcome.
 
-        At each load this is below the lowest velocity if wear is mild there, and above the highest
-        velocity if wear is severe there.
+        Beyond the points of a load, a rise is extrapolated only below a lowest velocity at which
+        wear is mild, and above a highest velocity at which it is severe.
         """
         factor = self.conditions.friction_factor(velocities)
         ends = (self._curves.end(end) for end in (0, -1))
@@ -287,7 +293,7 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is the mean over surfaces.
+        It is the mean over surfaces. `shift` is added to ln(rise).
         """
         loads, velocities = places_of(loads, velocities)
         # A row with a single point, on any surface, is filled from other rows.
@@ -312,8 +318,8 @@ class PointField:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
-        severe. At a load or velocity of the sweep only its own points are used. With `is_filled`,
-        points at other loads or velocities replace missing ones.
+        severe. A place at a load or velocity of the sweep uses the points there alone. Where
+        `is_filled` (k,) is True, it is treated like a place between: other points fill its gaps.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -324,7 +330,7 @@ class PointField:
         has_curve = self.conditions.has_friction_curve
         if axis == "load":
             computed = self._load_rises(velocities)
-            far = going_on = self._certain(velocities).swapaxes(-1, -2)
+            far = going_on = self._extended_rises(velocities).swapaxes(-1, -2)
         else:
             computed, going_on, far = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
             if has_curve:  # with friction by velocity, rises beyond the points are no power law
@@ -353,7 +359,7 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Insert a point (place, value) into each row; return both axes by ascending x, (..., n + 1).
+    """Insert a point (place, value) into each curve y(x); return x, ascending, and y (..., n + 1).
 
     A value that is NaN is not inserted: its abscissa is NaN, too, and comes last.
     """
@@ -422,7 +428,7 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
 
 
 def quantile(values: Array, weights: Array, share: float) -> Array:
-    """Weighted quantile of values, over their first axis.
+    """Weighted quantile of values, over their first axis; `share` is 0.5 for the median.
 
     It is infinite next to an infinite value, and NaN if any value is.
     """

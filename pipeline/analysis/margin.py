@@ -184,7 +184,10 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Values by name of the attributes of `Margin`, for the k places where `is_known`."""
+    """Values by name of the attributes of `Margin`, for the k places where `is_known`.
+
+    `loads` and `velocities` are those of the k places, `here` is for all places.
+    """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
     chances = probabilities(field, loads, velocities, scatter, totals(errors))

@@ -255,7 +255,7 @@ class Results:
         return found
 
     def values(self, name: str) -> Any:
-        """Values of a variable, shape (rows, ..., load, velocity, ...)."""
+        """Values of the variable `name` as an array, shape (rows, ..., load, velocity, ...)."""
         if name in self.columns:
             return self.columns[name]
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values

@@ -313,7 +313,7 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae and rises by row: positive ones first, then NaN for all others."""
+    """Logarithms of abscissae `x` and rises by row: positive ones first, then NaN for others."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)

@@ -58,9 +58,10 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Scene ids by the dataset's varied entries.
+    """Scene ids of the dataset's rows, picked from the `ids` of all rows of the sweep's `table`.
 
-    For an entry that the dataset lacks, they keep the dimension of all its values.
+    An entry of the table that is no coordinate of the dataset stays a dimension, with all its
+    values.
     """
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))

@@ -187,7 +187,8 @@ def in_words(
 ) -> str:
     """Outcome in words along ``"velocity"`` or ``"load"``, with the computed range.
 
-    If wear changes several times, and `turns` says where, the words are ranges of severe wear.
+    If wear changes several times, and `turns` says where, the words are ranges of severe wear; see
+    `severe_ranges`.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):
@@ -198,7 +199,10 @@ def in_words(
 
 
 def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
-    """Ranges of severe wear in words, from the places `turns` where wear changes; NaN is none."""
+    """Ranges of severe wear in words, from the places `turns` where wear changes; NaN is none.
+
+    `begins_severe` is True if wear is severe below the first of them.
+    """
     places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
     begins = ["", *places] if begins_severe else places
     ends = [*begins[1::2], ""][: len(begins[::2])]

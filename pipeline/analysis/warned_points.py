@@ -94,7 +94,10 @@ def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
 
 
 def _example(data: Results, flags: Indices) -> str:
-    """The first point that carries a warning, with its message; empty if none does."""
+    """The first point that carries a warning, with its message; empty if none does.
+
+    `flags` are sums of `WarningKind` codes, 0 without a warning, by row, load and velocity.
+    """
     if not flags.any():
         return ""
     *row, load, velocity = np.argwhere(flags)[0].tolist()

@@ -25,7 +25,7 @@ def model_error_line(errors: Iterable[str]) -> str:
 
 
 def missing_lines(missing: int) -> list[str]:
-    """Line with the number of points pending or failed; empty if all are done."""
+    """Line with the number `missing` of points pending or failed; empty if all are done."""
     return [f"{missing} points are pending or failed and were left out"] * bool(missing)
 
 
