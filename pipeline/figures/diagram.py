@@ -50,7 +50,8 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     """Draw the transition diagram; for samples, the probability of severe wear.
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
-    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile.
+    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile. `log`
+    makes both axes logarithmic.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
@@ -130,7 +131,7 @@ def _refine_axis(points: Array, least: int) -> Array:
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding minus critical temperature [K], (member, load, velocity); NaN if unknown."""
+    """Deciding less critical temperature [K] at velocities x, loads y: (surface, y, x); or NaN."""
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
     return np.reshape(here.values - here.critical, (-1, len(y), len(x)))
@@ -139,7 +140,10 @@ def _excess(field: PointField, x: Array, y: Array) -> Array:
 def _shade_verdicts(
     axes: Axes, field: PointField, x: Array, y: Array, excess: Array
 ) -> list[Artist]:
-    """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges."""
+    """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges.
+
+    `x`, `y` and `excess` are those of `_excess`.
+    """
     is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))
     lowest, highest = (np.where(is_known, bound, np.nan) for bound in bounds)
@@ -159,7 +163,7 @@ def _shade_verdicts(
 
 
 def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
-    """Shade where 10 to 90 % of the surfaces are severe."""
+    """Shade where 10 to 90 % of the surfaces are severe, by the temperatures of `_excess`."""
     if len(excess) == 1:
         return []
     low, high = (np.quantile(excess, share, axis=0) for share in (BAND[0], BAND[-1]))
@@ -175,7 +179,7 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
 
 
 def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
-    """Draw the boundaries at the lowest and the highest measured friction."""
+    """Draw the boundaries at the lowest and highest measured friction, on velocities x, loads y."""
     band = field.source.sweep.declared.friction.band
     if not band or min(band) == max(band):
         return []

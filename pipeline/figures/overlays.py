@@ -31,7 +31,10 @@ _LEVELS = ((BOUNDARY, "mixed", ":"), (FULL_FILM, "full film", "-."))
 def zero_line(
     axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
 ) -> bool:
-    """Draw the contour at which values `plane` (load, velocity) are 0; return False if none."""
+    """Draw the contour at which values `plane` (load, velocity) are 0; return False if none.
+
+    `x` are velocities [m/s], `y` loads [N].
+    """
     if not ((plane < 0).any() and (plane > 0).any()):
         return False
     axes.contour(x, y, plane, [0.0], colors=[color]).set(gid=gid, **look)
@@ -128,7 +131,10 @@ _LEAST_ROOM = 0.1  # least room around a name, as a share of the figure's width
 
 
 def name_regions(axes: Axes, x: Array, y: Array, mild: Mask, severe: Mask) -> None:
-    """Write "mild" and "severe" where the regions of these masks (load, velocity) are widest."""
+    """Write "mild" and "severe" where the regions of these masks (load, velocity) are widest.
+
+    `x` are velocities [m/s], `y` loads [N].
+    """
     for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
         padded = np.pad(inside, 1)  # the edges of the diagram bound the region, too
         room = distance_transform_edt(padded, sampling=(_WIDE / len(y), 1 / len(x)))[1:-1, 1:-1]

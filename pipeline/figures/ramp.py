@@ -88,7 +88,10 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw values (load, velocity, step) of some points over time, with marks at their ends."""
+    """Draw values (load, velocity, step) of some points over time, with marks at their ends.
+
+    `look` has properties of Matplotlib's lines by name.
+    """
     for number, point in enumerate(points):
         time, own = (data.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])

@@ -66,7 +66,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """Data of the page of a plane of points, as JSON values.
 
-    Contact fields are included for points nearest to the transition.
+    Contact fields are included for at most `most_fields` points, nearest to the transition.
     """
     data = results(ds).take_moving()
     data.require_plane()
@@ -127,7 +127,11 @@ def _test_facts(test: Measurement) -> dict[str, Any]:
 
 
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
-    """Tests as dictionaries: nearest grid node, and friction and bulk temperature that judge it."""
+    """Tests as dictionaries: nearest grid node, and friction and bulk temperature that judge it.
+
+    `loads` [N] and `velocities` [m/s] are those of the nodes; velocities before the index `first`
+    are below those of the sweep.
+    """
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
     for test in tests:
@@ -347,7 +351,7 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices of points whose fields are shown: all, or the `most` nearest to the transition."""
+    """Indices of points whose fields are shown: the `most` that are `done` and near the limit."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
@@ -359,12 +363,12 @@ def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> li
 
 
 def digit_string(values: Any) -> str:
-    """An array of codes 0 to 9 as a string of digits; 0 for masked points."""
+    """An array `values` of codes 0 to 9 as a string of digits; 0 for NaN."""
     return "".join(f"{code:.0f}" for code in np.nan_to_num(np.asarray(values, float)).flat)
 
 
 def packed_array(values: Any, dtype: str) -> str:
-    """Bytes of an array of type `dtype`, as base64 text."""
+    """Bytes of an array `values`, converted to `dtype`, as base64 text."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
 
 
@@ -391,7 +395,7 @@ def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
 
 
 def divided(places: Array, parts: int) -> Array:
-    """Values of an axis, with each interval divided into `parts` equal parts."""
+    """Values `places` of an axis, with each interval divided into `parts` equal parts."""
     index = np.arange((len(places) - 1) * parts + 1) / parts
     return np.interp(index, np.arange(len(places)), places)
 
@@ -411,8 +415,8 @@ def rows_along(
 ) -> tuple[Array, Array]:
     """Rises along velocity at each load [K], and the velocities of their nodes [m/s].
 
-    Beyond the sweep's velocities rises per friction are power laws, times friction there. The
-    outermost nodes are far beyond.
+    Nodes divide each interval of velocities into `parts`. Beyond the sweep's velocities rises per
+    friction are power laws, times friction there. The outermost nodes are far beyond.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -426,7 +430,10 @@ def rows_along(
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
-    """State of each grid node (surface, load, velocity): computed, interpolated or extrapolated.
+    """State of each grid node (surface, load, velocity), as a code from 1 to 4.
+
+    `COMPUTED`, `INTERPOLATED`, `BETWEEN` (two loads, only one of them with points on both sides) or
+    `EXTRAPOLATED`.
 
     `done` is the mask of computed points, `parts` how the grid divides each interval of loads and
     of velocities. `places` numbers the nodes along velocity, from 0 at the sweep's first velocity.

@@ -44,7 +44,11 @@ class Control:
 def controls(
     conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool
 ) -> list[Control]:
-    """Controls for the conditions that can be changed on the page of a sweep."""
+    """Controls for the conditions that can be changed on the page of a sweep.
+
+    Without `has_heat` friction must be 0. The disk has its own bulk temperature if `two_bulks`. The
+    failing share of the contact can be changed if `has_share`.
+    """
     cold = "must be 0: the sweep was computed without friction and heat"
     friction = Control(
         "friction", "friction coefficient", 0.0,
@@ -97,7 +101,7 @@ def _select(name: str, options: Mapping[str, str]) -> str:
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
-    """Control of a temperature, with a slider that extends below and above its value [K]."""
+    """Control of a temperature [K]; its slider extends beyond its value, and to `high` [°C]."""
     degrees = None if value is None else shown_in(value, "°C")
     low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
     high = high if degrees is None else max(high, math.ceil(1.5 * degrees))

@@ -160,7 +160,7 @@ class _Main(NamedTuple):
 
 
 def _plane(scene: Results, most_fields: int) -> _Main:
-    """Main part of the page for a plane of points: diagram, conditions, critical values."""
+    """Main part of the page for a plane of points; see `content` for `most_fields`."""
     held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),
@@ -206,7 +206,7 @@ def _text(name: str) -> str:
 
 
 def _json_text(held: dict[str, Any]) -> str:
-    """Data as JSON in which no text can end the script element."""
+    """Data `held` by the page as JSON in which no text can end the script element."""
     text = json.dumps(held, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", r"\u003c")
 

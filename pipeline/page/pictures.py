@@ -51,7 +51,7 @@ def packed_fields(
 
 
 def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
-    """Extremes and pictures of a point's pressure, rise and wear depth; see `packed_fields`."""
+    """Values and pictures of a point, in the order of `packed_fields`."""
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
     touching = _summed(contact.astype(float), block)
