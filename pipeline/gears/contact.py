@@ -184,7 +184,7 @@ def buttressing(gears: Involutes, position: float) -> float:
     It is 1 + 0.3 εβ at A and E, 1.3 for an overlap ratio εβ above 1, and falls to 1 within 0.2 sin
     βb of the distance from the pinion's base point to the pitch point (ISO/TR 13989-1:2000, Eqs. 49
     to 56, as cited by another program). The load elsewhere is not reduced, which is on the safe
-    side.
+    side. The `position` on the path is counted from the pitch point [m].
 
     Examples
     --------
@@ -212,7 +212,9 @@ def flash_rise(
 
     ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))``: Blok (1937), for the heat of a Hertz
     pressure in bodies of different effusivities e = √(Kρc), as in ISO/TR 13989-1:2000, Eq. (3) and
-    AGMA 925-A03. For equal bodies it is `tribo.analytic.heat.rolling_sliding_rise`.
+    AGMA 925-A03. With the friction µ, the load per length w [N/m], the velocities u [m/s] of both
+    surfaces and the half-width b [m]. For equal bodies it is
+    `tribo.analytic.heat.rolling_sliding_rise`.
 
     Examples
     --------

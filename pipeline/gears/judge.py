@@ -77,7 +77,10 @@ def judge(
 
 
 def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, Any]]:
-    """Columns of `pipeline.margin` by name, at the worst place of each mesh."""
+    """Columns of `pipeline.margin` by name, at the worst place of each mesh.
+
+    `choices` are the last three arguments of `judge`.
+    """
     preset, workers, progress = choices
     chosen = [decisive_places(one) for one in meshes]
     numbers = [k for k, one in enumerate(chosen) for _ in one.places]

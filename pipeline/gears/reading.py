@@ -102,7 +102,10 @@ def _make_pair(
     written: Mapping[str, Any],
     sources: tuple[FromLibrary, ...],
 ) -> Pair:
-    """Pair of gears made from valid tables; raises an `InputError` if the gears cannot run."""
+    """Pair of gears made from valid tables; raises an `InputError` if the gears cannot run.
+
+    `written` are the entries in the user's words, `sources` what came from the library.
+    """
     mesh, (first, second) = tables.mesh, (tables.pinion, tables.wheel)
     toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle
     teeth, shifts = (first.teeth, second.teeth), (first.profile_shift, second.profile_shift)
@@ -134,7 +137,8 @@ def tip_diameter(
     """Tip diameter that keeps the clearance of the basic rack [m].
 
     da = d + 2 m (1 + y − x'), with x' of the other gear; y m is the increase of the centre distance
-    due to the shifts (ISO 21771:2007).
+    due to the shifts (ISO 21771:2007). The module m is in metres, the helix angle in radians, and
+    `gear` is 0 for the pinion, 1 for the wheel.
 
     Examples
     --------

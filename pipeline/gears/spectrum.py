@@ -45,7 +45,7 @@ _OPENINGS = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "sev
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
 ) -> tuple[list[tuple[float | None, Duty]], Sheet]:
-    """Read a table of duties: (hours, duty) of each row, and the sheet that lists unused parts.
+    """Read a table of duties: (hours or None, duty) of each row, and the sheet with unused parts.
 
     Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
     temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`.
