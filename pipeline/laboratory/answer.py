@@ -17,6 +17,7 @@ from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.logs import Log, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table, read_trace
+from pipeline.laboratory.trace import Candidate
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import Stages, Test
@@ -52,7 +53,7 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Answer for a log: its columns, tests, faults and scene lines."""
+    """Answer for a log: its columns, tests, faults and scene lines; see `_log_toml` for `named`."""
     found, faults = log.tests, log.sheet.faults
     if log.row_of is Test and not faults:  # faulty rows have no test
         faults += [
@@ -154,7 +155,10 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Yield scene lines that name the log file, with options for what the log does not state."""
+    """Yield scene lines that name the log file, with options for what the log does not state.
+
+    `named` are the options that the user gave, by name.
+    """
     yield f"[[{log.key}]]"
     columns = log.renamed | named["columns"]
     entries = {"file": path.name, "words": log.words, **named, "columns": columns}
@@ -162,9 +166,13 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _trace_toml(
-    tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: object
+    tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: Candidate | None
 ) -> Iterator[str]:
-    """Yield scene lines for the tests of a trace, with comments where a value is missing."""
+    """Yield scene lines for the tests of a trace, with comments where a value is missing.
+
+    `missing` has the reason by name of the value. `scuff` is the rise of friction that counts as
+    scuffing, None if there is none.
+    """
     for test in tests:
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
         yield "[[measured]]" if is_transition else "[[tested]]"

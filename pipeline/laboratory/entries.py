@@ -36,14 +36,20 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
 
 
 def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """Copy of a test whose number and run begin with the file's name, as each log counts from 1."""
+    """Copy of a test whose number and run begin with the file's name, as each log counts from 1.
+
+    `entry` is the scene's table that names the file.
+    """
     return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
 
 
 def _read_tests(
     entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults
 ) -> list[dict[str, Any]]:
-    """Read the tests of a log file as tables of a scene; faults name row and column."""
+    """Read the tests of a log file as tables of a scene; faults name row and column.
+
+    `entry` is the table of the scene that names the file: the one at index `number` of list `key`.
+    """
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(Log).read(entry, place, faults)
     if len(faults) > before:

@@ -195,7 +195,10 @@ def _read_by_library(path: Path) -> Raw:
 
 
 def _why_not(formats: Any, path: Path, error: Exception) -> str:
-    """Why SurfaceTopography cannot read a file: the error of its reader, or that it has none."""
+    """Why SurfaceTopography cannot read a file: the error of its reader, or that it has none.
+
+    `formats` is its module of readers, and `error` was raised by the first attempt.
+    """
     if type(error).__name__ != "CannotDetectFileFormat":
         return (str(error).strip().splitlines() or [type(error).__name__])[0]
     for reader in formats.readers:

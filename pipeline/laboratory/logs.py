@@ -97,7 +97,11 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
-    """Tests of a table; words of outcomes have the user's meanings `words`, or known meanings."""
+    """Tests of a table of rows; faults are collected in its sheet. See `read_log` for `key`.
+
+    `words` has the user's outcome for words such as "ok". Others have their usual meaning; a word
+    without one is a fault.
+    """
     sheet, export, missing = read
     row_of = Transition if key == "measured" else _row_of(sheet)
     if row_of is None or (key == "tested" and row_of is Transition):

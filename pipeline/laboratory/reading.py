@@ -156,7 +156,7 @@ def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
 
 
 def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns for quantities that the user gives because the file lacks them."""
+    """Add columns for quantities that the user gives, by name, because the file lacks them."""
     for name, value in given.items():
         if name not in sheet.units:  # a log ignores what only traces need, and the reverse
             continue

@@ -121,7 +121,10 @@ class _Periodogram:
         return cls(power[is_compared] / power[is_compared].mean(), q_x, q_y, is_compared)
 
     def spectrum(self, parameters: Array) -> Array:
-        """Spectrum (n_compared,) smoothed by the window, up to a constant factor."""
+        """Spectrum (n_compared,) smoothed by the window, up to a constant factor.
+
+        `parameters` are ln(correlation length [m]) along x and along y, and the Hurst exponent.
+        """
         length_x, length_y, hurst = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
         squares = (self.q_x * length_x) ** 2 + (self.q_y * length_y) ** 2
         whole = (1 + squares) ** -(1 + hurst)
@@ -135,14 +138,14 @@ class _Periodogram:
     def misfit(self, parameters: Array) -> float:
         """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P with the best factor on S.
 
-        A constant is left out.
+        A constant is left out. The `parameters` are those of `spectrum`.
         """
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)
         return float(spectrum.size * (np.log(factor) + np.mean(np.log(spectrum))))
 
     def largest_factor(self, parameters: Array) -> float:
-        """Largest factor between fit and periodogram in bands of wavelength."""
+        """Largest factor between fit and periodogram in bands of wavelength; see `spectrum`."""
         ratio = self.power / self.spectrum(parameters)
         q = np.hypot(self.q_x, self.q_y)[self.is_compared]
         bands = np.digitize(q, np.geomspace(q.min(), q.max(), _BANDS + 1)[1:-1])

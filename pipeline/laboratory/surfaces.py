@@ -28,7 +28,7 @@ _LONE = 30.0  # distance of an outlier from all other heights, in their standard
 
 
 def axis_note(transpose: bool) -> str:
-    """Sentence on the direction of sliding in the file."""
+    """Sentence on the direction of sliding in the file; with `transpose` it is along columns."""
     lines, name = ("row", "y") if transpose else ("column", "x")
     return f"x, the sliding direction, goes from {lines} to {lines} of the file, or is its {name}"
 
@@ -116,7 +116,10 @@ def _read_array(path: Path) -> Array:
 
 
 def _remove_outliers(heights: Array, unit: float) -> list[str]:
-    """Turn isolated outliers such as −9999 into holes, in place; return a note on each value."""
+    """Turn isolated outliers such as −9999 into holes, in place; return a note on each value.
+
+    `unit` is that of the file's heights [m], in which notes state values.
+    """
     notes = list[str]()
     values = heights[np.isfinite(heights)]
     while values.size > 2:
@@ -236,7 +239,8 @@ def _cropped(
 ) -> Array | None:
     """Heights from the corner ``crop`` on, as many as the window has pixels.
 
-    Heights to be repeated may be fewer. Returns None if a fault was reported.
+    Heights to be repeated may be fewer. Returns None if a fault was reported. `table` has the keys
+    of the scene's roughness.
     """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":

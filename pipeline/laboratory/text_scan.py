@@ -84,7 +84,7 @@ def read_text(path: Path) -> Raw:
 
 
 def _step(line: Array) -> float:
-    """Step between evenly spaced coordinates; NaN if their spacing is uneven."""
+    """Step between the evenly spaced coordinates `line`; NaN if their spacing is uneven."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -92,7 +92,10 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a first column and row that hold y and x; steps of x and y, or None."""
+    """Heights without a first column and row that hold y and x; steps of x and y, or None.
+
+    The row of x may also be the line `above` the table.
+    """
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -196,7 +199,10 @@ def _length(text: str) -> float | None:
 
 
 def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
-    """Heights (nx, ny) from rows of x, y, z on a regular grid; holes where a row is missing."""
+    """Heights (nx, ny) from rows of x, y, z on a regular grid; holes where a row is missing.
+
+    `units` has the units of the columns in metres by name, `unit` that of z; None if unknown.
+    """
     axes, places = [], []
     for column in table.T[:2]:
         values = np.unique(column[np.isfinite(column)])

@@ -221,7 +221,7 @@ def _is_varied(levels: Sequence[float | None]) -> bool:
 
 
 def _level(column: Array | None, rows: slice) -> float | None:
-    """Load or velocity held for most of a stage; else its mean, as in reciprocation."""
+    """Load or velocity held for most of a stage; else its mean. None without such a column."""
     if column is None:
         return None
     values = column[rows]
@@ -262,7 +262,7 @@ def _setpoint(column: Array) -> Array:
 def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     """Cut a trace into stages: rows of each, and whether it is a ramp.
 
-    `commands` (n, n_command) are load and velocity over their maxima.
+    `commands` (n, n_command) are load and velocity over their maxima, at each `time` [s].
     """
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):
@@ -307,7 +307,7 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
 
 
 def _continues_ramp(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
-    """True if a short piece after a ramp continues it at half its rate or more."""
+    """True if a short `piece` (rows) after a ramp continues it at half its rate or more."""
     if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False
     way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
@@ -335,8 +335,9 @@ def _rises(
     """Yield rises of friction in a stage: row, level before and after, and why it is no scuffing.
 
     The level before is the lowest so far, beginning with `before`, the end of the previous stage.
-    If `before` is infinite, the first `skipped` rows are left out, and friction that rises in them
-    "begins" the stage.
+    If `before` is infinite, the first `skipped` rows are left out, and friction that rises in them,
+    above the lowest of them or `start`, "begins" the stage. A rise exceeds a share of the level
+    before, plus `scatter` [friction].
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]
@@ -365,7 +366,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if half of a rise happens within a small share of the stage."""
+    """True if `half` of a rise that begins at a row happens within a small share of the stage."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

@@ -63,7 +63,7 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
-    """Rows of a sheet, with a note on sheets not read."""
+    """Rows of a sheet, read once for `values` and once for `formulas`; notes sheets not read."""
     rows, widest = list[Row](), 0
     for sheet in (values, formulas):
         sheet.reset_dimensions()  # the dimensions in the file may be wrong
@@ -85,7 +85,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
 
 
 def _cell_text(value: Any, typed: Any) -> str:
-    """Text of a cell: its value, else its formula, else empty."""
+    """Text of a cell: its value, else its formula `typed`, else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
     return str(value).removesuffix(" 00:00:00").strip()
