@@ -121,7 +121,10 @@ def _turning_rod(scene: Any) -> Misfits:
 
 @_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in (*DISC, *_PLATE)))
 def _unfit_bodies(scene: Any) -> Misfits:
-    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
+    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate.
+
+    `scene` has the tables of a scene file.
+    """
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         plate, disc = (

@@ -66,7 +66,8 @@ def _worn(
 ) -> tuple[Array, Array]:
     """Width of the contact of a smooth, worn pin, and greatest depth of its wear [m].
 
-    `half_widths` are those of the unworn contact [m], `worn_volumes` are in m³.
+    `half_widths` are those of the unworn contact [m], `worn_volumes` are in m³. `fastest` is the
+    highest sliding velocity [m/s].
     """
     pin, hertz = scene.pin, 2 * half_widths
     if scene.velocities_at(fastest).pin:  # the pin rolls: it wears all around, and stays round

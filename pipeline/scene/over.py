@@ -57,7 +57,7 @@ def _extend(sweep: Sweep) -> Sweep:
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """Variants of one entry: quantities in ascending order, or texts in the order given."""
+    """Variants of the entry at `path` by its values: quantities ascend, texts keep their order."""
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:

@@ -118,7 +118,7 @@ def _read_record(path: Path, faults: Faults) -> Array:
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
-    """Pixels of the window; periodic along y under a cylinder."""
+    """Pixels of the window as a grid; periodic along y if the table `pin` is a cylinder."""
     return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder"))
 
 
@@ -214,7 +214,10 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 def roughness_of(
     table: Any, window: Window, contents: Contents, faults: Faults
 ) -> Roughness | None:
-    """Roughness of the disk, made from a seed or read from a scan; None for a faulty scan."""
+    """Roughness of the disk, made from a seed or read from a scan; None for a faulty scan.
+
+    `table` has the scene's entries on the roughness.
+    """
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):
             raise tribo.InputError(

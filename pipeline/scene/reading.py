@@ -154,9 +154,9 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """Call `make` with the tables at `paths`, and cache the result.
+        """Call `make` with the scene's tables at `paths`, and `more`, and cache the result.
 
-        None if the first table is missing, or one is faulty.
+        Returns None if the first table is missing, or one is faulty.
         """
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):
@@ -168,7 +168,7 @@ class SceneReader:
         return self.parts.get(made_of)
 
     def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
-        """Fidelity from the table ``[fidelity]``, and the name of the preset that equals it."""
+        """Fidelity from the table ``[fidelity]``, and the name of its preset or None."""
         name = (table and table.preset) or USUAL_PRESET
         fidelity = tribo.PRESETS[name]
         listed = (vars(table) if table else {}).items()
@@ -213,6 +213,6 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
 
 
 def _bulks_of(scene: Any) -> dict[str, Any]:
-    """Bulk temperatures as arguments of `Conditions`."""
+    """Bulk temperatures of a scene's tables, as arguments of `Conditions` by name."""
     bulk = scene.temperature.bulk
     return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)

@@ -121,9 +121,11 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a table that no earlier list of tables has, and the header of one with the others.
+    """Keys of a table that no earlier list of tables has, and the header of a list with the others.
 
-    `listed` has the header of an earlier list for each of its keys; the new keys are added.
+    Keys are as from `Section.keys`. The header is that of an earlier list, such as "[[tested]]";
+    empty if all keys are new. `listed`, to which the new keys are added, has the header of the list
+    that first had each key.
     """
     keys = section.keys()
     if "." in section.path or not section.is_list:
@@ -205,7 +207,10 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Lines of a scene file with every entry of the format, as a comment if the scene lacks it."""
+    """Lines of a scene file with every entry of the format, as a comment if the scene lacks it.
+
+    `entries` are those of the scene, as nested tables.
+    """
     listed: Listed = {}
     for section in sections():
         table, _, name = section.path.partition(".")

@@ -56,7 +56,7 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations of hold in tests, ascending [s]; empty for a sweep without samples."""
+    """Durations of hold in a scene's tests, ascending [s]; empty for a sweep without samples."""
     if not entry_at(scene, "sweep.samples"):
         return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))

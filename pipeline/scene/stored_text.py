@@ -92,7 +92,7 @@ def _read(text: str, arrays: _Arrays) -> Sweep:
 
 
 def _variants(text: Any) -> Variants:
-    """Variants of a sweep from its JSON: columns of labels, and the entries that each replaces."""
+    """Variants of a sweep from decoded JSON: columns of labels, and entries that each replaces."""
     labels = {one["name"]: one["values"] for one in text.get("columns", ())}
     if not labels:
         return Variants()

@@ -43,7 +43,10 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Entries in full, in which each entry that the user wrote keeps the user's words."""
+    """All entries of a scene, `tables`, but in the user's words where the user has `written` them.
+
+    Both are nested tables, lists or single values; `written` may lack any of them.
+    """
     match tables, written:
         case dict(), dict():
             full = {key: completed(value, written.get(key)) for key, value in tables.items()}
@@ -56,7 +59,7 @@ def completed(tables: Any, written: Any) -> Any:
 
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """Table ``[fidelity]`` with every numerical choice, and the name of their preset."""
+    """Table ``[fidelity]`` with every numerical choice of `made`, and the name of its preset."""
     return Fidelity(preset=preset, **asdict(made))
 
 
@@ -136,7 +139,7 @@ def form_of(kind: Either, value: Any) -> Kind:
 
 
 def _quantity_text(kind: Quantity, value: float) -> str:
-    """A quantity in the unit of its example, with the fewest digits that read as this number."""
+    """A quantity [SI] as text in its usual unit, with the fewest digits that read as this value."""
     unit, zero = kind.unit, float(ZERO.get(kind.unit, 0))
     one = 1.0 if zero else to_si(f"1 {unit}", kind.example)
     texts = (f"{(value - zero) / one:.{digits}g} {unit}" for digits in range(_FEWEST, _MOST + 1))

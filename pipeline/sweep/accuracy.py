@@ -46,5 +46,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, else the finest preset that all its numerical choices match or exceed."""
+    """Preset of a sweep, else the finest that all its choices match or exceed; None without any."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

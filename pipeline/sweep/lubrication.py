@@ -46,7 +46,10 @@ class Lubrication:
         return self.scene.pin.film_thickness(oil, load, modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ at loads [N] and velocities [m/s] that broadcast; NaN without a load."""
+        """Film parameter Λ at loads [N] and velocities [m/s] that broadcast; NaN without a load.
+
+        `temperature` is that of the oil at the inlet [K].
+        """
         loads, velocities = np.broadcast_arrays(load, velocity)
         parameters = np.full(loads.shape, np.nan)
         for index in np.ndindex(loads.shape):

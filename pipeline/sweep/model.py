@@ -186,17 +186,17 @@ class Sweep:
 
     @property
     def lubricant(self) -> Oil | None:
-        """The oil between the bodies, which enters no simulation."""
+        """The oil between the bodies, which enters no simulation; None without `[oil]`."""
         return self.parts.oil
 
     @property
     def preset(self) -> str | None:
-        """Preset that the fidelity equals."""
+        """Preset whose numerical choices the fidelity has; None if they differ from all presets."""
         return self.parts.preset
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """All that acts on verdicts beside the simulation and the conditions."""
+        """All that acts on verdicts beside simulation and conditions, such as tests and oil."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 

@@ -16,7 +16,7 @@ _CONTENTS = {
 
 
 def entry_at(tables: Any, path: str) -> Any:
-    """Look up the entry at a path such as "pin.radius"; None if there is none."""
+    """Look up the entry in nested tables at a path such as "pin.radius"; None if there is none."""
     entry = tables
     for key in path.split("."):
         entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
@@ -50,7 +50,7 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 
 
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Paths at which two nested tables differ, each with the value in `after`, else None."""
+    """Paths at which the nested tables differ, each with its value in `after`, or None."""
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
         path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}
