@@ -21,7 +21,7 @@ def run() -> None:
 
 
 def _leave(code: int, line: str = "") -> None:
-    """Print a line as an error, and end the process at once, without cleaning up."""
+    """Print a line as an error, and end the process with exit code `code`, without cleaning up."""
     os.write(2, line.encode())
     os._exit(code)
 

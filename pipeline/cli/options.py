@@ -56,7 +56,10 @@ def flag(name: str, use: str, *short: str) -> Option:
 
 
 def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
-    """Option for a quantity with a unit; its help ends with the example `like`."""
+    """Option for a quantity with a unit; its help is `use` and the example `like`.
+
+    It may be negative if `is_signed`.
+    """
     return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 
 

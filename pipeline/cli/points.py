@@ -57,7 +57,10 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
 
 
 def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
-    """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
+    """Result of ``irg point``: the verdict on the point, and numbers of its contact.
+
+    `alone` is True if tests of the scene at other places are left out.
+    """
     data = pipeline.results(ds)
     conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])
@@ -78,7 +81,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
     """Contact of a point at its end, and its highest temperatures, as a frame of one row.
 
-    If friction depends on temperature, only the deciding temperature is known.
+    If friction depends on temperature (`solved`), only the deciding temperature is known.
     """
     both = pipeline.end_of_point(ds)
     if not solved:

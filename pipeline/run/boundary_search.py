@@ -63,6 +63,7 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
+        `tolerance` is the relative error allowed in velocity; see the class for `scale`.
         Raises an `InputError` if the sweep has no two velocities, or no friction.
         """
         if not 0 < tolerance < 1:
@@ -108,7 +109,10 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Crossings of the limit expected on straight lines through known points from `_row`."""
+        """Crossings of the limit expected on straight lines through known points from `_row`.
+
+        `x` is ln(velocity), `y` ln(rise) without the effect of velocity on friction.
+        """
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
         excess = _line(x, y, _EXPONENT, fine) + np.log(self.factor(np.exp(fine)) / self.limit)
@@ -181,7 +185,7 @@ class BoundarySearch:
 
 
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
-    """Interpolate points linearly at `at`; extrapolate with slopes near the usual `slope`."""
+    """Interpolate y(x) linearly at `at`; extrapolate with slopes near the usual `slope`."""
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
     slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
@@ -192,7 +196,11 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
-    """Values of κ, |curvature/slope|, from three points each around a crossing before `number`."""
+    """Yield κ = |curvature/slope| of the line y(x), from three points each around a crossing.
+
+    The crossing is before the point of index `number`. There are up to two values; none if points
+    lack on either side, or are far apart.
+    """
     for k in (number - 2, number - 1) if 0 < number < len(x) else ():
         if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
             slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])

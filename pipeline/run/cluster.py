@@ -67,7 +67,10 @@ _OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing
 
 @contextmanager
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
-    """Context manager: run worker processes on this machine that only this user can reach."""
+    """Context manager: run worker processes on this machine that only this user can reach.
+
+    `dashboard` also serves Dask's page on their progress.
+    """
     forkserver.start()
     with block_interrupts():
         cluster = _start_cluster(workers, dashboard)
@@ -188,7 +191,8 @@ def connected(
 ) -> Iterator[Connection]:
     """Context manager: connect to the workers of a client, or start workers here.
 
-    Workers that were started here are ended. Raises an `ExecutionError` if they do not start.
+    Workers that were started here are ended. Raises an `ExecutionError` if they do not start. See
+    `Connection` for `patience`; `dashboard` also serves Dask's page on their progress.
     """
     with ExitStack() as stack:
         cluster = None
@@ -212,7 +216,10 @@ def connected(
 def client_of(
     address: str | None = None, file: Path | None = None, patience: float = PATIENCE
 ) -> Client:
-    """Connect to a scheduler by its address or scheduler file; `ExecutionError` if none answers."""
+    """Connect to a scheduler by its address or scheduler file.
+
+    Raises an `ExecutionError` if none answers within `patience` [s].
+    """
     try:
         if file is not None:  # Dask would wait for a missing file without end
             address = str(json.loads(file.read_text())["address"])

@@ -26,7 +26,7 @@ class Tally:
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Add points that were written, and report the progress."""
+        """Add points that were written, and report the progress of so many `workers`."""
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)

@@ -153,7 +153,10 @@ def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block:
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Read the values of a variable in a chunk; fill values if it is missing, None if damaged."""
+    """Read the values of a variable in a chunk; fill values if it is missing, None if damaged.
+
+    `block` is the chunk's index in the array.
+    """
     with suppress(DamagedError):
         return store.read(name, block)
     return None
@@ -192,7 +195,7 @@ def stored_entries(
 
 
 def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
-    """Tell what is wrong with a point's stored values; empty if nothing is."""
+    """Tell what is wrong with a point's stored values, `entries` by variable; empty if nothing."""
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed

@@ -110,7 +110,7 @@ class Store:
     # Reading
 
     def read(self, name: str, key: Any) -> Any:
-        """Read a part of a variable; raise a `StoreError` if a chunk is damaged."""
+        """Read the part of a variable at the index `key`; `StoreError` if a chunk is damaged."""
         with read_errors(self.place, name):
             return self.arrays[name][key]
 
@@ -256,7 +256,7 @@ class Writer:
         self._waiting += records
 
     def written(self, at_once: bool = False) -> list[PointRecord]:
-        """Return records that were written since the last call; begin to write others if due."""
+        """Return records written since the last call; begin to write others if due or `at_once`."""
         records = []
         if self._writing and self._writing.done():
             records, self._writing = self._writing.result(), None
