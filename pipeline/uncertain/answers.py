@@ -54,7 +54,10 @@ def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
 
 
 def log_boundary(ensemble: Ensemble, inputs: Array, loads: Axis) -> tuple[Array, Array]:
-    """Logarithm of the critical velocity [m/s] and its standard error, each (n, n_load)."""
+    """Logarithm of the critical velocity [m/s] and its standard error, each (n, n_load).
+
+    `inputs` are draws of the unknown inputs, (n, n_unknown).
+    """
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     excess = ensemble.excess(inputs, loads, velocities)
     log_velocities, slope, right = log_crossings(velocities, excess.values)

@@ -38,7 +38,10 @@ def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
-    """Value of an unknown input in SI; raises if it is outside the range of the samples."""
+    """Value of an unknown input in SI; raises if it is outside the range of the samples.
+
+    `draw` is the plain data of a `Draw`.
+    """
     unknown = Draw.of(draw).open_inputs[path]
     number = in_si(unknown.path, value, f"1 {unknown.shown}".rstrip())
     if unknown.kind == "list":
@@ -60,7 +63,7 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
 
 
 def describe_samples(data: Any, count: int) -> list[Line]:
-    """Table rows on the unknown inputs, and on the samples drawn from them."""
+    """Table rows on the unknown inputs, and on `count` samples; `data` is that of a `Draw`."""
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}

@@ -116,7 +116,10 @@ class LeftOut(NamedTuple):
 def fit_emulator(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
-    """Fit a Gaussian process to outputs (n, n_output); a fit kept by `keeper` is read instead."""
+    """Fit a Gaussian process to outputs (n, n_output); a fit kept by `keeper` is read instead.
+
+    See `Emulator` for `features` and `dimensions`. `contacts` has the number of each row's contact.
+    """
     mean = outputs.mean(axis=0)
     groups, parts = _folds(features[:, 0], contacts)
     part = slice(0, _MOST_TO_FIT)
@@ -137,7 +140,7 @@ def fit_emulator(
 def _solve_kernel(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
 ) -> tuple[Array, Array]:
-    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs."""
+    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs; see `Emulator`."""
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
@@ -175,7 +178,10 @@ def features_of(
 def _kernel(
     one: Array, other: Array, dimensions: Groups, constants: Array
 ) -> tuple[Array, tuple[Array, ...]]:
-    """Smooth part (n, m) of the covariance between two sets of features, and its three terms."""
+    """Smooth part (n, m) of the covariance between two sets of features, and its three terms.
+
+    The terms are plane, quadric and departure. See `Emulator` for the other parameters.
+    """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
     product = one @ other.T
@@ -186,7 +192,10 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """Covariance (n, n) of training rows: smooth part, part by contact, and noise."""
+    """Covariance (n, n) of training rows: `smooth` part, part by contact, and noise.
+
+    `contacts` has the number of each row's contact. See `Emulator` for `constants`.
+    """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
     kernel[np.diag_indices_from(kernel)] += n
@@ -194,7 +203,10 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 
 
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
-    """Fit the kernel's constants: maximum of the posterior density under a weak prior."""
+    """Fit the kernel's constants: maximum of the posterior density under a weak prior.
+
+    The parameters are those of `fit_emulator`, with outputs about their mean.
+    """
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
     spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # spread of a weak prior
@@ -301,7 +313,7 @@ def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
     """Errors of rows left out together, divided by predicted errors, (n_row, n_output).
 
     With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
-    (Rasmussen & Williams, Sec. 5.4.2, for several rows).
+    (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y.
     """
     covariance = np.linalg.inv(inverse[np.ix_(rows, rows)])
     missed: Array = covariance @ weights[rows] / np.sqrt(np.diag(covariance))[:, None]
@@ -332,7 +344,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of values about linear interpolation between the next loads."""
+    """Standard deviation of values (n, n_load) about lines between the next loads, over `x`."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]
@@ -343,7 +355,7 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights (n,) of the values at nodes `x` that give the spline's value at `place`."""
+    """Weights (n,) of the values at nodes `x` that give the value at `place` of a spline."""
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
@@ -383,7 +395,7 @@ def columns_until(
 ) -> dict[str, Array] | None:
     """Variables without steps later than `hold` [s] after full load is reached.
 
-    Returns None if a point lacks a step with a temperature that ends there.
+    Returns None if a point that is `done` lacks a step with a temperature that ends there.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)

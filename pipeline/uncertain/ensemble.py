@@ -257,8 +257,8 @@ class Ensemble:
     ) -> Array:
         """Logarithm of the limit of the rise [K], for a friction coefficient of 1, shape (n,).
 
-        `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A measured
-        friction already includes the effect of temperature.
+        `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A friction that
+        `was_measured` already includes the effect of temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
@@ -291,7 +291,11 @@ class Ensemble:
     def _emulate(
         self, draws: Array, load: Axis | float, velocity: Axis | float
     ) -> tuple[Array, Array]:
-        """ln(rise [K]) for friction coefficient 1, and its error, (n, n_load, n_velocity)."""
+        """ln(rise [K]) for friction coefficient 1, and its error, (n, n_load, n_velocity).
+
+        `draws` are values of the unknown inputs, (n, n_unknown). A single load or velocity has no
+        axis.
+        """
         emulator = self._rise
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
         self.require_within(loads, velocities)
@@ -363,7 +367,7 @@ def _row_conditions(
 
 
 def _require_enough(done: int, drawn: int) -> None:
-    """Raise an `InputError` if too few samples are computed at every load."""
+    """Raise an `InputError` if too few of the `drawn` samples are `done`, at every load."""
     if done < max(1, min(_FEWEST, drawn)):
         raise InputError(
             f"{done} of {drawn} samples are done at every load, too few to judge by; run the sweep "

@@ -169,7 +169,10 @@ def _correlated(
 
 
 def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
-    """Design of the samples: their inputs, velocities, seed and number for each contact."""
+    """Design of the samples: their inputs, velocities, seed and how many share a contact.
+
+    `layers` name the part of a simulation that each input affects first.
+    """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
         raise InputError(
@@ -193,7 +196,7 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
 
 
 def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
-    """The sweep with samples for each variant; raises if one is not a valid scene."""
+    """The sweep with `count` samples for each variant; raises if one is not a valid scene."""
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
         for name in made.variants.names[:_CHECKED_AT_ONCE]:

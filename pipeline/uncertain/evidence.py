@@ -64,11 +64,11 @@ def require_possible(ensemble: Ensemble) -> None:
 
 
 class Truths(NamedTuple):
-    """Draws of all unknown quantities that tests depend on: inputs (n, n_unknown), rig and oils."""
+    """Draws of all unknown quantities on which tests depend; each array has a row for each draw."""
 
-    inputs: Array
-    rig: Array | None = None  # friction of the rig, and its scatter, (n, 2)
-    oils: Mapping[str, Array] = {}  # critical temperatures of oils that have their own, (n,)
+    inputs: Array  # unknown inputs of the scene [SI], (n, n_unknown)
+    rig: Array | None = None  # friction coefficient of the rig, and its scatter, (n, 2)
+    oils: Mapping[str, Array] = {}  # critical temperatures [K] of oils that have their own, (n,)
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
@@ -227,7 +227,10 @@ class Joint:
 
     @classmethod
     def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
-        """Collect inputs and tests of a sweep; raises an `InputError` if a test is outside it."""
+        """Collect inputs and tests of a sweep; raises an `InputError` if a test is outside it.
+
+        `scatter` is the assumed relative scatter of measured velocities.
+        """
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)
         unknown, rig = join_rig(ensemble, unknown)
@@ -292,7 +295,10 @@ class Joint:
         return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
-        """Distances of the tests in ln(velocity) for draws (n, n_unknown); see `Distances`."""
+        """Distances of the tests in ln(velocity) for draws of the inputs; see `Distances`.
+
+        `inputs` (n, n_all) has the unknown inputs, then what was joined to them: rig and oils.
+        """
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,

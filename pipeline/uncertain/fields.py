@@ -169,7 +169,7 @@ class SampleField:
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
     def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
-        """Outcome of each draw (n,) along an axis, and where wear first turns severe (n,)."""
+        """Outcomes by draw (n,) on an axis through a place, and where wear first turns severe."""
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
@@ -189,7 +189,8 @@ class SampleField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is found from the velocities at which wear changes in each draw.
+        It is found from the velocities at which wear changes in each draw. `shift` is added to
+        ln(rise).
         """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._cache_lines([load for load in np.unique(loads).tolist() if load not in self._cached])
@@ -200,7 +201,10 @@ class SampleField:
         return result
 
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
-        """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe."""
+        """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe.
+
+        `shift` is added to ln(rise).
+        """
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)
         rows, columns = np.nonzero(turns)
@@ -234,7 +238,7 @@ class SampleField:
             yield functools.partial(_normal_below, sd), self.weights * odds
 
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
-        """Logarithms of velocities (m,), and ln(rise/limit) of the next run by draw (n, m).
+        """ln(velocity) (m,), and ln(rise/limit) of the next run at a load [N], by draw (n, m).
 
         With `beyond` they reach this far beyond the samples' ln(velocity). The rise without
         friction by velocity is then extrapolated as a power law.

@@ -31,7 +31,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes at which the probability is drawn
 
 @style.house_style
 def draw_probability(held: Results, log: bool = False) -> Figure:
-    """Draw the probability that the next run is severe, over velocity and load."""
+    """Draw the probability that the next run is severe over velocity and load, or their `log`."""
     field = single_field(held)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
     figure, axes = style.canvas((7.2, 5.4))
@@ -167,7 +167,10 @@ def draw_posterior(posterior: Posterior) -> Figure:
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
-    """Plot computed over measured velocities: points with 90 % intervals, and the scatter band."""
+    """Plot computed over measured velocities of transitions, with 90 % intervals.
+
+    `inferred` is the relative scatter of measured velocities that state none.
+    """
     tests = [judged.test for judged in transitions]
     measured = np.array([test["velocity"] for test in tests])
     scatter = [test.get("velocity_scatter", inferred * test["velocity"]) for test in tests]

@@ -250,13 +250,17 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits all runs but one; `draws` and `inferred` were found without it."""
+    """True if the model fits all runs but one; `draws` and `inferred` were found without it.
+
+    `scatter` is the assumed relative scatter of velocities; `inferred` has its 5, 50 and 95 %
+    quantiles.
+    """
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:
-    """1 for values near or beyond the ends of an input's range, else 0, shape (n,)."""
+    """1 for values (`column`) near or beyond the ends of an input's range, else 0, shape (n,)."""
     if unknown.kind == "list":
         return np.zeros(len(column))
     if unknown.kind == "uniform":

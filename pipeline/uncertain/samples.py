@@ -40,7 +40,10 @@ JUDGED = 32
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a simulated contact, by what their inputs affect."""
+    """Number of samples that share a simulated contact, by what their inputs affect (`layers`).
+
+    Contacts can be shared if the scene is `separable`. `wears` is True if the pin does.
+    """
     if not separable:
         return 1
     if "contact" in layers:

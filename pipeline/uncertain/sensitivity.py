@@ -119,7 +119,8 @@ def indices(
 ) -> tuple[Array, Array]:
     """First and total Sobol' indices of independent inputs (2, n_output, n_unknown).
 
-    The second array has half the width of their 90 % intervals.
+    The second array has half the width of their 90 % intervals. `function` gives the outputs
+    (n, n_output) of n draws. `count` is the size of the base sample, random from `seed`.
     """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
@@ -141,7 +142,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
     """First Sobol' indices (n_output, n_unknown), also of correlated inputs.
 
     The index is the variance of means over parts of an input's range, less what chance alone gives,
-    over the whole variance.
+    over the whole variance. `values` are the outputs of the draws, (n, n_output).
     """
     weights = draws.weights
     y = values - draws.mean(values)
@@ -161,7 +162,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
 
 
 def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
-    """Bin (n,) of an input's distribution that each draw is in; bins are equally probable.
+    """Bin (n,) that each draw of an input, a `column` of draws, is in; bins are equally probable.
 
     An input of few values has a bin for each value.
     """

@@ -110,7 +110,11 @@ def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
 def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
-    """Yield each run, compared with the prediction from all other runs; see `Judged`."""
+    """Yield each run, compared with the prediction from all other runs; see `Judged`.
+
+    `scatter` is the assumed relative scatter of measured velocities. `fits` is True if the model
+    fits all runs together.
+    """
     unknown, (distances, runs, joint) = model.ensemble.unknown, judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
     for rows, low, high, likelihood in zip(model.runs, *runs, strict=True):
@@ -142,6 +146,8 @@ def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, fl
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
     """Probability of a run's outcome, or of a more extreme one, by weights (n, n_scatter).
+
+    The outcome is a deviation between `low` and `high`, in standard deviations, for each weight.
 
     Some single runs are further off than a normal scatter allows. So the tails are those of
     Student's t with 4 degrees of freedom and the same standard deviation.
