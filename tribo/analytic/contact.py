@@ -181,6 +181,8 @@ def hertz_contact(
 ) -> HertzContact:
     """Hertzian contact of a ball, of a cylinder with `length`, or of a pin with `crown_radius`.
 
+    Sizes are in metres; `radius` lies in the plane x, z, and `crown_radius` in the plane y, z.
+
     Examples
     --------
     >>> hertz_contact(10.0, 115.385e9, 10e-3).aspect, hertz_contact(10.0, 1e11, 2e-3, 3e-3).aspect

@@ -87,7 +87,7 @@ _contacts = Cache[State](
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
-    """Summits of a scene's surface, cached: they are the same for all fidelities."""
+    """Summits of a surface, the same for all fidelities: cached, else from `compute`."""
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found
 
@@ -100,7 +100,7 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a flux into a body, cached; see `flux_history_spectrum`."""
+    """Spectrum of the rise due to a past flux into a body, `flux_history_spectrum`, cached."""
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
     )
@@ -113,7 +113,7 @@ def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
-    """Contact that depends on no earlier step, cached since it is the same at all velocities."""
+    """Contact that depends on no earlier step: cached under `key`, else from `compute`."""
     return _contacts.get(key, compute)
 
 

@@ -22,6 +22,7 @@ def refine_step(
     """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
     Each grid starts from the result of the grid before, and needs one contact; see `_rewind`.
+    `levels` is the scene on each grid.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
@@ -72,14 +73,14 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
 
 
 def _prolong(field: Array, shape: tuple[int, int]) -> Array:
-    """Copy a field to finer elements: each gets the value of the larger element around it."""
+    """Copy a field to a finer grid of `shape`: elements get the value of the one around them."""
     for axis, n in enumerate(shape):
         field = np.repeat(field, n // field.shape[axis], axis)
     return field
 
 
 def _spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
-    """Interpolate wear depths to finer elements, linearly along x and y; the mean stays equal."""
+    """Interpolate wear depths linearly to a finer grid of `shape`; the mean stays equal."""
     for n in shape[::-1]:  # along the last axis, then turned
         fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
         wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T

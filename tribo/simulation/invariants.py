@@ -139,7 +139,7 @@ def check_heat(
 
 @contextmanager
 def guard_range(what: str) -> Iterator[None]:
-    """Context manager: turn numbers beyond double precision into a `RangeError` that says where."""
+    """Context manager: turn numbers beyond double precision into a `RangeError` on `what`."""
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
             yield

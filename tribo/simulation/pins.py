@@ -25,7 +25,7 @@ from tribo.types import Array
 
 
 class WornContact(NamedTuple):
-    """Size of the smooth contact of a pin that has worn without rolling."""
+    """Width and depth of the smooth contact of a pin that has worn without rolling [m]."""
 
     width: float  # along x [m]
     depth: float  # greatest depth [m]

@@ -102,7 +102,8 @@ class Trunks:
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
         """Continue a cached ramp up to the last of the stations, and yield the new states.
 
-        Returns the state at the last station, and the notes of all stations.
+        Ramps are cached by `key`; `advance` computes a state from the one before. Returns the state
+        at the last station, and what `note` makes of the states at all stations.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

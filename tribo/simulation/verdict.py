@@ -30,10 +30,10 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 class Judging(ABC):
     """Base class of conditions: all that a verdict needs, apart from the criterion."""
 
-    friction: float
-    bulk_temperature: float
-    critical_temperature: float | None = None
-    disk_temperature: float | None = field(default=None, kw_only=True)
+    friction: float  # coefficient
+    bulk_temperature: float  # [K], of the pin alone if `disk_temperature` is given
+    critical_temperature: float | None = None  # [K]
+    disk_temperature: float | None = field(default=None, kw_only=True)  # [K]
     corrections: Corrections | None = field(default=None, kw_only=True)
 
     @property

@@ -137,6 +137,8 @@ def rms_height(heights: Array) -> float:
 def rms_slope(heights: Array, spacing: tuple[float, float]) -> float:
     """Root mean square of the gradient, from central differences on a surface that repeats.
 
+    `spacing` is that of the heights along x and y, in the same unit.
+
     Examples
     --------
     A sine of amplitude A and wavenumber q has slope Aq/√2:
