@@ -214,7 +214,7 @@ def _si_value(path: str, value: Any) -> Any:
 
 
 def oil_temperature(name: str, value: float | str) -> float:
-    """Read a temperature [K], and refuse one at which no oil works."""
+    """Read a temperature in K, or as text with a unit, and refuse one at which no oil works."""
     kelvin = in_si(name, value, "80 degC")
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
     if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:

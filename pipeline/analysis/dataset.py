@@ -111,7 +111,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:
-    """Stored value nearest to that of a coordinate, which may have lost its last digits."""
+    """The label nearest to a coordinate's value, which may have lost its last digits."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))

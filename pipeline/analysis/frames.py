@@ -53,7 +53,10 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
 
 
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield pairs (heading, column) for a single surface: critical value and outcome."""
+    """Yield pairs (heading, column) for a single surface: critical value and outcome.
+
+    `name` is that of the critical value, and `axis` the one along which boundaries are listed.
+    """
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
 
@@ -61,7 +64,8 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for several surfaces: median, band, counts of outcomes.
 
-    For samples they are the velocities of some probabilities only.
+    For samples they are the velocities of some probabilities only. See `_surface` for `name` and
+    `axis`.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

@@ -143,7 +143,10 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_places(
     field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge operating points by a field; those with the same conditions are judged together."""
+    """Judge `places` (point, its own conditions by name) by a field, in the order given.
+
+    Those with the same conditions are judged together.
+    """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
         alike.setdefault((*own.items(),), []).append(number)
@@ -169,7 +172,10 @@ def _judged_places(
 def margin_frame(
     data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Data frame of judged operating points; varied entries and the user's columns come first."""
+    """Data frame with a row for each judged operating point of `found`.
+
+    Varied entries, and further columns of the user's `points`, come first.
+    """
     names = _label_names(found) if data.kind is Kind.PLACES else data.entry_dims
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
@@ -210,7 +216,7 @@ def _value(margin: Margin, name: str) -> Any:
 
 
 def _label_names(found: Sequence[Judged]) -> list[str]:
-    """Names of the coordinates that identify rows of a table; the row number if no others."""
+    """Names of the coordinates that identify the rows of `found`; the row number if no others."""
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 

@@ -261,12 +261,12 @@ class Results:
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
 
     def require(self, *names: str) -> None:
-        """Raise an `InputError` if a variable is missing."""
+        """Raise an `InputError` if one of the variables `names` is missing."""
         if missing := [name for name in names if name not in self.columns]:
             raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
 
     def require_lists(self, *names: str) -> None:
-        """Raise an `InputError` if one of these axes is a single value instead of a dimension."""
+        """Raise an `InputError` if one of the axes `names` is a single value, no dimension."""
         for name in names:
             if name in self.cut:
                 value = (self.loads if name == "load" else self.velocities)[0]

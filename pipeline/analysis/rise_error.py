@@ -93,7 +93,7 @@ class RiseError:
 
     interpolation: float | None
     preset: float | None
-    warned: float | None
+    warned: float | None  # for points with a warning
     counted: float | None = 0.0  # error of film and friction by temperature, added after the run
 
     @classmethod
@@ -283,13 +283,13 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of interpolating over gaps in ln(load or velocity), by cross-validation."""
+    """Relative errors of interpolation over `gaps` in ln(x), x load or velocity (`axis`)."""
     return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(grid: RisePlane, axis: str) -> float:
-    """Root mean square of (error of ln(rise))/(gap in ln) over points left out in turn."""
+    """Root mean square of error of ln(rise)/gap in ln(x), over points left out in turn."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.

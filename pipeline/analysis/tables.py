@@ -137,7 +137,7 @@ def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
 
 
 def _cells(frame: pd.DataFrame, missing: str) -> list[list[str]]:
-    """Values of a frame as text, row by row."""
+    """Values of a frame as text, row by row; `missing` stands for NaN and None."""
     rows = frame.itertuples(index=False, name=None)
     return [[missing if pd.isna(value) else _text(value) for value in row] for row in rows]
 
@@ -167,7 +167,7 @@ def write_text(text: str, out: Path) -> Path:
 
 
 def write_bytes(content: bytes, out: Path) -> Path:
-    """Write a file completely, or leave the old one and raise an `InputError`."""
+    """Write a file `out` completely, or leave the old one and raise an `InputError`."""
     try:
         file = Path(os.path.realpath(out))  # keeps a symbolic link in place
         replace_files(file.parent, {file.name: content})
@@ -177,7 +177,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Checked path of a file to write; raises for a wrong suffix or a folder not writable."""
+    """Checked path of a file `out`; raises for a wrong suffix or a folder not writable."""
     path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"

@@ -201,7 +201,8 @@ def in_words(
 def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
     """Ranges of severe wear in words, from the places `turns` where wear changes; NaN is none.
 
-    `begins_severe` is True if wear is severe below the first of them.
+    `begins_severe` is True if wear is severe below the first of them. `along` is "velocity" or
+    "load".
     """
     places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
     begins = ["", *places] if begins_severe else places
@@ -216,7 +217,7 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
 
 
 def range_of(data: Results, axis: str) -> tuple[float, float]:
-    """Lowest and highest velocity [m/s] or load [N] of a scene, without 0."""
+    """Lowest and highest velocity [m/s] or load [N] (`axis`) of a scene, without 0."""
     present = (data.loads if axis == "load" else data.velocities).tolist()
     plane = data.sweep.plane
     of_scene = plane.loads if axis == "load" else plane.velocities

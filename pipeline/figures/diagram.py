@@ -50,8 +50,8 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     """Draw the transition diagram; for samples, the probability of severe wear.
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
-    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile. `log`
-    makes both axes logarithmic.
+    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile, or
+    that of the surface `realization`. `log` makes both axes logarithmic.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:

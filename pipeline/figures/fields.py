@@ -57,7 +57,7 @@ def require_done_at(load: float, is_done: Mask) -> None:
 
 
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Indices in `places` nearest to one or several `values`; empty if None."""
+    """Indices in the values `places` of an axis nearest to one or several `values`; or empty."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:
@@ -85,7 +85,8 @@ def fields(
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point.
 
-    In a figure as narrow as a journal's column the panels are stacked.
+    `load` and `velocity` choose the point, `realization` the surface. In a figure as narrow as a
+    journal's column the panels are stacked.
     """
     if "pressure" not in data.rest:
         raise InputError(

@@ -33,7 +33,7 @@ def zero_line(
 ) -> bool:
     """Draw the contour at which values `plane` (load, velocity) are 0; return False if none.
 
-    `x` are velocities [m/s], `y` loads [N].
+    `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file.
     """
     if not ((plane < 0).any() and (plane > 0).any()):
         return False
@@ -71,7 +71,7 @@ TESTS: dict[str | None, tuple[str, ...]] = {
 def mark_test(
     axes: Axes, number: str, test: Measurement, place: tuple[float, float], beside: str = ""
 ) -> Line2D:
-    """Mark a test with its number: open if wear stayed mild, filled if severe.
+    """Mark a test at its `place` (x, y) with its number: open if wear stayed mild, else filled.
 
     With a remark `beside` in its legend entry, the mark is faint.
     """

@@ -37,7 +37,9 @@ def ramp(
     realization: int | None = None,
     show: str | None = None,
 ) -> Figure:
-    """Draw contact, wear and temperature, or one variable, of points as their load grows.
+    """Draw contact, wear and temperature, or the variable `show`, of points as their load grows.
+
+    `load` and `velocity` choose the points, `realization` the surface.
 
     Steps on the coarse grid of the ramp are not joined to steps on the point's own grid.
     """
@@ -101,7 +103,7 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 
 
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
-    """Draw the highest temperature and the deciding one over time, with the critical one."""
+    """Draw highest and deciding temperatures of points over time, and the critical one."""
     handles = []
     for judged, look in _judged_looks(conditions):
         rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
@@ -145,7 +147,7 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 def temperature(
     data: Results, load: float | str | None = None, realization: int | None = None
 ) -> Figure:
-    """Draw the contact temperatures over velocity at one load."""
+    """Draw the contact temperatures over velocity at one load, on the surface `realization`."""
     data = data.take_row(realization)
     conditions, velocities = data.shown_conditions, data.velocities
     row = (nearest_indices(data.loads, "load", load) or [-1])[0]

@@ -146,7 +146,7 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
-    """Write a legend in as many columns as fit the width, at most `ncols`."""
+    """Write a legend in as many columns as fit the width of `owner`, at most `ncols`."""
     for columns in range(ncols, 0, -1):
         legend: Legend = owner.legend(ncols=columns, **options)
         if legend.get_window_extent().width <= owner.get_window_extent().width or columns == 1:

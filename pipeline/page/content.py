@@ -229,7 +229,7 @@ def _tables(
     """Deciding rises, and quantiles of the rise over the contact [K].
 
     Axes are load, velocity, bulk ratio, failing share (of rises) or probability (of quantiles),
-    step.
+    step. `columns` are variables by name, `quantile` the probabilities of their quantiles.
     """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]

@@ -84,7 +84,7 @@ def surface_choice(surfaces: Sequence[int] | None) -> str:
 
 
 def scene_choice(names: Sequence[str]) -> str:
-    """HTML that selects a scene of a sweep over entries; empty if there is only one."""
+    """HTML that selects a scene of a sweep by its name; empty if there is only one."""
     if len(names) < 2:
         return ""
     options = {str(number): name for number, name in enumerate(names)}
@@ -101,7 +101,7 @@ def _select(name: str, options: Mapping[str, str]) -> str:
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
-    """Control of a temperature [K]; its slider extends beyond its value, and to `high` [°C]."""
+    """Control of a temperature [K] with a `label`; its slider extends at least to `high` [°C]."""
     degrees = None if value is None else shown_in(value, "°C")
     low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
     high = high if degrees is None else max(high, math.ceil(1.5 * degrees))

@@ -134,7 +134,10 @@ def explore(
 
 
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
-    """HTML of the page of all scenes; its security policy allows only its own style and scripts."""
+    """HTML of the page of all scenes, with their names and HTML (`bodies`).
+
+    Its security policy allows only its own style and `scripts`, which are named without suffix.
+    """
     style = _text("page.css")
     sources = (_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
     script = "\n".join(['"use strict";', *sources])

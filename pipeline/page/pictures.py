@@ -27,7 +27,7 @@ _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear
 def packed_fields(
     ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
 ) -> dict[str, Any]:
-    """Draw pressure, rise and wear depth of points, given by indices (surface, load, velocity).
+    """Draw pressure, rise and wear depth of `chosen` points: indices (surface, load, velocity).
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
     the number of the point. Each has the highest pressure [Pa], the lowest and highest rise above
@@ -64,7 +64,10 @@ def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
 
 
 def _picture(levels: NDArray[np.uint8], colours: str) -> str:
-    """Base64 of a .png from levels (x, y), x to the right and y upwards; level 0 is white."""
+    """Base64 of a .png from levels (x, y), x to the right and y upwards; level 0 is white.
+
+    `colours` is the name of a Matplotlib colour map for the other levels.
+    """
     shades = colormaps[colours](np.linspace(0, 1, _LEVELS), bytes=True)[:, :3]
     palette = np.vstack([np.full((1, 3), 255, dtype=np.uint8), shades])
     image = Image.fromarray(np.ascontiguousarray(levels.T[::-1]), "P")
