@@ -249,8 +249,9 @@ def fitting_distance(
 ) -> float:
     """Centre distance without backlash [m], a = (r1 + r2) cos αt/cos αwt (ISO 21771:2007).
 
-    The working angle follows from inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2). The module [m]
-    and the pressure angle αn are those of the normal section; angles are in radians.
+    The working angle follows from inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2), with the numbers
+    of `teeth` z and the profile shifts x of pinion and wheel. The module [m] and the pressure angle
+    αn are those of the normal section; angles are in radians.
 
     Examples
     --------

@@ -32,7 +32,7 @@ class Duty:
     torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].
     bulk: float  #: Bulk temperature of the teeth [K].
-    load_factor: float = 1.0
+    load_factor: float = 1.0  #: Factor on the load: application, dynamics, face load.
 
     @property
     def turns(self) -> float:

@@ -48,7 +48,8 @@ def read_spectrum(
     """Read a table of duties: (hours or None, duty) of each row, and the sheet with unused parts.
 
     Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
-    temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`.
+    temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`. The
+    `source` is a file, or columns by heading; `sheet` names that of a workbook.
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)

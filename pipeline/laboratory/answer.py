@@ -122,7 +122,7 @@ def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
 
 
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
-    """Numbers of tests, runs, oils and outcomes in words."""
+    """Numbers of tests `found`, of their runs, oils and outcomes, in words."""
     kinds = Counter(test["outcome"] for test in found if "outcome" in test)
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
@@ -135,14 +135,17 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield warnings on tests whose load, velocity or temperature is probably in another unit."""
+    """Yield warnings on tests whose values (SI, by name) are probably in another unit."""
     for row in in_si:
         for doubt in doubts_of_row(row):
             yield f"the test of {row['load']:g} N at {row['velocity']:g} m/s: {doubt}"
 
 
 def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
-    """Yield a table with a row for each column of the file: heading, quantity, first cell."""
+    """Yield a table with a row for each column of the file: heading, quantity, first cell.
+
+    `words` has the meanings of words for outcomes.
+    """
     names = {place: name for name, place in sheet.places.items()}
     rows = []
     for place, heading in enumerate(sheet.headings):

@@ -47,7 +47,10 @@ def exports() -> Mapping[str, Export]:
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """Format of a file: `named` if given, else the recognised one; an empty one if none matches."""
+    """Format of a file: `named` if given, else the one recognised by the cells of its tables.
+
+    It is empty if none matches.
+    """
     if named is not None:
         if named not in exports():
             near = did_you_mean(named, exports())

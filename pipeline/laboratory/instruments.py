@@ -134,7 +134,7 @@ def _gwy_unit(unit: Any) -> float | None:
 
 
 def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
-    """Read the Gwyddion object that begins at byte `place`: its name, components and end."""
+    """Read the Gwyddion object at byte `place` of a file: its name, components and end."""
 
     def text(begin: int) -> tuple[str, int]:
         end = content.index(b"\0", begin)

@@ -195,7 +195,8 @@ def _leave_out_repeats(sheet: Sheet) -> None:
 def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
     """Number the runs of a log.
 
-    A run ends if load does not rise, wear was severe or the oil changes.
+    A run ends if load does not rise, wear was severe or the oil changes. `words` has the outcome
+    meant by each word.
     """
     loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
     labels, run, last, before = list[str](), 0, 0.0, ""

@@ -115,7 +115,10 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault for missing quantities, with options that supply them; drop rows without them."""
+    """Add a fault for `needed` quantities that lack, with options that supply them.
+
+    Rows without them, or at which a quantity of `moving` is 0, are dropped.
+    """
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
     missing = [name for name in needed if name not in sheet.places]

@@ -257,7 +257,8 @@ def _compare(
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
     """Compare a scan with random surfaces that have its fitted spectrum.
 
-    Returns the fit, the reason why they differ (empty if they do not), and the compared quantities.
+    `sides` are those of a pixel [m]. Returns the fit, the reason why they differ (empty if they do
+    not), and the compared quantities.
     """
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)

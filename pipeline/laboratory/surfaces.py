@@ -258,7 +258,7 @@ def _cropped(
 
 
 def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Heights with holes filled; None if the scene forbids holes, or there are no heights."""
+    """Heights with holes filled; None if `missing` is "refuse", or there are no heights."""
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):
         return heights

@@ -86,7 +86,7 @@ def words_of(name: str) -> Words | None:
 
 
 def units_of(names: Collection[str]) -> dict[str, str | None]:
-    """SI unit of each quantity, None for text."""
+    """SI unit of each quantity of `names`, None for text."""
     known = {name: words_of(name) for name in names}
     return {name: one.unit if one else UNITS.get(name) for name, one in known.items()}
 
@@ -129,7 +129,7 @@ class WordNames(Names):
         return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Column number of each quantity, and by quantity its fault.
+        """Number of the column of each quantity, from its headings, and by quantity its fault.
 
         Faults of quantities that are not needed are dropped.
         """

@@ -195,7 +195,7 @@ class Trace:
 
 
 def _span_text(name: str, levels: Sequence[float | None]) -> str:
-    """Lowest to highest load or velocity of the stages in words, such as "100 N to 600 N"."""
+    """Lowest to highest of `levels`, loads or velocities, in words: "100 N to 600 N"."""
     known = [level for level in levels if level is not None]
     ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
     return " to ".join(ends)
@@ -206,7 +206,7 @@ def _text(name: str, value: float) -> str:
 
 
 def _written_place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Load and velocity of a test as text, by name; "..." for a quantity that was not recorded."""
+    """Load and velocity of a test as text by name, except `without`; "..." for None."""
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
         for name in _COMMANDS
@@ -321,7 +321,10 @@ def _span(time: Array, rows: slice) -> float:
 
 
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
-    """True if a command drifts within piece `k` by over a third of the step to its neighbours."""
+    """True if a command drifts within piece `k` by over a third of the step to its neighbours.
+
+    `levels` are the median commands of the pieces.
+    """
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)
     drift = np.abs(np.median(rows[-quarter:], axis=0) - np.median(rows[:quarter], axis=0)).max()

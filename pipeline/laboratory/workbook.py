@@ -63,7 +63,10 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
-    """Rows of a sheet, read once for `values` and once for `formulas`; notes sheets not read."""
+    """Rows of the sheet `name`, opened for `values` and for `formulas`.
+
+    A note lists sheets of the workbook, `names`, that are not read.
+    """
     rows, widest = list[Row](), 0
     for sheet in (values, formulas):
         sheet.reset_dimensions()  # the dimensions in the file may be wrong
