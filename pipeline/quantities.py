@@ -78,7 +78,7 @@ _SI = {unit: next(iter(one.units)) for one in DIMENSIONS.values() for unit in on
 
 
 def column_heads(*names: str) -> dict[str, str]:
-    """Headings of columns with their units, such as ``critical temperature [°C]``, by quantity."""
+    """Headings with units, such as ``critical temperature [°C]``, by `names` of quantities."""
     units = {name: f" [{UNITS[name]}]" if UNITS.get(name) else "" for name in names}
     return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 

@@ -130,7 +130,7 @@ def columns_of(columns: Any) -> dict[str, list[Any]]:
 
 
 def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
-    """Turn columns by heading into the lines of a table; numbers without a unit are in SI."""
+    """Turn columns `listed` by heading into lines of a table; bare numbers are in SI."""
     heads = []
     for head, cells in listed.items():
         heading = Heading.of(head)

@@ -71,7 +71,7 @@ class Document(NamedTuple):
         )
 
     def file_of(self, key: str) -> Path:
-        """The file that sets an entry, or else the file that sets the table around it."""
+        """The file that sets the entry at a key path, or else the table around it."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
         paths = [*itertools.accumulate(parts, "{}.{}".format)]
         held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]

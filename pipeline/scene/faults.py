@@ -42,11 +42,11 @@ class Faults(list[Fault]):
         self.allows_store_only = allows_store_only  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str) -> None:
-        """Add a fault in the entry at a key path."""
+        """Add a fault (`problem`, with what to do) in the entry at a key path."""
         self.append(Fault(key, problem))
 
     def note(self, place: str, words: str, grade: Grade = "note") -> None:
-        """Add a note or a warning on an entry that is not faulty; none if `words` is empty."""
+        """Add a note or warning on the entry at the key path `place`; none if `words` is empty."""
         if words:
             self.notes.append(Remark(place, grade, words))
 

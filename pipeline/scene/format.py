@@ -61,7 +61,7 @@ def one_or_two(kind: Kind) -> Either:
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """Make a declared table of the entries of several tables, and of further `entries`."""
+    """Make a declared table that also has the entries of `others`, and further `entries`."""
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
@@ -73,7 +73,7 @@ def _brought_entries(path: str) -> tuple[type, ...]:
 
 
 def _forms_of_tests(*own: type) -> List:
-    """Kind of a list of tests; extras add forms of a test by ``FORMS`` of their ``format``."""
+    """Kind of a list of tests of the forms `own`, and those that extras add in ``FORMS``."""
     first, *others = own
     brought = (form for one in extras.modules("format") for form in one.FORMS)
     return List(Either(*map(table_of, (first, *brought, *others))))

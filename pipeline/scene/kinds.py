@@ -31,7 +31,10 @@ class UnfitError(Exception):
 
 
 def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
-    """Raise `UnfitError` unless a value is of a type; true and false are not numbers."""
+    """Raise `UnfitError` with a `problem` unless a value is of the type `kind`.
+
+    True and false are not numbers.
+    """
     if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
         raise UnfitError(f"{quoted(value)} {problem}")
 
@@ -52,7 +55,7 @@ class Kind(ABC):
         return self.words
 
     def read(self, value: object, place: str, faults: Faults) -> Any:
-        """Read the value at a key path; None, with a fault added, if it is wrong."""
+        """Read the value at a key path `place`; None, with a fault added, if it is wrong."""
         try:
             return self._read(value, place, faults)
         except (UnfitError, UnitError) as problem:
@@ -61,7 +64,7 @@ class Kind(ABC):
 
     @abstractmethod
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Read a value; add faults in its parts, `UnfitError` if it is wrong as a whole."""
+        """Read a value as `read` does; raise an `UnfitError` if it is wrong as a whole."""
 
 
 class Text(Kind):

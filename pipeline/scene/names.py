@@ -73,7 +73,7 @@ class Names:
     units: Mapping[str, str | None]
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """Rank of how surely a heading names the quantity `name`; 0 if it does not."""
+        """Rank, higher if surer, of how surely a heading names the quantity; 0 if it does not."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:
@@ -86,7 +86,10 @@ class Names:
         return len({*self.columns(headings)[0].values()})
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Column of each quantity by index, and a fault for each that several columns fit alike."""
+        """Index of the heading of each quantity, by its name, and faults by name.
+
+        A quantity has a fault if several headings fit it alike.
+        """
         places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:
             sure = [self.sureness(name, heading) for heading in headings]

@@ -97,7 +97,8 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
     """The sweep with further variants as outer axis; `InputError` for the first faulty variant.
 
-    Each row of `table` is completed with values of the library and the SHA-256 of its files.
+    Each row of `table` is completed with values of the library and the SHA-256 of its files. `key`
+    is the scene's entry that asks for them, for messages.
     """
     for path in table.rows[0].values:
         if path.partition(".")[0] in _FIXED:

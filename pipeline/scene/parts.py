@@ -63,7 +63,7 @@ class Contents:
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """Return the array with the SHA-256 `key`; `InputError` if its content is another one."""
+        """The array with the SHA-256 `key`, in a shape; `InputError` if it has another content."""
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
             raise tribo.InputError(f"the array {key} is another one")
@@ -86,8 +86,8 @@ def loading_of(
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
-    `stops` are times in a hold at which steps end [s]. A line fitted to a record is noted in
-    `faults`.
+    `table` is the scene's ``[loading]``, and `stops` are times in a hold at which steps end [s]. A
+    line fitted to a record is noted in `faults`.
     """
     if isinstance(table, Ramp):
         stops = tuple(s for s in stops if s < table.hold)

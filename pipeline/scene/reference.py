@@ -237,7 +237,10 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Write a line, and its meaning behind it as a comment; a long one is cut after a clause."""
+    """Write `mark` and a line, then its meaning and `form` as a comment.
+
+    A long meaning is cut after a clause.
+    """
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]
     clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]

@@ -31,7 +31,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
 
 def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
-    """Tests at the last mild and at the first severe stage of a run."""
+    """Tests at the last mild and first severe stage of a run, whose key path is `place`."""
     if faults.touches(place):
         return
     varied = [name for name in _KINDS if getattr(entry, name) is None]

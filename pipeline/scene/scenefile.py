@@ -105,7 +105,7 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Put the path of an entry before a message that begins with the entry's name."""
+    """Put the path of an entry before the message `words`, which begins with its name."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
@@ -133,7 +133,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides by full key path; a key of the fidelity may be given without its table."""
+    """Overrides and `preset` by full key path; fidelity keys may be given without their table."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

@@ -113,7 +113,7 @@ class Sheet:
         return self.headings[self.places[name]]
 
     def add(self, name: str, unit: str, cells: Iterable[str]) -> None:
-        """Append a column for a quantity."""
+        """Append a column of `cells` in a unit for the quantity `name`."""
         self.places[name] = len(self.headings)
         self.headings.append(Heading(name, name, unit))
         for row, cell in zip(self.rows, cells, strict=True):
@@ -199,7 +199,7 @@ class Sheet:
         return tables, read
 
     def refuse_faults(self, first_line: str) -> None:
-        """Raise an `InputError` with all faults, or for an empty table."""
+        """Raise an `InputError` with all faults, or for an empty table, with an example."""
         if not (self.rows or self.faults):
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
         if self.faults:
@@ -221,7 +221,7 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator that gives most cells with numbers, in rows as long as the headings."""
+    """Find the separator of lines that gives most numbers, in rows as long as the headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
@@ -277,7 +277,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """Find the row whose headings name most quantities; return their number, and its index."""
+    """Number of quantities that the best row of headings names, and the index of that row."""
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
@@ -288,7 +288,10 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
-    """Make a `Sheet` from the table, and the rows below the headings, that name most quantities."""
+    """Make a `Sheet` from the table, and the rows below the headings, that name most quantities.
+
+    `decimal` is the decimal sign, "," or "."; found from the cells if None.
+    """
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
     (rows, form), (_, start) = tables[best], tops[best]
@@ -354,7 +357,8 @@ def read_sheet(
     """Read a table from a file or from lines, and find the columns of quantities.
 
     `units` are the quantities that are sought, with SI units. Rows that lack a `needed` quantity,
-    or in which a quantity of `moving` is 0, are left out and counted.
+    or in which a quantity of `moving` is 0, are left out and counted. `sheet` names one of a
+    workbook.
     """
     words: Any = next(extras.modules("tables"), None)
     names = words.WordNames(units) if words else Names(units)

@@ -106,7 +106,10 @@ class Unit(NamedTuple):
 @functools.lru_cache(maxsize=65536)  # samples repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
-    """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure."""
+    """Value in SI of a text such as ``"0.27 um"``, of the dimension of `like`, without rounding.
+
+    Hardness is a pressure.
+    """
     needed = si_unit(like)
     if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
@@ -149,7 +152,10 @@ def to_si(text: str, like: str) -> float:
 
 
 def difference_in_si(text: str, like: str) -> float:
-    """Value in SI of a difference, such as ``"8 K"``; `UnitError` for a temperature in °C."""
+    """Value in SI of a difference such as ``"8 K"``, of the dimension of `like`.
+
+    Raises a `UnitError` for a temperature in °C.
+    """
     difference = to_si(text, like)
     if _read(text)[1].zero:
         raise UnitError(f'"{text}" is a temperature; give a difference, such as "8 K"')
@@ -316,7 +322,7 @@ def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
 
 
 def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
-    """Pressure of a hardness number [Pa]."""
+    """Pressure of a hardness number on a `scale` such as "HV" [Pa]."""
     if scale != "HV":
         numbers, vickers = _hardness_of_steel()[scale]
         if not numbers[0] <= number <= numbers[-1]:
@@ -330,7 +336,7 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Return a number unchanged; convert text with a unit of the dimension of `like` to SI."""
+    """Return a number as it is; convert a text with a unit, of the dimension of `like`, to SI."""
     if not isinstance(value, str):
         return float(value)
     try:

@@ -28,7 +28,10 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """One line that tells when wear is severe under several conditions, without repetitions."""
+    """One line that tells when wear is severe under several conditions, without repetitions.
+
+    Entries whose paths are in `drawn` read "of each sample".
+    """
     each = [
         (
             severe_words(one, drawn),

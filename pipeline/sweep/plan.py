@@ -119,8 +119,8 @@ class PointRecord:
     point: Point
     data: Mapping[str, Array | bytes] | None
     message: str = ""  # its warnings, or the reason of its failure
-    warning_flags: int = 0
-    wall_time: float = math.nan  # [s]
+    warning_flags: int = 0  # sum of `WarningKind` codes
+    wall_time: float = math.nan  # of the simulation [s]
     checksum: str | None = field(default=None, kw_only=True)
 
 
@@ -138,7 +138,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a variant: its own single one, else those of the sweep."""
+    """Loads or velocities of a variant: its own single one, else the sweep's `usual` ones."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -150,7 +150,7 @@ class Task(NamedTuple):
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Group points that share a contact into tasks; yield them by ramp, loads ascending."""
+    """Group points `todo` that share a contact into tasks, by ramp and ascending load."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)

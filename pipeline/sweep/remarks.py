@@ -29,7 +29,7 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Write texts as lines such as "note: text"; empty ones are left out."""
+    """Write `words` as lines such as "note: text"; empty ones are left out."""
     return (str(Remark("", grade, one)) for one in words if one)
 
 
@@ -39,5 +39,5 @@ def join_notes(notes: Iterable[str]) -> str | None:
 
 
 def split_notes(cells: Iterable[str | None]) -> list[str]:
-    """Split texts that `join_notes` wrote into notes, each once."""
+    """Split `cells`, which `join_notes` wrote, into notes, each once."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

@@ -200,7 +200,7 @@ class Variants:
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
-    """All combinations of labels along some dimensions, as names of variants."""
+    """All combinations of the labels along some `axes`, as names of variants."""
     return tuple(
         tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
     )
@@ -224,7 +224,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Table of variants that are numbered from 0; `columns` have a value for each number."""
+    """Table of variants numbered from 0, with the rule `draw`, if any, that drew its rows."""
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
@@ -236,7 +236,8 @@ def labelled_rows(
 ) -> Variants:
     """Table of variants by label; each replaces some entries, and may have one load or velocity.
 
-    `places` are loads [N] or velocities [m/s], one for each variant.
+    `changes` has the entries by label. `places` are loads [N] or velocities [m/s], one for each
+    variant.
     """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
