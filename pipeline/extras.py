@@ -37,7 +37,7 @@ def absent() -> frozenset[str]:
 
 
 def modules(part: str) -> Iterator[ModuleType]:
-    """Import the modules of one name, such as ``commands``, of all extras and studies."""
+    """Import the modules named `part`, such as ``commands``, of all extras and studies."""
     studies = next((name for name in STUDIES if _is_there(name)), "pipeline")
     for name in (*(f"pipeline.{name}" for name in present()), studies):
         if find_spec(f"{name}.{part}"):
@@ -45,7 +45,7 @@ def modules(part: str) -> Iterator[ModuleType]:
 
 
 def module(part: str) -> ModuleType:
-    """Import the module of one name from the extra that has it; `InputError` if none has."""
+    """Import the module named `part` from the extra that has it; `InputError` if none has."""
     for one in modules(part):
         return one
     from tribo import InputError  # with NumPy, which importing the package does not need

@@ -62,7 +62,7 @@ def _run_command(options: argparse.Namespace) -> Any:
 
 
 def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
-    """Run a command and return its exit code; print an error as a single message."""
+    """Run the `function` of a command and return its exit code; print an error in one message."""
     # Imported here, as they import NumPy, which --help does not need.
     from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory

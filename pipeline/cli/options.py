@@ -40,25 +40,28 @@ class Command(NamedTuple):
 
 
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
-    """Option with a value: `words` has its names and the value's name, `read` converts the text."""
+    """Option with a value.
+
+    `words` has its names and the value's name, `use` is the help, and `read` converts the text.
+    """
     *names, metavar = words.split()
     return Option(*names, metavar=metavar, type=read, help=use, **more)
 
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
-    """Option that may be repeated; its values are collected in a list."""
+    """Option as from `value` that may be repeated; its values are collected in a list."""
     return value(words, f"{use}; may be repeated", read, action="append", default=[])
 
 
 def flag(name: str, use: str, *short: str) -> Option:
-    """Option without a value, True if given."""
+    """Option without a value, True if given; `use` is its help, `short` a short name."""
     return Option(*short, name, action="store_true", help=use)
 
 
 def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit; its help is `use` and the example `like`.
 
-    It may be negative if `is_signed`.
+    It may be negative if `is_signed`. `metavar` names the value in the help.
     """
     return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 
@@ -68,7 +71,7 @@ WRITTEN = "output", "kept", "new_scene"
 
 
 def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
-    """Option ``-o`` for the file that a command writes."""
+    """Option ``-o`` for the file that a command writes; `kind` checks its path."""
     return value(f"-o --output {name}", use, kind)
 
 

@@ -49,7 +49,7 @@ def store(text: str) -> Path | str:
 
 
 def table(text: str, or_figure: bool = False) -> Path:
-    """Read the path of a table, or of a figure, and check early that it can be written."""
+    """Read the path of a table, or if `or_figure` of a figure, and check that it can be written."""
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
     try:

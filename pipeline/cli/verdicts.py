@@ -53,7 +53,10 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """Verdict on an operating point in each scene, in lines; raises if the only scene has none."""
+    """Verdicts on an operating point in lines: `found` has one for each scene.
+
+    Raises if the only scene has none.
+    """
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()

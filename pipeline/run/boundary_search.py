@@ -129,7 +129,7 @@ class BoundarySearch:
         ]
 
     def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
-        """Expected crossings at loads without points, from other loads or from a usual trend.
+        """Expected crossings at loads without points, from the `roots` at other loads or a trend.
 
         Without any known crossing only three loads are begun.
         """

@@ -64,7 +64,8 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
     """Addresses of workers with room for a task, idle ones first; an address for each task.
 
-    `ANYWHERE` stands for a worker that is still to come.
+    Workers have room by their number of `running` tasks. `ANYWHERE` stands for a worker that is
+    still to come.
     """
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]

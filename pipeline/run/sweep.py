@@ -168,7 +168,10 @@ def _require_cluster(client: Client | None) -> None:
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
-    """Yield sweep, store and queue of pending tasks: once, or for each round of a search."""
+    """Yield sweep, store and queue of pending tasks: once, or for each round of a search.
+
+    `choose_next` returns the sweep with the points of the next round, unchanged after the last.
+    """
     while True:
         if queue := TaskQueue(tasks(store.pending(), sweep)):
             yield sweep, store, queue

@@ -21,7 +21,7 @@ _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems canno
 
 
 def _path_of(root: Path, key: str) -> Path:
-    """Path of a file in the store `root`; `OSError` if a folder on the way is a symbolic link."""
+    """Path of the file `key` in the store `root`; `OSError` if a folder on the way is a link."""
     path = root / key
     for folder in reversed(path.parents[: key.count("/")]):
         _require_no_link(folder)
@@ -35,7 +35,7 @@ def _require_no_link(path: Path) -> None:
 
 
 def open_file(root: Path, key: str) -> int:
-    """Open a file of a store to read and write, and create it if missing; return its descriptor."""
+    """Open the file `key` of a store, created if missing; return its file descriptor."""
     path = _path_of(root, key)
     _require_no_link(path)
     make_folder(path.parent)
@@ -43,7 +43,7 @@ def open_file(root: Path, key: str) -> int:
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Replace files of a store, each atomically; return once all are safe on the disk."""
+    """Replace files (`contents` by key), each atomically; return once all are on the disk."""
     paths = [_path_of(root, key) for key in contents]
     folders = {path.parent for path in paths}
     for folder in folders:

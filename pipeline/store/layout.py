@@ -33,8 +33,8 @@ _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Number of points in a chunk along each dimension: 1024 in all, fewer if points are large.
 
-    A chunk has all loads, which one ramp computes, then neighbouring velocities, then surfaces or
-    samples.
+    `sizes` are those of the dimensions. A chunk has all loads, which one ramp computes, then
+    neighbouring velocities, then surfaces or samples.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):
@@ -44,7 +44,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Size of a point in the variable that needs most bytes a point [B]."""
+    """Size of a point in the variable of `wanted` that needs most bytes a point [B]."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
@@ -90,7 +90,10 @@ def row_axes(sweep: Sweep) -> Axes:
 
 
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Values of the dimensions within a point, such as step, x and y; there may be spare steps."""
+    """Values of the dimensions within a point, such as step, x and y, for points at these loads.
+
+    There may be spare steps. `before` has the axes of a store that grows.
+    """
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
@@ -109,7 +112,7 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at some indices, which `where` has for each dimension of points."""
+    """Points at some indices, which `where` has for each dimension of the variable ``status``."""
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
         numbers = where[dims.index(wanted[name].dims[0])]
@@ -174,5 +177,5 @@ def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], 
 
 
 def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
-    """Slices of the chunk with an index, if chunks have these sizes along the dimensions."""
+    """Slices of a chunk by its index `numbers`, if chunks have these sizes by dimension."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))

@@ -88,13 +88,13 @@ class Folder:
         return LocalStore(self.path, read_only=True)
 
     def read(self, key: str) -> bytes | None:
-        """Content of a file; None if there is none."""
+        """Content of the file `key`; None if there is none."""
         with suppress(FileNotFoundError, NotADirectoryError):
             return (self.path / key).read_bytes()
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace files; return once they are on the disk."""
+        """Replace files (`contents` by key); return once they are on the disk."""
         files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
@@ -126,14 +126,14 @@ class Bucket:
         return system, f"{path}/"
 
     def read(self, key: str) -> bytes | None:
-        """Content of an object; None if there is none."""
+        """Content of the object `key`; None if there is none."""
         system, above = self._opened()
         with suppress(FileNotFoundError):
             return bytes(system.cat_file(above + key))
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace objects, several at a time."""
+        """Replace objects (`contents` by key), several at a time."""
         system, above = self._opened()
         system.pipe({above + key: content for key, content in contents.items()})
 
@@ -164,7 +164,7 @@ def place_of(path: PathLike) -> StorePlace:
 
 @contextmanager
 def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
-    """Turn an error of disk or network in the block into a `StoreError` with file and reason."""
+    """Turn an error of disk or network in the block into a `StoreError`: "cannot be `verb`"."""
     try:
         yield
     except Exception as error:

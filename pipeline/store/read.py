@@ -151,7 +151,7 @@ class _Masked(BackendArray):
         )
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        """Read a part of the variable by an index for each dimension."""
+        """Read a part of the variable by a `key`: an independent index for each dimension."""
         count = self._mask.ndim
         mask = _select(self._mask, key[:count])
         with read_errors(self._place, self._name):
@@ -172,7 +172,7 @@ def _spread(values: Any, rows: Indices | None) -> Any:
 
 
 def _select(values: Any, key: tuple[Any, ...]) -> Any:
-    """Select values by an independent index for each dimension (orthogonal indexing)."""
+    """Select values by a `key`: an independent index for each dimension."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 

@@ -175,13 +175,13 @@ def find_root(place: StorePlace) -> Root | None:
 
 
 def _is_beginning(key: str) -> bool:
-    """True for a file that an interrupted creation may leave: metadata, coordinate or lock."""
+    """True if `key` is a file that an interrupted creation may leave, such as metadata."""
     name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Convert JSON to a `Root`; `StoreError` if it is damaged or of another program."""
+    """Convert a file's JSON to a `Root`; `StoreError` if it is damaged or of another program."""
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:
@@ -214,7 +214,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
-    """Read from a store the arrays that its scene's files contain, by SHA-256."""
+    """Read from a store the arrays that its scene's files contain, by SHA-256, as `sizes`."""
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}

@@ -92,6 +92,8 @@ def points_near_boundary(
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
     """Points near the boundary by the preset ``standard``, and d ln(rise)/d ln(velocity) at each.
 
+    There is one at the load and variant of each of `places`.
+
     Velocities from half the lowest to twice the highest are searched. Without a transition the
     nearer end is taken.
     """

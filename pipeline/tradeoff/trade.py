@@ -178,7 +178,7 @@ def trade(
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Approximate work of simulating up to the targets: number of steps × elements per pixel."""
+    """Approximate work of simulating up to the targets `places`: steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -188,7 +188,8 @@ def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
     """Fidelities to measure, by name, without repeats; the reference first.
 
-    The scene's heat model is kept. Heat with history needs every step on one grid.
+    They are `presets` and the sweep's own. The scene's heat model is kept. Heat with history needs
+    every step on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}
@@ -204,7 +205,10 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Errors and processor time of a fidelity, compared with the reference."""
+    """Errors and processor time of a fidelity, compared with the reference.
+
+    `exponents` are d ln(rise)/d ln(velocity) at each point.
+    """
     pairs = zip(measured.rises, reference.rises, exponents, strict=True)
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
     largest = max(map(abs, errors))

@@ -168,7 +168,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Yield the values of an entry; ``"+20%"`` becomes the scene's value increased by 20 %."""
+    """Yield values of the entry `key`; ``"+20%"`` becomes the scene's value and 20 % more."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:
