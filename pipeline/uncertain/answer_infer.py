@@ -87,7 +87,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 def _bounds_result(
     at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
 ) -> Result:
-    """Bounds of the critical temperature: above each mild test, below each severe test."""
+    """Bounds of the critical temperature from the `outcomes` of tests, "mild" or "severe"."""
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)

@@ -152,7 +152,7 @@ def features_of(
 ) -> tuple[Array, Groups]:
     """Features (n, n_feature) with a spread of about 1, and the number of each feature's input.
 
-    The wear rate k enters as k × velocity.
+    `columns` are the inputs of the design (n,). The wear rate k enters as k × velocity.
     """
     low, high = np.log(design.velocities)
     spread = (high - low) / math.sqrt(12)
@@ -278,7 +278,10 @@ def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
 def _cross_validate(
     groups: Groups, parts: Sequence[Mask], solutions: Iterable[tuple[Array, Array]]
 ) -> LeftOut:
-    """Result of cross-validation, from the kernel equations solved without each part."""
+    """Result of cross-validation, from the kernel equations solved without each part.
+
+    See `_folds` for `groups` and `parts`, `_solve_kernel` for `solutions`.
+    """
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
     scores = np.empty_like(low[1][1])
@@ -410,7 +413,7 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Deciding temperature rises [K] (n_sample, n_load), by the conditions of each sample."""
+    """Deciding rises [K] (n_sample, n_load) from variables by name and each sample's conditions."""
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)

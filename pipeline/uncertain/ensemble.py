@@ -357,7 +357,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of each sample, with its own drawn corrections and failing share."""
+    """Conditions of the samples numbered `rows`, with own drawn corrections and failing share."""
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:

@@ -72,7 +72,10 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 
 def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
-    """The sweep with samples for each variant; unchanged if the scene has none, or faults."""
+    """The sweep with samples for each variant; unchanged if the scene has none, or faults.
+
+    `fixed` are paths of unknown inputs to which the scene also gives a value.
+    """
     scene = sweep.declared
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
@@ -120,7 +123,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
 def _inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
-    """Unknown inputs, and inputs whose distribution a value of the scene replaces."""
+    """Unknown inputs, and inputs at the paths `fixed`, where a value replaces the distribution."""
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
@@ -135,7 +138,7 @@ def _inputs(
 def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
-    """Unknown inputs, each with its correlations with inputs before it in the file."""
+    """Unknown inputs with correlations to inputs before them, from the `table` ``[unknown]``."""
     order = {one.path: number for number, one in enumerate(unknown)}
     varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.
@@ -209,7 +212,10 @@ def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
 
 
 def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
-    """Read the distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
+    """Read the distribution of one input from its form and `parameters`.
+
+    Raises a `UnitError` or `InputError` if it is faulty.
+    """
     if path.partition(".")[0] in _FIXED or "." not in path:
         raise InputError(
             "this cannot be unknown; give an entry that affects temperature or wear, such as "

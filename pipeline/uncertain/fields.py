@@ -283,7 +283,7 @@ class SampleField:
             self._cached[load] = np.log(velocities), lines[:, number]
 
     def _random_excess(self, loads: Axis, velocities: Axis | float) -> Array:
-        """ln(rise/limit) by draw, with random emulator error and random friction of a run."""
+        """ln(rise/limit) by draw, load and velocity, with random emulator error and friction."""
         seed = self.ensemble.design.seed
         lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_error(seed)
         chance = np.random.default_rng(seed + 1).standard_normal(len(lines))

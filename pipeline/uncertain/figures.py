@@ -31,7 +31,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes at which the probability is drawn
 
 @style.house_style
 def draw_probability(held: Results, log: bool = False) -> Figure:
-    """Draw the probability that the next run is severe over velocity and load, or their `log`."""
+    """Draw the probability of severe wear over velocity and load, on `log` axes if asked for."""
     field = single_field(held)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
     figure, axes = style.canvas((7.2, 5.4))

@@ -18,10 +18,10 @@ MOST_SAMPLES = 100_000  # reading each as a scene takes 1 ms
 class Shape(NamedTuple):
     """Distribution of an input as a scene file states it."""
 
-    form: str
-    parameters: tuple[Any, ...]
-    varies: bool
-    correlated: Mapping[str, float]
+    form: str  # kind of distribution, or "list"
+    parameters: tuple[Any, ...]  # of the distribution, with units; the values of a list
+    varies: bool  # from specimen to specimen
+    correlated: Mapping[str, float]  # coefficients of correlation, by the path of the other input
 
 
 @dataclass(frozen=True)

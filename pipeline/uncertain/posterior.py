@@ -277,10 +277,10 @@ class Contrast(NamedTuple):
     """Difference of a quantity between two oils: the second minus the first."""
 
     oils: tuple[str, str]
-    what: str
+    what: str  # name of the quantity
     unit: str  # K; or 1 for the difference of ln(velocity)
-    mean: float
-    sd: float
+    mean: float  # of the difference
+    sd: float  # its standard deviation
     interval: tuple[float, float, float]  # 5, 50 and 95 % quantiles
     probability: float  # probability that the second oil has the larger value
 

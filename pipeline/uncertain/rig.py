@@ -52,7 +52,7 @@ def join_rig(
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
     """Inputs with the rig's friction and scatter added, and the columns of both.
 
-    They are added only if tests measured friction.
+    They are added to `unknown` only if tests measured friction; else there are no columns.
     """
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
