@@ -48,7 +48,7 @@ def near_path(path: Path) -> str:
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Decode a file in UTF-8, UTF-16 or Latin-1; also a list of words, empty unless Latin-1."""
+    """Text of a file in UTF-8, UTF-16 or Latin-1; and a list of notes, empty unless Latin-1."""
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
     with suppress(UnicodeDecodeError):
         return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []

@@ -385,7 +385,8 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated"
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
     """Number of parts into which the grid divides each interval of velocity, and of load.
 
-    `others` is the number of values at each node, which limits the number of nodes.
+    `loads` and `velocities` are the numbers of both in the sweep. `others` is the number of values
+    at each node, which limits the number of nodes.
     """
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)

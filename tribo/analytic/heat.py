@@ -121,9 +121,8 @@ def rolling_sliding_rise(
     ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width
     2b [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
     effusivity e = √(Kρc) of each body (Blok 1937). The factor c depends on the shape of the
-    `pressure`. At high Péclet numbers: each point is heated
-    on its way through the contact and loses nothing sideways, so that the heat is shared as
-    √u₁ : √u₂.
+    `pressure`. At high Péclet numbers: each point is heated on its way through the contact and
+    loses nothing sideways, so that the heat is shared as √u₁ : √u₂.
 
     Examples
     --------

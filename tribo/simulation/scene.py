@@ -144,7 +144,7 @@ class Scene:
         return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
 
     def windows_worn(self, sliding: float) -> float:
-        """Length of the pin that wears at a sliding velocity, in windows: its track if it rolls."""
+        """Length of the part of the pin that wears, in windows along x: its track if it rolls."""
         if self.velocities_at(sliding).pin == 0:
             return 1.0
         return self.track_length / self.pixels.size[0]

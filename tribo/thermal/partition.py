@@ -278,6 +278,7 @@ def _iterate(
     Each direction's image is made orthogonal to the earlier ones, so that every step minimises
     the residual (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20, 1983). It takes the same
     steps as GMRES, and cannot break down since the operator's symmetric part is positive definite.
+    The residual falls to `tolerance` times the norm of `target`, unless `max_iterations` end first.
     Returns the solution and the iterations.
     """
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)

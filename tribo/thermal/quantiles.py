@@ -135,7 +135,7 @@ def rise_exceeded(
 
 
 def failed_share(rise_quantiles: Array, limit: float) -> float:
-    """Share of the contact area whose rise exceeds `limit`, from its quantiles.
+    """Share of the contact area whose rise exceeds `limit` [K], from quantiles of the rise [K].
 
     Linear between the quantiles.
 
