@@ -31,6 +31,7 @@ from pipeline.analysis.dataset import (
     sweep_kind,
 )
 from pipeline.store.place import PathLike
+from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, DONE, MADE, OF_POINT, PLANE, SCENE_ID, STEPPED
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.laws import Law
@@ -245,7 +246,7 @@ class Results:
         found = np.full(self.columns["status"].shape, "", object)
         if self.keeper is None:
             return found
-        stored = self.keeper.messages()
+        stored = open_store(str(self.keeper.place))["message"].load()
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
         with suppress(KeyError):  # if the dataset has places that the store lacks
             texts = stored.sel({name: axes[name] for name in stored.dims if name in axes})
@@ -348,6 +349,8 @@ def results(ds: ResultsLike) -> Results:
     if isinstance(ds, Results):
         return ds
     ds = keep_steps(dataset_of(ds), "status")
+    if "rise_quantile" in ds and "cooler_share" not in ds.indexes:
+        raise InputError("the dataset has no axis cooler_share; keep it, with all of its values")
     kind, status = sweep_kind(ds), ds["status"]
     front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
     # In the order of the dataset, so that labels keep their order.

@@ -57,21 +57,16 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
-    return _read(text, _Arrays(arrays))
-
-
-class _Arrays(dict[str, Array]):
-    """Contents of files by SHA-256, equal if their digests are."""
-
-    def __hash__(self) -> int:  # type: ignore[override]
-        return hash(frozenset(self))
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Arrays) and self.keys() == other.keys()
+    return _read(text, arrays) if arrays else _read_alone(text)
 
 
 @functools.lru_cache(maxsize=8)  # a command opens its store several times
-def _read(text: str, arrays: _Arrays) -> Sweep:
+def _read_alone(text: str) -> Sweep:
+    """Read the sweep of a text that names no file."""
+    return _read(text, {})
+
+
+def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
     try:
         read = json.loads(text)
         sweep = Sweep(
@@ -87,7 +82,7 @@ def _read(text: str, arrays: _Arrays) -> Sweep:
         )
         _ = sweep.parts  # reads the entries: an error for a fault
     except Exception as error:  # a forged text may fail in any way, and is one error
-        raise SweepTextError(f"it is not the text of a sweep: {error}") from error
+        raise SweepTextError(f"the attribute sweep is not the text of a sweep: {error}") from error
     return sweep
 
 

@@ -57,7 +57,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
-    if before is None or root.documents() != before.documents():
+    if before is None or json.loads(root.documents()[ROOT]) != before.found:
         with io_errors(place, "written"):
             _write_root(place, root)
     store = Store(place, root, lock)

@@ -180,24 +180,17 @@ class Keeper:
     """Cache in a store for results of commands that take long to compute from its dataset."""
 
     def __init__(self, place: StorePlace) -> None:
-        self._place = place
+        self.place = place
         self.may_keep = False  # True only within a run, which writes anyway
-
-    def __deepcopy__(self, _: Any) -> Keeper:
-        return self
-
-    def messages(self) -> xr.DataArray:
-        """Read anew the warnings of points, and the reasons why points failed."""
-        return open_store(str(self._place))["message"].load()
 
     def kept(self, name: str) -> bytes | None:
         """Read the content that is cached under a name; None without one."""
         with suppress(OSError):
-            return self._place.read(KEPT + name)
+            return self.place.read(KEPT + name)
         return None
 
     def keep(self, name: str, content: bytes) -> None:
         """Cache content under a name; does nothing if this process may not or cannot write."""
         with suppress(OSError):
             if self.may_keep:
-                self._place.put({KEPT + name: content})
+                self.place.put({KEPT + name: content})

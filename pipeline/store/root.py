@@ -47,14 +47,13 @@ from pipeline.store.schema import (
     variables_of,
 )
 from pipeline.sweep.model import Sweep
-from tribo import InputError
 from tribo.types import Array
 
 _CONSOLIDATED = "consolidated_metadata"
 _COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
-_FACTS = ("format", "axes", "points_per_chunk", "history", "inputs")
-"""Attributes of the group ``about``, beside the hash."""
+_FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "ids")
+"""Attributes of the group ``about``, beside the hash; xarray may drop those of the root."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,10 +117,10 @@ class Root:
         They are made here since Zarr would write the root in two steps. The other documents repeat
         parts of it, for programs that consolidate the metadata anew.
         """
-        values = (FORMAT, self.axes, self.block, self.history, self._inputs)
+        values = (FORMAT, self.axes, self.block, self.history, self._inputs, self.text, self.ids)
         facts = dict(zip(_FACTS, values, strict=True))
         arrays = {path_of(name): array for name, array in self.arrays.items()}
-        facts["digest"] = _digest(self.attributes, facts, arrays)
+        facts["digest"] = _digest(facts, arrays)
         own = {ABOUT: _group(facts), AT_ENDS: _group({})} | arrays
         others = self.others
         whole = others | {path: with_others(others.get(path), own[path]) for path in own}
@@ -143,11 +142,11 @@ def with_others(found: Any, new: Document) -> Document:
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
-def _digest(attributes: Document, facts: Document, arrays: Document) -> str:
+def _digest(facts: Document, arrays: Document) -> str:
     """SHA-256 of a root document without texts for people and additions of users."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
-    said = [facts[name] for name in _FACTS], attributes["sweep"], attributes[SCENE_ID], numbers
+    said = [facts[name] for name in _FACTS], numbers
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()
 
 
@@ -186,31 +185,37 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     fault = "damaged, or not that of a sweep"
     try:
         document = json.loads(content)
-        attributes = document["attributes"]
-        metadata = (document.get(_CONSOLIDATED) or {"metadata": {}})["metadata"]
-        if "sweep" in attributes and ABOUT not in metadata:
+        if not document.get(_CONSOLIDATED):  # Zarr drops it where users add without it
+            document[_CONSOLIDATED] = {"metadata": _read_metadata(place)}
+        metadata = document[_CONSOLIDATED]["metadata"]
+        if "sweep" in document["attributes"] and ABOUT not in metadata:
             fault = _COPY
         facts = metadata[ABOUT]["attributes"]
         version = facts["format"]
-        if version == FORMAT and facts["digest"] == _digest(attributes, facts, metadata):
+        if version == FORMAT and facts["digest"] == _digest(facts, metadata):
             root = Root(
-                sweep=parse_sweep(attributes["sweep"], _read_inputs(place, facts["inputs"])),
-                text=attributes["sweep"],
+                sweep=parse_sweep(facts["sweep"], _read_inputs(place, facts["inputs"])),
+                text=facts["sweep"],
                 axes=facts["axes"],
-                ids=json.loads(attributes[SCENE_ID]),
+                ids=facts["ids"],
                 block=facts["points_per_chunk"],
                 history=facts["history"],
                 found=document,
             )
             if root.axes.keys() <= root.variables.keys():  # names of axes become names of files
                 return root
-    except InputError as error:
-        fault = f"a stranger's: {error}"
     except (DamagedError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     if version != FORMAT:
         fault = f"of another version of this program: of format {version}, and not {FORMAT}"
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
+
+
+def _read_metadata(place: StorePlace) -> dict[str, Document]:
+    """Read the Zarr metadata of all groups and arrays of a store from their own documents."""
+    with io_errors(place):
+        keys = [key for key in sorted(place.keys()) if key.endswith(f"/{ROOT}")]
+        return {key[: -len(ROOT) - 1]: json.loads(place.read(key) or b"{}") for key in keys}
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:

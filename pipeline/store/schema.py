@@ -11,7 +11,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
 from tribo import InputError, WarningKind
 
-FORMAT = 12
+FORMAT = 13
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

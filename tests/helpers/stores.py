@@ -137,7 +137,7 @@ def sealed(document):
     """Content of a store's root document as bytes, with its digest recomputed."""
     metadata = document["consolidated_metadata"]["metadata"]
     about = metadata["about"]["attributes"]
-    about["digest"] = root._digest(document["attributes"], about, metadata)
+    about["digest"] = root._digest(about, metadata)
     return json.dumps(document).encode()
 
 
@@ -147,10 +147,11 @@ def forge(store, file, change):
     `change` is called with the sweep and the facts, and with the metadata of arrays by path.
     """
     document = json.loads(file.read_bytes())
-    attributes, metadata = document["attributes"], document["consolidated_metadata"]["metadata"]
-    texts = {"sweep": json.loads(attributes["sweep"]), "store": metadata["about"]["attributes"]}
+    metadata = document["consolidated_metadata"]["metadata"]
+    about = metadata["about"]["attributes"]
+    texts = {"sweep": json.loads(about["sweep"]), "store": about}
     change(texts, metadata)
-    attributes["sweep"] = json.dumps(texts["sweep"])
+    about["sweep"] = json.dumps(texts["sweep"])
     (store / ROOT).write_bytes(sealed(document))
 
 
