@@ -126,8 +126,11 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
             _read_flags(store, damage, numbers, block)
         for count, (numbers, block) in enumerate(begun, 1):
             values = read_block(store, block)
-            for name in (name for name, of_block in values.items() if of_block is None):
-                _note_chunk(store, damage, name, numbers, block)
+            is_done = (store.flags[block] == DONE).any()
+            for name, of_block in values.items():
+                is_lost = is_done and (key := store.key(name, numbers)) not in keys
+                if of_block is None or (is_lost and store.place.read(key) is None):
+                    _note_chunk(store, damage, name, numbers, block)
             for index, point, entries in stored_entries(store, block, values):
                 if fault := fault_of(store, point, entries):
                     words = store.in_words(point)
