@@ -21,7 +21,16 @@ from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import AT_END, COORDINATES, INPUTS, MADE, PLANE, STEPPED, VARIABLES
+from pipeline.store.schema import (
+    AT_END,
+    COORDINATES,
+    INPUTS,
+    MADE,
+    PLANE,
+    POINT,
+    STEPPED,
+    VARIABLES,
+)
 from pipeline.sweep.conditions import PATHS, UNITS, changes_of
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import name_of
@@ -189,6 +198,8 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
         raise InputError(f"the dataset has no {name}; keep its coordinates, and their names")
     if not ds[name].size:
         raise InputError(f"the dataset has no {name} left; select at least one")
+    if ds[name].dtype.kind not in "fiu" or not np.isfinite(ds[name]).all():
+        raise InputError(f"a {name} of the dataset is no number; leave out what has none")
     if name in ds.indexes and not ds.indexes[name].is_unique:
         raise InputError(
             f"the dataset has a {name} twice; keep each once, such as by "
@@ -289,9 +300,12 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the axes of a sweep; a store keeps them in the order in which they grew."""
+    """Sort the axes of a dataset; spread points of a search over all their loads and velocities."""
+    if POINT in ds.dims:
+        axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
+        ds = ds.set_index(point=axes).unstack(POINT)
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
-    axes = [*numbers, *(name for name in (*drawn_dims(ds), *PLANE) if name in ds.dims)]
+    axes = [*numbers, *(dim for dim in (*drawn_dims(ds), *PLANE, "cooler_share") if dim in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
 

@@ -172,6 +172,9 @@ REFUSALS = {
     "answer": (nothing, "a sweep has no nothing; it has at, boundary"),
     "renamed": (lambda: pipeline.boundary(plane().rename(load="F")), "the dataset has no load;"),
     "emptied": (lambda: pipeline.boundary(plane().isel(velocity=[])), "has no velocity left"),
+    "no number": (lambda: pipeline.boundary(plane().assign_coords(load=[*range(11), float("nan")])),
+                  "a load of the dataset is no number"),
+    "no shares": (lambda: pipeline.boundary(plane().drop_vars("cooler_share")), "no axis cooler"),
     "doubled": (lambda: pipeline.boundary(plane().isel(load=[0, 1, 1])), "has a load twice"),
     # oils
     "an oil": (lambda: pipeline.boundary(oils()), "answer is for one: A, B; give its name"),

@@ -45,7 +45,7 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
     with xr.open_zarr(copy, chunks=None) as ds:
         before, boundary = ds.load(), pipeline.boundary(copy)
     add_own(copy)
-    assert "9 points are done and intact, 0 are damaged" in irg("verify", copy)
+    assert "points: 9 done and intact, 0 damaged" in irg("verify", copy)
     xr.testing.assert_identical(pipeline.boundary(copy).drop_attrs(), boundary.drop_attrs())
     with pipeline.open_sweep(copy) as ds:
         ds.load()
@@ -59,6 +59,23 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
         np.testing.assert_array_equal(ds["doubled"], 2 * before["max_rise"])
     group = zarr.open_group(copy, use_consolidated=False)
     assert group["max_rise"].attrs["note"] == "mine, too"
+
+
+@pytest.mark.parametrize(
+    "add",
+    [
+        lambda path: xr.Dataset({"mine": ("k", [1.0])}).to_zarr(path, mode="a"),
+        lambda path: zarr.open_group(path, use_consolidated=False).attrs.update(mine=1),
+    ],
+)
+def test_a_root_that_other_programs_have_rewritten_is_whole_after_a_run(copy, add):
+    boundary = pipeline.boundary(copy)
+    add(copy)
+    xr.testing.assert_identical(pipeline.boundary(copy), boundary)
+    assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
+    with xr.open_zarr(copy, chunks=None) as ds:
+        xr.testing.assert_identical(pipeline.boundary(ds), boundary)
+        assert "mine" in {*ds, *ds.attrs}
 
 
 @pytest.mark.parametrize("kind", ["zarr", "netcdf", "plain zarr", "not consolidated"])
@@ -118,6 +135,11 @@ def made(request, tmp_path_factory):
 @pytest.fixture(scope="module")
 def opened(made):
     return xr.open_zarr(made), pipeline.open_sweep(made)
+
+
+def test_results_of_a_plain_dataset_are_those_of_its_store(made):
+    both = (pipeline.results(ds).columns["max_rise"][..., -1] for ds in (xr.open_zarr(made), made))
+    np.testing.assert_array_equal(*(rises[np.isfinite(rises)] for rises in both))
 
 
 @pytest.mark.parametrize("name", PLAIN)
