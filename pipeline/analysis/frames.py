@@ -46,8 +46,8 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)
     heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED | {"caveats": "notes"}
-    first = [one for one in judged if one == "friction"]
-    names = [*dict.fromkeys([*dims[:-1], *first, axis, *values, *judged])]
+    front = [*dims[:-1], *{"friction"}.intersection(judged), axis]  # which leads, if it is one
+    names = [*dict.fromkeys([*front, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)
     return frame_of([heads.get(column, column) for column in names], found)
 

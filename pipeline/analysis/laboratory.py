@@ -226,9 +226,7 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)
     for test in laboratory_tests(scene):
         place = test.normal_load, test.velocity
-        note = ""
-        if test.hold not in (None, hold):
-            note = f"computed with the hold of the scene, {hold:g} s"
+        note = f"computed with the hold of the scene, {hold:g} s" * (test.hold not in (None, hold))
         at = test.friction, test.bulk_temperature
         try:
             own = own_conditions(scene, test)

@@ -30,19 +30,19 @@ def status(options: argparse.Namespace) -> Result:
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
     store = opened(path)
     state, sweep = summary_of(store), store.sweep
-    lines = [state.title, f"{state.total} points: {_counts(state)}"]
+    text = [state.title, f"{state.total} points: {_counts(state)}"]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
-    lines += [earlier] * bool(state.earlier)
-    lines += [f"running: {state.running}"] * bool(state.running)
-    lines += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
+    text += [earlier] * bool(state.earlier)
+    text += [f"running: {state.running}"] * bool(state.running)
+    text += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
     warned = None
     try:
         warned = pipeline.warned(path)
     except StoreError as error:  # points are counted nevertheless
-        lines.append(f"warnings are not counted: {error}")
+        text.append(f"warnings are not counted: {error}")
     frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
     code = SOME_FAILED if state.failed else DONE
-    return Result(text=lines, warned=warned, frames=[frame], code=code)
+    return Result(text=text, warned=warned, frames=[frame], code=code)
 
 
 def _counts(state: Summary) -> str:
@@ -87,7 +87,7 @@ def verify(options: argparse.Namespace) -> Result:
         check = pipeline.verify_store(options.store, progress)
     damaged = *check.damaged, *check.shared
     text = [
-        f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
+        f"points: {check.done} done and intact, {len(check.damaged)} damaged",
         *(f"damaged: {damage}" for damage in damaged),
     ]
     rows = [(one.load, one.velocity, one.place, one.message) for one in check.damaged]

@@ -212,7 +212,8 @@ def run_points(
         number = different.index(place)
         states = [moment[number] for moment in heated]
         course = [moment[number] for moment in states[-1].course]
-        columns = _stacked([*course, *(record_at(place[0], state) for state in states)])
+        records = [*course, *(record_at(place[0], state) for state in states)]
+        columns = {name: np.array([record[name] for record in records]) for name in records[0]}
         # Friction by temperature is not solved for samples: they share contacts, not friction.
         solved = None if sweep.variants.draw else variant.scene.solved_friction
         coupled = UNSOLVED
@@ -248,10 +249,6 @@ def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
         return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it
         return record_at(scene, replace(contact, sliding_distance=abs(velocity) * contact.time))
-
-
-def _stacked(records: Sequence[Moment]) -> dict[str, Array]:
-    return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
 def record_at(scene: Scene, state: State) -> Moment:

@@ -152,8 +152,7 @@ def trade(
         raise InputError("friction is 0, so there is no boundary; give a friction above 0")
     places = spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
     candidates = _candidates(sweep, presets)
-    several = "s" * (len(places) > 1)
-    progress(Progress(f"{len(candidates)} choices at {len(places)} place{several}"))
+    progress(Progress(f"{len(candidates)} choices at {len(places)} place{'s' * (len(places) > 1)}"))
     near, exponents = points_near_boundary(sweep, places)
     stages = staged(
         [*candidates.items()],

@@ -32,16 +32,8 @@ GIVEN_UP = 2
 def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, source=None):
     """Run or resume a sweep; return the exit code that the command would have.
 
-    Parameters
-    ----------
-    records : dict of Point to PointRecord, optional
-        What workers would return: without any, all of the run but Dask.
-    mistake : str, optional
-        One of `MISTAKES`.
-    pace : float
-        Time that each task takes, if its points have records [s].
-    source : path, optional
-        Store to take points from.
+    Without workers, `records` by point are what they would return, each task after `pace` [s].
+    `mistake` is one of `MISTAKES`, and `source` a store to take points from.
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))

@@ -222,7 +222,6 @@ class Trial:
 
     Attributes
     ----------
-    run : Run
     place, path, log : Path
         Its folder, the store, and the file in which drivers note points reported as done.
     expected : callable

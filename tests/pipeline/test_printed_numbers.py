@@ -200,7 +200,7 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
         assert f"{count} point{' carries' if count == 1 else 's carry'}" in said
     checked, said, _ = ask("verify", kind)
     assert checked == []
-    assert f"{counts[1]} points are done and intact, 0 are damaged" in said
+    assert f"points: {counts[1]} done and intact, 0 damaged" in said
 
 
 OTHERWISE = (

@@ -186,7 +186,7 @@ def test_a_store_whose_chunks_would_be_unpickled_is_read_by_its_format(strangers
         "compressor": {"id": "pickle", "protocol": 5},
     }
     write(strangers / store, root)
-    assert "9 points are done and intact" in irg("verify", store)
+    assert "points: 9 done and intact" in irg("verify", store)
     assert "critical" in irg("boundary", store)
     assert not ran()
 

@@ -4,8 +4,7 @@ The error at a place is that of the critical velocity, ln(rise/true rise) over t
 which the rise grows with the velocity, against `reference` as `truth` has it. A preset promises the
 99 % quantile of its errors at places without a warning. Scenes of an odd number judge the presets.
 With ``--search`` those of an even number show what other choices would give: a preset is on the
-front if none takes a tenth less time at no larger quantile. All of these scenes take over an hour,
-so that some of them may be drawn.
+front if none takes a tenth less time at no larger quantile. All take over an hour; draw some.
 
     python -m tests.promises.front
     python -m tests.promises.front --search --scenes 10

@@ -6,9 +6,7 @@ is said to be severe with 1, 5 and 20 %; the true probability there follows from
 transition, found by direct simulations, and its own scatter. No run is counted.
 
 A line for each truth is added to the file, and the next run goes on from there. Prints a JSON
-document; the exit code is 1 unless the mean of the true probabilities is within a factor of 1.3 of
-what is said where scatters are drawn, and at most 2.6 times that (8 tests) or 1.6 times (24) where
-they are fixed, each as far as so many truths tell.
+document; the exit code is 1 if true probabilities are too far from what is said.
 """
 
 import argparse
