@@ -217,7 +217,7 @@ def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
             f"of its values, such as ds.isel({unknown[0]}=0)"
         )
     for name in [one.name for one in table.chosen if one.name not in judged_values(ds)]:
-        if name not in ds.coords or ds[name].dims not in ((), (name,)):
+        if name not in ds.coords or ds[name].dims not in ((), (name,), (POINT,)):
             raise InputError(
                 f"the dataset has lost its coordinate {name}, or has it along another dimension; "
                 "keep it, and take each of its values separately"
@@ -303,7 +303,8 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a dataset; spread points of a search over all their loads and velocities."""
     if POINT in ds.dims:
         axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
-        ds = ds.set_index(point=axes).unstack(POINT)
+        without_point = {"status": 0, "asked": 0, "warning_flags": 0, "own_grid": False}
+        ds = ds.set_index(point=axes).unstack(POINT, fill_value=without_point)
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
     axes = [*numbers, *(dim for dim in (*drawn_dims(ds), *PLANE, "cooler_share") if dim in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
