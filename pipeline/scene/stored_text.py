@@ -57,13 +57,7 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
-    return _read(text, arrays) if arrays else _read_alone(text)
-
-
-@functools.lru_cache(maxsize=8)  # a command opens its store several times
-def _read_alone(text: str) -> Sweep:
-    """Read the sweep of a text that names no file."""
-    return _read(text, {})
+    return _read(text, arrays) if arrays else _read_again(text)
 
 
 def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
@@ -84,6 +78,10 @@ def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
     except Exception as error:  # a forged text may fail in any way, and is one error
         raise SweepTextError(f"the attribute sweep is not the text of a sweep: {error}") from error
     return sweep
+
+
+_read_again = functools.lru_cache(maxsize=8)(functools.partial(_read, arrays={}))
+"""`_read` of a text that names no file, cached: a command opens its store several times."""
 
 
 def _variants(text: Any) -> Variants:

@@ -1,6 +1,6 @@
 """Damage of a store: points with wrong checksums, and damaged files that several points share.
 
-`irg verify` names it. `irg run` makes such points pending, and computes them again.
+`irg verify` names it. `irg run` computes such points again, and writes such files again.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli import given
-from pipeline.cli.output import Result, working
+from pipeline.cli.output import Result, working, wrapped
 from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.sensitivity import Sensitivity
@@ -28,7 +28,7 @@ def sensitivity(options: argparse.Namespace) -> Result:
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
     frame = _indices(indices)
-    text = [*samples.basis, *_describe_indices(indices, frame)]
+    text = [*wrapped(samples.basis), *_describe_indices(indices, frame)]
     draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
     return Result(indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
 

@@ -3,9 +3,8 @@
     python -m tests.cluster.cheap --points 10000
     python -m tests.cluster.cheap --points 100000 --for 600
 
-A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks in the same
-graph, given out as those of the sweep are. Both run on two workers of this machine with encrypted
-connections. CPU times hardly depend on what else the machine does. Prints a JSON document.
+A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks. Both run on
+two workers of this machine with encrypted connections. Prints a JSON document.
 """
 
 import argparse

@@ -32,8 +32,7 @@ GIVEN_UP = 2
 def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2, source=None):
     """Run or resume a sweep; return the exit code that the command would have.
 
-    Without workers, `records` by point are what they would return, each task after `pace` [s].
-    `mistake` is one of `MISTAKES`, and `source` a store to take points from.
+    Without workers, `records` are what they would return by point, each task after `pace` [s].
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))
