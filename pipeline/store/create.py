@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 from pipeline.scene.resume import join
 from pipeline.scene.stored_text import sweep_text
-from pipeline.store.arrays import Document, Encoder
+from pipeline.store.arrays import Encoder
 from pipeline.store.files import PARTIAL
 from pipeline.store.layout import Axes, bytes_of_a_point, chunk_sizes, grown_axes
 from pipeline.store.lock import Lock, locked
@@ -26,7 +26,14 @@ from pipeline.store.place import (
     io_errors,
     place_of,
 )
-from pipeline.store.root import Root, find_root, require_same_scene, with_others
+from pipeline.store.root import (
+    CONSOLIDATED,
+    Root,
+    find_root,
+    read_metadata,
+    require_same_scene,
+    with_others,
+)
 from pipeline.store.schema import POINT, path_of, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
@@ -59,6 +66,8 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     root = _grown_root(place, before, sweep)
     if before is None or json.loads(root.documents()[ROOT]) != before.found:
         with io_errors(place, "written"):
+            if before and "kind" not in before.found[CONSOLIDATED]:  # it was lost: a kill is safe
+                place.put({ROOT: before.documents()[ROOT]})
             _write_root(place, root)
     store = Store(place, root, lock)
     store.ask(sweep)
@@ -92,21 +101,14 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
 def _write_root(place: StorePlace, root: Root) -> None:
     """Write the coordinates and all metadata of a store, its root document last."""
     parts = [(name, ..., values) for name, values in root.coordinates().items()]
-    documents = {f"{path_of(name)}/{ROOT}": array for name, array in root.arrays.items()}
-    if root.found:
-        documents = {key: with_others(_stored(place, key), one) for key, one in documents.items()}
+    own = {path_of(name): array for name, array in root.arrays.items()}
+    held = read_metadata(place) if root.found else {}
+    documents = {f"{path}/{ROOT}": with_others(held.get(path), own[path]) for path in own}
     groups = root.documents()
     last = {ROOT: groups.pop(ROOT)}
     arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
     place.put(Encoder(root.arrays)(parts) | arrays | groups)
     place.put(last)
-
-
-def _stored(place: StorePlace, key: str) -> Document:
-    """Read a JSON document of a store by its key; empty if it is missing or damaged."""
-    with suppress(ValueError):
-        return dict(json.loads(place.read(key) or b"{}"))
-    return {}
 
 
 def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -49,7 +50,7 @@ from pipeline.store.schema import (
 from pipeline.sweep.model import Sweep
 from tribo.types import Array
 
-_CONSOLIDATED = "consolidated_metadata"
+CONSOLIDATED = "consolidated_metadata"
 _COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "ids")
@@ -109,7 +110,7 @@ class Root:
     @property
     def others(self) -> dict[str, Document]:
         """Zarr metadata of all arrays and groups in the store, also those added by users."""
-        return dict(self.found[_CONSOLIDATED]["metadata"]) if self.found else {}
+        return dict(self.found[CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
         """JSON documents of all groups by key; the last is the root document, with all metadata.
@@ -127,7 +128,7 @@ class Root:
         # Zarr finds the members of a group only where they stand side by side.
         metadata = {path: whole[path] for path in sorted(whole, key=lambda p: p.rpartition("/")[0])}
         consolidated = {"kind": "inline", "must_understand": False, "metadata": metadata}
-        root = with_others(self.found, _group(self.attributes)) | {_CONSOLIDATED: consolidated}
+        root = with_others(self.found, _group(self.attributes)) | {CONSOLIDATED: consolidated}
         groups = {f"{name}/{ROOT}": whole[name] for name in (ABOUT, AT_ENDS)} | {ROOT: root}
         return {key: json.dumps(one, allow_nan=False).encode() for key, one in groups.items()}
 
@@ -185,9 +186,9 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     fault = "damaged, or not that of a sweep"
     try:
         document = json.loads(content)
-        if not document.get(_CONSOLIDATED):  # Zarr drops it where users add without it
-            document[_CONSOLIDATED] = {"metadata": _read_metadata(place)}
-        metadata = document[_CONSOLIDATED]["metadata"]
+        if not document.get(CONSOLIDATED):  # Zarr drops it where users add without it
+            document[CONSOLIDATED] = {"metadata": read_metadata(place)}
+        metadata = document[CONSOLIDATED]["metadata"]
         if "sweep" in document["attributes"] and ABOUT not in metadata:
             fault = _COPY
         facts = metadata[ABOUT]["attributes"]
@@ -211,11 +212,15 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
 
 
-def _read_metadata(place: StorePlace) -> dict[str, Document]:
+def read_metadata(place: StorePlace) -> dict[str, Document]:
     """Read the Zarr metadata of all groups and arrays of a store from their own documents."""
+    found = {}
     with io_errors(place):
-        keys = [key for key in sorted(place.keys()) if key.endswith(f"/{ROOT}")]
-        return {key[: -len(ROOT) - 1]: json.loads(place.read(key) or b"{}") for key in keys}
+        for key in sorted(place.keys()):
+            if key.endswith(f"/{ROOT}"):
+                with suppress(ValueError):  # one that is damaged
+                    found[key[: -len(ROOT) - 1]] = json.loads(place.read(key) or b"{}")
+    return found
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:

@@ -73,8 +73,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     >>> verification.done, verification.damaged, verification.is_clean
     (24, (), True)
     """
-    place = place_of(path)
-    store = Store(place, read_root(place), is_damaged=True)
+    store = Store(place := place_of(path), read_root(place), is_damaged=True)
     damage = _find_damage(store, progress or silent)
     return Verification(
         done=int(np.count_nonzero(store.flags == DONE))

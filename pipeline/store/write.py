@@ -213,8 +213,7 @@ class Store:
 
 def opened(path: PathLike) -> Store:
     """Open a store to read it."""
-    place = place_of(path)
-    return Store(place, read_root(place))
+    return Store(place := place_of(path), read_root(place))
 
 
 @contextmanager

@@ -5,8 +5,7 @@ Asked are the tests that run the changed line, of a line outside functions all: 
 room (`tests/ROOM` and the examples), then those of all other rooms, each for `--seconds`. Programs
 that a test starts run the code as it is; Dask's workers do not. What no test notices in that time
 counts as not noticed. The exit code is 1 if a test fails on the code as it is, or a room notices
-too few. `results/mutants.md` grows by a room at a time; of a room that `--minutes` end it has the
-mutants until then.
+too few. `results/mutants.md` grows by a room at a time, or by part of one that `--minutes` end.
 """
 
 import argparse
