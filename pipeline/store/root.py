@@ -51,6 +51,7 @@ from pipeline.sweep.model import Sweep
 from tribo.types import Array
 
 CONSOLIDATED = "consolidated_metadata"
+"""Key of the metadata of all arrays in a root; without ``kind``, these were read one by one."""
 _COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "ids")
