@@ -48,7 +48,7 @@ def __dir__() -> list[str]:
 
 
 def __getattr__(name: str) -> Any:
-    """Load a public name, or an extra, when it is first used."""
+    """Import a public name of `pipeline`, or an optional part, when it is first used."""
     if name in extras.absent():
         raise AttributeError(f"{__name__} has no {name}: the folder of that extra is not there")
     if name in extras.present() and name not in __all__:

@@ -101,7 +101,7 @@ def specific_wear_rate(
 
 
 def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
-    """Lower and upper wear rate [m²/N], at most 1 % apart, between which `exceeds` turns true."""
+    """Two wear rates [m²/N], at most 1 % apart, between which `exceeds` changes to True."""
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10

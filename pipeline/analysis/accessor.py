@@ -15,7 +15,7 @@ _ANSWERS = "at", "boundary", "margin", "temperatures", "warned", "end_of_point",
 
 @xr.register_dataset_accessor("irg")  # type: ignore[no-untyped-call]
 class Answers:
-    """Accessor ``ds.irg``: functions of `pipeline` as methods of a dataset, their first argument.
+    """Accessor ``ds.irg``: functions of `pipeline` as methods of the dataset.
 
     Examples
     --------

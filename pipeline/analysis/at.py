@@ -81,24 +81,24 @@ def at(
         ``"80 degC"``. If the bodies of the sweep have different temperatures, give both:
         ``{"pin": "60 degC", "disk": "25 degC"}``.
     critical_temperature : float or str, optional
-        Temperature above which the lubricant fails. A number in K, or text with a unit.
+        Temperature above which the lubricant fails, as a number in K or text with a unit.
     share : float or str, optional
         Wear is severe if more than this share of the contact is above the critical temperature,
         such as 0.1 or ``"10%"``. 0 is Blok's criterion: the maximum temperature decides.
     criterion : str or tribo.Rule, optional
-        Temperature that decides: ``"share"``, exceeded by `share` of the contact, ``"highest"``
-        or ``"mean"``; in Python also a rule of your own. See `tribo.CRITERIA`.
+        Temperature that decides: ``"highest"``, ``"mean"``, or ``"share"``, the temperature that
+        `share` of the contact exceeds. In Python also a rule of your own. See `tribo.CRITERIA`.
     given_measured : bool
         Weigh the unknown inputs of samples by the transitions and tests of their scene.
     scatter : float, optional
         Relative standard deviation of measured velocities whose scatter the scene does not
         give. See `pipeline.posterior`.
     oil : str, optional
-        Name of the oil whose tests count. Needed if all tests name oils, and several; the critical
-        temperature must be that of this oil.
+        Name of the oil whose tests count. It is needed if the tests are of several oils, and none
+        is of the scene's own oil. The critical temperature must be the one of this oil.
     **entries
         Values by the path of an entry, in SI or as text with a unit. An entry with several values
-        (``[sweep] over``) is restricted to these. An unknown input of samples is fixed at its
+        (``[sweep] over``) is restricted to these. An unknown input of samples is fixed at the
         value. A condition is replaced, as by the arguments above.
 
     Returns
@@ -160,10 +160,11 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Dataset whose attributes make the scene's laboratory tests weigh its samples (posterior).
+    """Copy of a dataset that is judged with its samples weighed by the scene's laboratory tests.
 
-    `scatter` is the relative scatter of measured velocities; None for the usual one. Raises an
-    `InputError` without `given_measured` or samples, or with `others`, which the tests weigh.
+    `scatter` is the relative scatter of measured velocities; None for the default. Raises an
+    `InputError` without `given_measured`, without samples, or if `others` names conditions to
+    change.
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
@@ -179,7 +180,7 @@ def _weigh_by_tests(
 
 
 def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
-    """Dataset whose attributes make only laboratory tests with this oil count."""
+    """Copy of a dataset that is judged with the laboratory tests of one oil only."""
     names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
@@ -188,7 +189,7 @@ def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
 
 
 def _si_value(path: str, value: Any) -> Any:
-    """Value of a condition in SI, several as a list; values of other entries are unchanged."""
+    """Convert one or more values of a condition to SI; values of other entries are unchanged."""
     name = _NAMES.get(path)
     if isinstance(value, np.generic | np.ndarray | xr.DataArray):
         value = np.asarray(value).tolist()
@@ -214,7 +215,7 @@ def _si_value(path: str, value: Any) -> Any:
 
 
 def oil_temperature(name: str, value: float | str) -> float:
-    """Read a temperature in K, or as text with a unit, and refuse one at which no oil works."""
+    """Read a temperature in K, or as text with a unit; refuse a value at which no oil works."""
     kelvin = in_si(name, value, "80 degC")
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
     if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:
@@ -227,7 +228,7 @@ def oil_temperature(name: str, value: float | str) -> float:
 
 
 def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """Record `values` in the dataset's attributes; drop coordinates that they replace."""
+    """Record `values` in the dataset's attributes; drop the coordinates that the values replace."""
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
@@ -251,13 +252,13 @@ def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """Value of a samples' unknown input in SI; raises if it is outside the range of the samples."""
+    """Value in SI for an unknown input of samples; raises if it is outside their range."""
     draw = whole_sweep(ds).variants.draw
     return float(extras.module("drawn").drawn_value(draw, path, value))
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Dataset at those `values` that belong to varied entries; other values are returned, too."""
+    """Select the `values` of varied entries in a dataset; return it, and all other values."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:

@@ -44,17 +44,16 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the lowest at
-        which wear turns severe. NaN if there is no such transition, or wear is severe at the
-        lowest computed one.
-        ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band: below
-        and above it the verdict of `pipeline.margin` is decided.
+        ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the lowest value at
+        which wear turns severe. NaN if wear never does so, or is severe at the lowest computed
+        value. ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band:
+        below and above it the verdict of `pipeline.margin` is decided.
 
         These variables have the suffix ``_at_load`` or ``_at_velocity``:
 
-        - ``outcome``: crosses, or why not. Mild or severe throughout: this holds in the scene's
-          whole range. Otherwise the crossing is above or below the computed points, or too few
-          points are done, or wear is severe at some and mild at a higher one.
+        - ``outcome``: wear turns severe within the computed points, or why not. It may be mild or
+          severe in the scene's whole range. It may turn severe above or below the computed points.
+          Too few points may be done. Or wear is severe at some point and mild at a higher one.
         - ``words``: the outcome in words, with the ranges of severe wear if there are several.
         - ``turns(load, turn)``: all loads or velocities at which wear changes.
         - ``film_parameter`` at the crossing, if the scene gives an oil.
@@ -65,12 +64,12 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
         contradict the model, if they do.
 
         With several surfaces all variables except the error band have a first dimension
-        ``realization``, and these are added, likewise for ``critical_load``:
+        ``realization``, and a variable is added (a similar one for ``critical_load``):
 
         - ``critical_velocity_quantile(quantile, load)``: velocity below which a share of the
-          surfaces turn severe. Surfaces that are mild or severe throughout count as beyond all
-          velocities, so that a quantile among them is NaN. The median is not the onset: the hottest
-          patch under the pin scuffs first.
+          surfaces turn severe. A quantile among surfaces that are mild or severe at all velocities
+          is NaN. The pin scuffs before the median velocity: the hottest patch under it scuffs
+          first.
 
         For samples there are only the error band and ``critical_velocity_quantile``, the lowest
         velocities at which the next run is severe with a probability of 5, 50 and 95 %.
@@ -143,7 +142,7 @@ def axis_of(name: str, values: Array) -> xr.Variable:
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as dataset attributes with units, except conditions that samples vary."""
+    """Conditions as attributes of a dataset, with units, except conditions that samples vary."""
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
@@ -157,7 +156,7 @@ _TURNS = 64  # most changes of wear stored for a line; more are artefacts of int
 
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
-    """Dataset variables, by name, of transitions along `axis` at each value of the axis `line`."""
+    """Variables on the transitions along `axis`, for each value of the other axis `line`."""
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
         places, others = (field.loads[-1:], field.velocities), field.velocities
@@ -246,9 +245,10 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _quantiles(line: Line) -> Array:
-    """Quantiles `BAND` (3, k) over surfaces of the critical velocity or load on each of k lines.
+    """Quantiles `BAND` over surfaces of the critical velocity or load, for each of k lines (3, k).
 
-    They are linear between ranks, and NaN next to a transition of which only bounds are known.
+    Quantiles are interpolated between ranked surfaces. They are NaN next to a transition of which
+    only bounds are known.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

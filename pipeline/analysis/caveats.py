@@ -41,9 +41,9 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Velocities in words from which wear is severe if heat of a track's earlier turns counts.
+    """Velocities, in words, above which wear is severe if heat of earlier turns is included.
 
-    Empty unless the scene leaves that heat out, and is a single plane under its own conditions.
+    Empty unless the scene leaves that heat out, and has a single diagram under its own conditions.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions

@@ -50,7 +50,7 @@ class Curve:
         self.is_log = np.logical_not(((self.x <= 0) | (self.y <= 0)).any(axis=-1))
 
     def _at(self, values: Array, number: Any) -> Array:
-        """Element of each row of `values` at the row's index `number`."""
+        """For each row of `values`, the element at the row's own index in `number`."""
         found: Array = np.take_along_axis(values, np.asarray(number)[..., None], -1)[..., 0]
         return found
 
@@ -70,9 +70,10 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae u and ordinates, and coefficients of the cubic in each interval.
+        """Abscissae u and ordinates of the points, and the cubic in each interval.
 
-        The first two are logarithms if `is_log`. The coefficients are those of Δu, Δu² and Δu³.
+        Abscissae and ordinates are logarithms if `is_log`. The cubic is given by its coefficients
+        of Δu, Δu² and Δu³.
         """
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
@@ -91,15 +92,15 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Ordinates (logarithms if `is_log`) at distances `way` into `pieces` (..., p)."""
+        """Ordinates (logarithms if `is_log`) at distances `way` into each of `pieces`, (..., p)."""
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
     def __call__(self, places: Array, continued: bool = False, is_line: bool = False) -> Array:
-        """Ordinates at abscissae `places`, (p,) or (..., p) by row; NaN beyond the end points.
+        """Ordinates at abscissae `places`, (p,) or (..., p), for each row; NaN outside the points.
 
-        If `continued`, a power law through the two outermost points extends the curve, if all its
-        points are positive. With `is_line` its exponent is that of `line_exponent`.
+        If `continued`, a curve of positive points is extended by a power law through its two
+        outermost points. With `is_line` the exponent is `line_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
@@ -137,13 +138,13 @@ class Curve:
         return np.where(self.is_log, rise / run, np.nan)
 
     def line_exponent(self, end: int) -> Array:
-        """Exponent for extrapolation at an end: at least `LEAST_SLOPE`; 1 for a single point."""
+        """Exponent to extrapolate from an end: at least `LEAST_SLOPE`; 1 for a single point."""
         exponent = np.maximum(self.end_exponent(end), LEAST_SLOPE)
         return np.where((self.count == 1) & self.is_log, 1.0, exponent)
 
     @property
     def _numbers(self) -> Indices:
-        """Consecutive number of each curve from 0, in an array of the curves' shape (...)."""
+        """Numbers of the curves, counted from 0, as an array of the curves' shape (...)."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
@@ -176,9 +177,9 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Abscissae (n,) at which curves pass limits.
+        """Abscissae (n,) at which some curves cross a limit.
 
-        `rows` are the numbers of the curves, and `pieces` of their intervals, each (n,).
+        `rows` has the numbers of the curves, `pieces` the interval of each crossing; both are (n,).
         """
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
@@ -210,7 +211,7 @@ def _keys(rows: Indices, values: Array) -> Array:
 def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
     """Slope at an end, from the parabola through three points, limited to keep the curve monotone.
 
-    `h` and `m` are width and mean slope of the outermost interval, `next_h` and `next_m` those of
+    `h` and `m` are width and mean slope of the outermost interval. `next_h` and `next_m` belong to
     its neighbour.
     """
     slope = ((2 * h + next_h) * m - h * next_m) / (h + next_h)

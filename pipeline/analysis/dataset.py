@@ -71,7 +71,10 @@ class Origin:
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """Sweep, or only its scene `name`, under the conditions `at`: JSON of SI values by path."""
+    """Sweep, or only its scene `name`, judged under the conditions `at`.
+
+    `at` is JSON with values in SI by the path of their entry.
+    """
     if name:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
@@ -112,7 +115,7 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """Pairs (name, value) of all varied entries; empty if the dataset has several values of one."""
+    """Pairs (name, value) of all varied entries; empty if an entry still has several values."""
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
@@ -300,7 +303,7 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the axes of a dataset; spread points of a search over all their loads and velocities."""
+    """Sort the axes of a dataset; put the points of a search on a grid of loads and velocities."""
     if POINT in ds.dims:
         axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
         without_point = {"status": 0, "asked": 0, "warning_flags": 0, "own_grid": False}

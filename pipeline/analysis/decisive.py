@@ -101,7 +101,7 @@ def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
 
 
 def _shaped(like: xr.DataArray, dims: Sequence[str], values: Array) -> xr.DataArray:
-    """Copy of `like` with other `values`, which have the dimensions `dims`."""
+    """Copy of `like` with new `values`, whose dimensions are `dims`."""
     whole = xr.Variable(dims, values)
     cut = whole.isel({name: 0 for name in dims if name not in like.dims})
     return like.drop_attrs().copy(data=cut.transpose(*like.dims).values)

@@ -40,11 +40,11 @@ Places = Array | float
 
 
 class Field(Protocol):
-    """Interface: the deciding temperature rise over load and velocity, from which answers follow.
+    """Interface to the deciding temperature rise, and to wear, at any load and velocity.
 
-    A place is a pair of load [N] and velocity [m/s]. Methods take k loads and k velocities, or one
-    value for all. Arrays have a value for each of m members (m,), also by place (m, k). A member is
-    a surface, or a draw of unknown inputs.
+    Methods take k loads [N] and k velocities [m/s], or one value for all k places. Arrays have a
+    value for each of m members (m,), or for each member and place (m, k). A member is a surface, or
+    a draw of unknown inputs.
     """
 
     @property
@@ -57,7 +57,7 @@ class Field(Protocol):
 
     @property
     def source(self) -> Results:
-        """Results that the field is made from: those of a scene, or of one row of a table."""
+        """Results that the field is made from: of a scene, or of one row of a table."""
 
     @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
@@ -77,18 +77,18 @@ class Field(Protocol):
 
     @property
     def basis(self) -> Sequence[str]:
-        """Lines of text on the basis of answers besides computed points, such as tests."""
+        """Lines of text on what answers are based on besides computed points, such as tests."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field under conditions of one row of a table; see `Conditions.row_conditions`."""
+        """The field judged under conditions of a table's row; see `Conditions.row_conditions`."""
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """Deciding temperatures at loads and velocities, and whether these are computed points."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities, by part (4, k); or NaN.
+        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The parts are those of `RiseError`, for the member with the largest error.
+        The first axis has the parts of `RiseError`, for the member with the largest error.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
@@ -104,9 +104,9 @@ class Field(Protocol):
 
 
 class Here(NamedTuple):
-    """Deciding temperatures of a field at loads and velocities, or why they are unknown.
+    """Deciding temperatures of a field at loads and velocities, and the reason for unknown ones.
 
-    Arrays are by member and place; see `Field`.
+    Arrays have a value for each member and place; see `Field`.
     """
 
     values: Array  # deciding temperatures [K] (m, k); NaN if unknown
@@ -117,14 +117,14 @@ class Here(NamedTuple):
     reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` with the reason if a temperature is unknown."""
+        """Raise an `InputError` that says why a temperature is unknown, if one is."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
 
 @dataclass(frozen=True, eq=False)
 class PointField:
-    """Field by interpolation between computed points of a scene's surfaces or a table row."""
+    """Field interpolated between the computed points of a scene, or of a table's row."""
 
     planes: tuple[RisePlane, ...]  # one for each surface, without friction by velocity
     conditions: Conditions
@@ -153,7 +153,7 @@ class PointField:
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """The field under conditions of one row of a table, which replace the scene's."""
+        """The field judged under the conditions of a table's row, in place of the scene's."""
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
@@ -185,9 +185,9 @@ class PointField:
         )
 
     def _reason(self, load: float, velocity: float, is_known: bool) -> str:
-        """Why there is no answer at a load [N] and velocity [m/s]; empty if there is one.
+        """Why the verdict at a load [N] and velocity [m/s] is unknown; empty if it is known.
 
-        `is_known` is True if the rise there is.
+        `is_known` is True if the temperature rise is known.
         """
         axes = self.loads, self.velocities
         for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
@@ -206,7 +206,7 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises [K] on each surface at k loads and velocities (m, k); False where extrapolated."""
+        """Rises [K] at k loads and velocities (m, k), and a mask that is False if extrapolated."""
         within, continued = (
             Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
             for beyond in (False, True)
@@ -217,7 +217,7 @@ class PointField:
     def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
         """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor.
 
-        Beyond the computed points they are NaN, or extrapolated if `continued`.
+        Beyond the computed points rises are NaN, or extrapolated if `continued`.
         """
         rises = self._curves(velocities, continued).swapaxes(-1, -2)
         return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
@@ -246,18 +246,18 @@ class PointField:
     def _load_curves(self) -> tuple[Curve, ...]:
         """Curves of rise over load at each surface and velocity of the points.
 
-        There are three: through computed rises only, with rises extrapolated as `_extended_rises`
-        does, and with rises extrapolated at every load.
+        There are three sets of curves: through computed rises only, also through rises from
+        `_extended_rises`, and through rises extrapolated at every load.
         """
         x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
         parts = self._curves(x) * factor, self._extended_rises(x), self._curves(x, True) * factor
         return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
 
     def _extended_rises(self, velocities: Array) -> Array:
-        """Rises [K] (m, n_load, n) at n velocities; NaN where extrapolation may change the outcome.
+        """Rises [K] (m, n_load, n) at n velocities; NaN if extrapolating might change the outcome.
 
-        Beyond the points of a load, a rise is extrapolated only below a lowest velocity at which
-        wear is mild, and above a highest velocity at which it is severe.
+        Rises are extrapolated to lower velocities if wear is mild at the lowest computed one, and
+        to higher velocities if wear is severe at the highest.
         """
         factor = self.conditions.friction_factor(velocities)
         ends = (self._curves.end(end) for end in (0, -1))
@@ -317,9 +317,9 @@ class PointField:
     ) -> Line:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
-        Between loads or velocities of the sweep, rises are extended where wear is certainly mild or
-        severe. A place at a load or velocity of the sweep uses the points there alone. Where
-        `is_filled` (k,) is True, it is treated like a place between: other points fill its gaps.
+        A line at a load or velocity of the sweep uses only the points there. Other lines are
+        interpolated, and extended where wear is certainly mild or severe. Where `is_filled` (k,) is
+        True, a line of the sweep is also interpolated, so that other points fill its gaps.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -353,15 +353,15 @@ class PointField:
 
 
 def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
-    """Loads and velocities as two arrays of the same shape (k,); a single value is repeated."""
+    """Convert loads and velocities to arrays of the same shape (k,); a single value is repeated."""
     pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
     return np.asarray(pair[0], float), np.asarray(pair[1], float)
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Insert a point (place, value) into each curve y(x); return x, ascending, and y (..., n + 1).
+    """Insert a point (place, value) into each curve y(x); return ascending x, and y (..., n + 1).
 
-    A value that is NaN is not inserted: its abscissa is NaN, too, and comes last.
+    If a value is NaN, its abscissa becomes NaN and comes last.
     """
     is_there = np.isfinite(values)[..., None]
     others = np.where(is_there & (x == places[:, None]), np.nan, x)
@@ -372,10 +372,11 @@ def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, 
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
-    """Closely spaced velocities [m/s] and the rises [K] there, if friction depends on velocity.
+    """Rises [K] at closely spaced velocities [m/s], if friction depends on velocity.
 
-    Friction is known at every velocity, so only the heat is interpolated: rises are divided by
-    `factor`, the friction factor of their velocity, and multiplied by that of each new velocity.
+    Returns velocities and rises. Friction is known at every velocity, so only rise/friction is
+    interpolated: rises are divided by the friction `factor` at their velocity, and multiplied by
+    the factor at each new velocity.
     """
     steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
     places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)
@@ -387,9 +388,11 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 
 
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
-    """Curve of rises [K] far beyond the velocities [m/s] of the points: power law times friction.
+    """Curve of rises [K] that reaches far beyond the velocities [m/s] of the points.
 
-    Rows without a power law are unknown (NaN). `factor` is the friction factor by velocity.
+    The rise per friction is a power law of the velocity.
+
+    Rows without a power law are NaN. `factor` returns the friction factor at velocities.
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))

@@ -24,7 +24,8 @@ JUDGED = column_heads(
 def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     """Data frame of a boundary, with a row for each scene and each value of `axis`.
 
-    It has critical velocities by load, or critical loads by velocity, which samples lack.
+    `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
+    velocity, which samples lack.
     """
     axis = axis if "critical_velocity" in boundaries else "load"
     name = "critical_velocity" if axis == "load" else "critical_load"
@@ -55,7 +56,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for a single surface: critical value and outcome.
 
-    `name` is that of the critical value, and `axis` the one along which boundaries are listed.
+    `name` is the variable of the critical value. `axis` is the axis of the rows.
     """
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
@@ -64,8 +65,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for several surfaces: median, band, counts of outcomes.
 
-    For samples they are the velocities of some probabilities only. See `_surface` for `name` and
-    `axis`.
+    Samples only have the velocities of some probabilities. See `_surface` for `name` and `axis`.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

@@ -43,7 +43,7 @@ _HEADS = (
 def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
     """Tests that a sweep is compared with: measured transitions first, then single outcomes.
 
-    They are those of the oil that the sweep is judged for, or of all oils if it is not known.
+    Only tests with the oil that the sweep is judged for count; all tests if that oil is not known.
     """
     tests = data.sweep.tests
     return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
@@ -66,7 +66,7 @@ def require_one_oil(sweep: Sweep) -> None:
 
 
 def own_conditions(data: Results, test: Measurement) -> Conditions:
-    """Conditions to judge a test under: its own friction and bulk temperature, else the scene's."""
+    """Conditions of a test: its own friction and bulk temperature, if given, else the scene's."""
     judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -75,7 +75,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 
 
 def model_error(data: Results, field: Field) -> Scatter:
-    """Distribution of the model's own error, from the scene's tests; a prior without tests."""
+    """Distribution of the model's own error, from the scene's tests; without tests the prior."""
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
     if scatter is not None:
@@ -96,10 +96,10 @@ def untested_error(sweep: Sweep) -> ModelError:
 
 
 def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
-    """Comparison of a test with the model under the test's conditions; None if it decides nothing.
+    """Comparison of a test with the model under the test's conditions; None without a result.
 
-    It is None if the load is outside the sweep, or if further velocities might change whether test
-    and model agree.
+    There is no result if the load is outside the sweep, or if points at further velocities might
+    change whether test and model agree.
     """
     try:
         found = comparison(field.under(own_conditions(data, test)), test)
@@ -111,8 +111,9 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
 def _updated(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
     """The model's own error `plain`, updated by the compared tests `found`.
 
-    Each run counts by its transition farthest from the model, and by its farthest wrong outcome on
-    either side. A measured transition where none is computed counts as a wrong outcome.
+    Of each run only the transition farthest from the model counts, and on each side the wrong
+    outcome farthest from it. If a transition was measured but none is computed, that is a wrong
+    outcome.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()
     for number, (test, one) in enumerate(found):
@@ -139,11 +140,12 @@ class Comparison(NamedTuple):
 def comparison(own: PointField, test: Measurement) -> Comparison:
     """Compare a test with `own`, the field under the test's conditions.
 
-    For a measured transition only changes to severe wear count; of several surfaces, the median.
-    Without a change its velocity is infinite (mild at all computed points) or -infinite (severe).
+    For a measured transition only changes to severe wear count. With several surfaces the median
+    counts. If wear does not change, its velocity is infinite (mild at all computed points) or
+    -infinite (severe).
 
-    Beyond the computed velocities wear may change from mild to severe with velocity. With a
-    friction that depends on velocity it may change either way.
+    Beyond the computed velocities wear may turn severe with velocity. If friction depends on
+    velocity, wear may change either way.
 
     Raises
     ------
@@ -187,8 +189,8 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
 def compared(data: Results) -> pd.DataFrame | None:
     """Data frame of tests compared with the model under their own conditions; None without tests.
 
-    If the sweep is judged at several critical temperatures or shares, the first counts. Friction
-    and bulk temperature are those of the test, or of the scene as stored.
+    Friction and bulk temperature are taken from the test, or from the stored scene. If the sweep is
+    judged at several critical temperatures or shares, the first one counts.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:
@@ -244,8 +246,8 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
 def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
     """Computed outcome in words, deciding temperature [K], and whether the test agrees.
 
-    The numerical error and the scatter of the measurement count. The model's own error does not, as
-    it is inferred from the tests.
+    A difference within the numerical error and the scatter of the measurement still agrees. The
+    model's own error is not allowed for, as it is inferred from the tests.
     """
     here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))

@@ -39,9 +39,8 @@ _LEAST = 1e-4  # least probability that is stated as a number: the tails are not
 class Margin:
     """The verdict on an operating point, and its distance from severe wear.
 
-    Over several surfaces or samples, numbers are medians, and ``intervals`` has their 5 and 95 %
-    quantiles. Beyond the velocities computed at a load, as in a sweep of the boundary only, the
-    rise is extrapolated as a power of the velocity.
+    With several surfaces or samples, numbers are medians, and ``intervals`` has their 5 and 95 %
+    quantiles. Beyond the computed velocities the rise is extrapolated as a power of the velocity.
 
     Examples
     --------
@@ -139,7 +138,7 @@ def verdict_between(lowest: float, highest: float) -> str:
 
 
 def clipped(probability: float) -> float:
-    """Clip a probability to the range in which tails of distributions are known."""
+    """Clip a probability to the range in which distributions are known, away from 0 and 1."""
     return min(max(probability, _LEAST), 1 - _LEAST)
 
 
@@ -156,9 +155,9 @@ def percent(probability: float) -> str:
 def answers(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
-    """Margin at each load [N] and velocity [m/s] (k,), or in words why there is none.
+    """Margin at each load [N] and velocity [m/s] (k,), or the reason why it is unknown.
 
-    `tested` describes the tests near each of these places.
+    `tested` has descriptions of the tests near each point.
     """
     here = field.temperatures(loads, velocities)
     is_known = np.array([not reason for reason in here.reasons])
@@ -184,9 +183,9 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Values by name of the attributes of `Margin`, for the k places where `is_known`.
+    """Attributes of `Margin` by name, with a value for each of the k places where `is_known`.
 
-    `loads` and `velocities` are those of the k places, `here` is for all places.
+    `loads` and `velocities` are of the k places, `here` is for all places.
     """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
@@ -224,7 +223,7 @@ def _columns(
 def probabilities(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
 ) -> tuple[Array, Array, Array]:
-    """Probabilities (k,) of severe wear: for rises too high by the error, as computed, too low.
+    """Probabilities of severe wear (k,): lowest, as computed, and highest within numerical error.
 
     `errors` are relative numerical errors, one for each place (k,) or one for all; NaN if unknown.
     """
@@ -240,7 +239,7 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Lowest and highest probability that the next run is severe, each (load, velocity).
 
-    The numerical error makes the difference. Loads and velocities may be outside the sweep.
+    The two differ by the numerical error. Loads and velocities may be outside the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -258,7 +257,7 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
     `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities, the
     first end is infinite and the second NaN; if severe at all, the first is NaN and the second 0.
-    The second end is sought up to the last velocity with a known numerical error.
+    The second end is searched up to the last velocity whose numerical error is known.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):
@@ -269,7 +268,10 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
 
 def _first_passed(chances: Array, velocities: Array, never: float) -> float:
-    """Velocity at which `chances` first exceed 5 %; `never` if nowhere, NaN if from the first."""
+    """Velocity at which `chances` first exceed 5 %.
+
+    It is `never` if they stay below, NaN if the first is above.
+    """
     (above,) = np.nonzero(chances > DECIDED[0])
     if not above.size:
         return never

@@ -145,7 +145,7 @@ def _judged_places(
 ) -> list[Judged]:
     """Judge `places` (point, its own conditions by name) by a field, in the order given.
 
-    Those with the same conditions are judged together.
+    Places with the same conditions are judged together.
     """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
@@ -232,7 +232,7 @@ def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd
 
 
 def counts_in_words(frame: pd.DataFrame) -> str:
-    """Counts of operating points by verdict, and the point with the least margin, in words."""
+    """Numbers of operating points by verdict, and the point with the least margin, in words."""
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
     if len(frame) == 1 or frame["distance [K]"].isna().all():

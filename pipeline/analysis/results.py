@@ -69,9 +69,10 @@ class Results:
     loads, velocities : ndarray
         Axes of the plane, ascending [N, m/s]; velocities of samples are in `rows`.
     cut : tuple of str
-        Those of the axes load and velocity of which the dataset has a single value.
+        Which of the axes load and velocity have only a single value.
     columns : mapping
-        Variables by name, shape (rows, ..., load, velocity, step, share), as far as each has these.
+        Variables by name, shape (rows, ..., load, velocity, step, share), each with some of these
+        axes.
     shares : ndarray
         Shares of the contact area for which quantiles are stored.
     rest : Dataset
@@ -113,7 +114,7 @@ class Results:
 
     @property
     def surface(self) -> Variant:
-        """Pair ("realization", seed) of a single selected surface in a tuple; else empty."""
+        """Tuple of the pair ("realization", seed) if one surface is selected; else empty."""
         return tuple((name, seed) for name, seed in self.labels.items() if name == "realization")
 
     @property
@@ -240,7 +241,7 @@ class Results:
 
     @functools.cached_property
     def messages(self) -> Any:
-        """Warning or failure message of each point (rows, ..., load, velocity); empty if none."""
+        """Warning or failure message of each point (rows, ..., load, velocity); else empty."""
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
@@ -267,7 +268,7 @@ class Results:
             raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
 
     def require_lists(self, *names: str) -> None:
-        """Raise an `InputError` if one of the axes `names` is a single value, no dimension."""
+        """Raise an `InputError` if one of the axes `names` has a single value, not a dimension."""
         for name in names:
             if name in self.cut:
                 value = (self.loads if name == "load" else self.velocities)[0]
@@ -284,16 +285,16 @@ class Results:
 
     @property
     def missing(self) -> int:
-        """Number of points asked for that are pending or failed."""
+        """Number of points to be computed that are pending or failed."""
         return int(np.count_nonzero(self.asked & ~self.done))
 
     @property
     def asked(self) -> Mask:
-        """Mask of points that the last run asked for: all of its scene, or a selection."""
+        """Mask of points that the last run was to compute: the whole scene, or a selection."""
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity); or NaN."""
+        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity), or NaN."""
         if self.place is None:
             self.require_lists(*PLANE)
         column = conditions.decisive.column
@@ -306,7 +307,7 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises [K] divided by friction, where a run solved friction by temperature; else NaN."""
+        """Rises/friction [K] at points where friction by temperature was solved; else NaN."""
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:
             return np.array(np.nan)
@@ -320,7 +321,8 @@ ResultsLike = xr.Dataset | PathLike | Results
 def results(ds: ResultsLike) -> Results:
     """Read the results of a sweep once, for several answers.
 
-    Every answer takes them instead of a dataset. Later changes of the dataset are not in them.
+    Functions take the returned object instead of a dataset. It does not follow later changes of the
+    dataset.
 
     Parameters
     ----------
@@ -335,7 +337,7 @@ def results(ds: ResultsLike) -> Results:
     Raises
     ------
     InputError
-        If the dataset has lost what describes its sweep.
+        If the dataset has lost the attributes that describe its sweep.
 
     Examples
     --------

@@ -89,7 +89,7 @@ _PARTS = (
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a temperature rise, by its causes; None where a cause's is unknown."""
+    """Relative error of a temperature rise, split by cause; None for an unknown part."""
 
     interpolation: float | None
     preset: float | None
@@ -136,7 +136,7 @@ def totals(errors: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RisePlane:
-    """Points (load, velocity) of one surface: decisive rise [K] or NaN, warning, duration [s]."""
+    """Points of one surface, as arrays (load, velocity): rise [K], warning, duration [s]."""
 
     loads: Array
     velocities: Array
@@ -146,12 +146,12 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """True for loads and velocities (k,) whose points around them all solved friction."""
+        """True for k places (load, velocity) if friction was solved at all points around them."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """True for those pairs of load and velocity (k,) that are a computed point."""
+        """True for pairs of load and velocity (k,) that are computed points."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
         done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
@@ -163,7 +163,8 @@ class RisePlane:
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
         """Indices of loads (k, 2) and velocities (k, 2, 2) of the points around each place.
 
-        If the place is a computed point, they are all its own. Without a point the index is -1.
+        For a computed point they are all the indices of the point itself. An index is -1 if there
+        is no such point.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -171,7 +172,7 @@ class RisePlane:
 
     @functools.cached_property
     def _rows(self) -> Indices:
-        """Indices of the two loads around each slot of velocity and of load; see `_slots`."""
+        """Indices of two loads for each slot of velocity and slot of load; see `_slots`."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -179,7 +180,7 @@ class RisePlane:
 
     @functools.cached_property
     def _columns(self) -> Indices:
-        """Indices of the two points around each slot of velocity (see `_slots`), for each load."""
+        """Indices of two points for each load and each slot of velocity; see `_slots`."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -203,7 +204,7 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of rises at k loads and velocities, by part of `RiseError` (4, k).
+    """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
     The last part is 0.
     """
@@ -227,10 +228,10 @@ def preset_error(velocity_error: float | None) -> float:
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Relative error of effects added after the simulation: film and friction by temperature.
+    """Relative error of effects added after the simulation: film, and friction by temperature.
 
-    The error is NaN where friction that rises with temperature may run away and is not solved.
-    `rises` are those for a friction coefficient of 1 [K].
+    The error is NaN where friction may run away with temperature and was not solved. `rises` are
+    for a friction coefficient of 1 [K].
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -248,8 +249,9 @@ def counted_error(
 def _neighbours(is_done: Mask) -> Indices:
     """Indices of two done points for each slot (r, 2 n + 1, 2), from masks (r, n); see `_slots`.
 
-    They are the slot's own point twice, the points on both sides, or, beyond the ends, the last
-    two. A row with a single point has it twice; an empty row has -1.
+    For a slot at a point it is that point twice. For a slot between points they are its neighbours,
+    and beyond the ends the last two points. A row with a single point has that point twice; an
+    empty row has -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]
@@ -265,9 +267,9 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors (k,) of interpolation, or of extrapolation, to k loads and velocities.
+    """Relative errors of interpolation or extrapolation to k loads and velocities (k,), or NaN.
 
-    `rows` and `columns` are the points around each; see `RisePlane.rests_on`. NaN is unknown.
+    `rows` and `columns` are the points around each place; see `RisePlane.rests_on`.
     """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
@@ -283,13 +285,13 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of interpolation over `gaps` in ln(x), x load or velocity (`axis`)."""
+    """Relative errors of interpolation over `gaps` in ln(load) or ln(velocity), the `axis`."""
     return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(grid: RisePlane, axis: str) -> float:
-    """Root mean square of error of ln(rise)/gap in ln(x), over points left out in turn."""
+    """Root mean square error of ln(rise) per gap in ln(x) along `axis`, by leaving points out."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.
@@ -313,7 +315,7 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae `x` and rises by row: positive ones first, then NaN for others."""
+    """Logarithms of abscissae `x` and of `rows`; values that are not positive become NaN."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)

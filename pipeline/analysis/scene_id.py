@@ -24,7 +24,7 @@ _NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """Add the rows' scene ids (digests of the scene) to a dataset, as coordinate and attribute."""
+    """Add the scene id (digest of the scene) of each row to a dataset."""
     about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
     rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
     here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
@@ -34,7 +34,7 @@ def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
 
 
 def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` if points are of another scene than the attributes describe."""
+    """Raise an `InputError` if points belong to another scene than the attributes describe."""
     if SCENE_ID not in ds.variables:
         return
     if SCENE_ID not in ds.attrs:
@@ -60,7 +60,7 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
     """Scene ids of the dataset's rows, picked from the `ids` of all rows of the sweep's `table`.
 
-    An entry of the table that is no coordinate of the dataset stays a dimension, with all its
+    An entry of the table that the dataset has no coordinate for stays a dimension with all its
     values.
     """
     axes = table.axes
@@ -86,7 +86,7 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """Describe wrong points by load, and by velocity and row unless all of these are wrong."""
+    """List the loads of wrong points, and their velocities and rows unless all are wrong."""
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values

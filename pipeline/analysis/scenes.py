@@ -18,7 +18,7 @@ _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 
 
 def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.Dataset:
-    """Join answers on scenes along axes of entries; attributes that differ become coordinates."""
+    """Join answers for several scenes along `axes`; differing attributes become coordinates."""
     rows = [result.attrs for result in answers]
     names: list[str] = [str(axis.name) for axis in axes]
     sizes = [axis.size for axis in axes]
@@ -39,7 +39,7 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
 
 
 def attribute_values(boundaries: xr.Dataset, name: str) -> list[Any]:
-    """Values of an attribute of a boundary: one, or one for each scene if they differ."""
+    """Values of an attribute of a boundary: a single one, or one for each scene if they differ."""
     if name in boundaries.coords:
         return list(boundaries[name].values.ravel().tolist())
     return [boundaries.attrs[name]] if name in boundaries.attrs else []
@@ -62,7 +62,7 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit to show a coordinate in: that of the entry's example, else a usual one."""
+    """Unit to show a coordinate in: the unit of the entry's example, else a usual unit."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 

@@ -55,7 +55,7 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
 
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
-    """Frame of one row turned on its side: a row for each non-empty column."""
+    """Transpose a frame of one row: a row for each non-empty column."""
     columns = short(frame)
     (cells,) = _cells(columns, "-")
     return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
@@ -177,7 +177,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Checked path of a file `out`; raises for a wrong suffix or a folder not writable."""
+    """Check the path of a file to write; raises for a wrong suffix or a folder not writable."""
     path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
@@ -191,9 +191,9 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes of a frame of operating points, each once, with its point unless all points have it.
+    """Notes in a frame of operating points, each once; a note of some points names them.
 
-    Notes in `said` are left out.
+    Notes in `said` were printed before, and are left out.
     """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
     noted = noted.assign(notes=[split_notes([cell]) for cell in noted["notes"]]).explode("notes")

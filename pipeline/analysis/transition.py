@@ -39,8 +39,8 @@ def outcomes(axis: str) -> Mapping[int, str]:
 class Line:
     """Rise along velocity at one load, or along load at one velocity, and where wear changes.
 
-    Arrays may have leading axes, one curve for each member and place of a field. With `rows` a
-    curve may be compared with several limits.
+    Arrays may have leading axes: a curve for each member and place of a field. With `rows` a curve
+    is compared with several limits.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the computed ones, if wear
@@ -55,7 +55,7 @@ class Line:
 
     @functools.cached_property
     def places(self) -> Array:
-        """Velocities [m/s] or loads [N] at which wear changes (..., n), ascending, then NaN."""
+        """Ascending velocities [m/s] or loads [N] (..., n) at which wear changes, then NaN."""
         return self.curve.crossings(self.limit, self.rows)
 
     @functools.cached_property
@@ -111,10 +111,10 @@ class Line:
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """Velocity or load nearest to `here`, by ratio, at which wear changes; `first` if none.
+        """Velocity or load at which wear changes, nearest to `here` by ratio; else `first`.
 
-        With `to_severe` only changes to severe wear count. If `continued`, a line without a change
-        uses changes extrapolated beyond its ends.
+        With `to_severe` only changes to severe wear count. If `continued`, changes beyond the ends
+        of a line count if it has none within.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)
@@ -131,10 +131,10 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """Where wear changes (..., n), also by extrapolation; if to severe; if severe at the end.
+        """Places (..., n) where wear changes, also by extrapolation, and two masks.
 
-        The second array is True where wear turns severe, the third if wear is severe beyond the
-        last change. Without a power law at an end, wear does not change beyond it.
+        The first mask is True where wear turns severe, the second if wear is severe beyond the last
+        change. Without a power law at an end, wear does not change beyond that end.
         """
         if self.curve is not self.continued:
             return replace(self, curve=self.continued)._all_turns
@@ -199,10 +199,10 @@ def in_words(
 
 
 def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> str:
-    """Ranges of severe wear in words, from the places `turns` where wear changes; NaN is none.
+    """Ranges of severe wear in words, from the values `turns` at which wear changes.
 
-    `begins_severe` is True if wear is severe below the first of them. `along` is "velocity" or
-    "load".
+    `begins_severe` is True if wear is severe below the first of `turns`. `along` is "velocity" or
+    "load". Values of NaN are ignored.
     """
     places = [f"{place:.3g}" for place in turns if math.isfinite(place)]
     begins = ["", *places] if begins_severe else places
@@ -236,7 +236,7 @@ class Transitions(NamedTuple):
     def outcome_texts(self, along: str) -> Iterator[str]:
         """Yield the outcome in words of each place, along ``"velocity"`` or ``"load"``.
 
-        If surfaces or draws differ, the words have the number of them with each outcome.
+        If surfaces or draws differ, the words count the surfaces or draws with each outcome.
         """
         words = outcomes(along)
         for number, all_codes in enumerate(self.outcome.T.tolist()):

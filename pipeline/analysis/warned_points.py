@@ -73,7 +73,7 @@ def warned(ds: ResultsLike) -> Warned:
 
 
 def warning_flags(data: Results) -> Indices:
-    """Flags (`WarningKind`) of each done point: those stored, and that of a slow rise."""
+    """Flags (`WarningKind`) of each done point: the stored ones, and the flag of a slow rise."""
     data.require("status", "warning_flags")
     flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
     return np.asarray(flags | _mask_by_scene(data, _rises_slowly) * int(WarningKind.SLOW_RISE))
@@ -94,7 +94,7 @@ def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
 
 
 def _example(data: Results, flags: Indices) -> str:
-    """The first point that carries a warning, with its message; empty if none does.
+    """The first point that carries a warning, with its message; empty without warnings.
 
     `flags` are sums of `WarningKind` codes, 0 without a warning, by row, load and velocity.
     """
@@ -124,7 +124,7 @@ def _rises_slowly(scene: Results) -> Mask:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; NaN if none."""
+    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; else NaN."""
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])

@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """For a trial ln(b/a): ln of the ratio of its radii, less ln of the given ratio."""
+        """Ratio of radii that a trial ln(b/a) implies, over the given ratio, as a logarithm."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)

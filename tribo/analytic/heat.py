@@ -21,8 +21,8 @@ _RAYS = 200  # rays in the integral over an ellipse, and nodes on each ray
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:
     """Rise of the surface temperature under a constant flux on the whole surface since time 0 [K].
 
-    θ = 2q√t/(√π e), e = √(Kρc) (Carslaw & Jaeger, §2.9). The sum of all entries of a
-    thermal influence kernel, times q, is the same, whatever the velocity.
+    θ = 2q√t/(√π e), e = √(Kρc) (Carslaw & Jaeger, §2.9). The sum of all entries of a thermal
+    influence kernel, times q, equals this rise at any velocity.
 
     Examples
     --------
@@ -144,8 +144,8 @@ def resting_ellipse_rise(
 ) -> float:
     """Highest steady temperature rise under a flux q₀√(1 − x²/a² − y²/b²) on a body at rest [K].
 
-    θ = q₀ b K(e)/(2K) with the shorter semi-axis b [m] and e² = 1 − b²/a²: the heat flows as the
-    elastic displacement spreads (Johnson, Eq. 3.69).
+    θ = q₀ b K(e)/(2K) with the shorter semi-axis b [m] and e² = 1 − b²/a²: steady conduction and
+    elastic displacement obey the same integral (Johnson, Eq. 3.69).
 
     Examples
     --------
@@ -195,7 +195,7 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def cooler(x: float) -> float:
-        """−2πKθ/q₀ [m], to be minimised, with the rise θ at a distance x behind the centre [m]."""
+        """−2πKθ/q₀ [m] for the rise θ at a distance x behind the centre [m]."""
         # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square

@@ -27,13 +27,13 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """State between two active-set steps: iterations allowed in the next, last free nodes."""
+    """Iterations allowed in the next active-set step, and nodes that were free in the last one."""
 
     iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
     nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
-        """Fraction of its first residual at which the next step may stop, if `nodes` are free."""
+        """Fraction of its first residual at which the next step may stop if `nodes` are free."""
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION
 
@@ -46,7 +46,7 @@ def active_set_step(
     gap_goal: float,
     most: float,
 ) -> tuple[Iterate, ActiveSet]:
-    """Solve for the pressure at the free nodes, all other nodes held at their bounds.
+    """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
     Conjugate gradients stop once the gap at these nodes is at most `gap_goal` [m], and after `most`
     convolutions at the latest. Returns the next iterate, and the state for the next such step.
@@ -130,7 +130,10 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip a pressure to its bounds [Pa]; nodes in between undo the displacement this causes."""
+    """Clip a pressure to its bounds [Pa].
+
+    Clipping changes the displacement. The nodes between the bounds change to undo that.
+    """
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)
     change = between * stencil(problem.near.influence, clipped - pressure)

@@ -16,7 +16,7 @@ _LOCAL_STEPS = 2
 
 
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Return a guess of the pressure [Pa], moved into its bounds and corrected where it is wrong.
+    """Improve a guess of the pressure [Pa] by solving for it locally, within its bounds.
 
     `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds.
     `separation` is the distance of the undeformed surfaces [m].

@@ -139,7 +139,7 @@ def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
 
 
 def _values(n: int, step: float, s: Array) -> Array:
-    """Factor E of Eq. (1) for widths s, at 0 to n − 1 times `step`, an element's side, (s, n)."""
+    """Factor E of Eq. (1) for widths s at 0 to n − 1 times `step`, the side of an element."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
@@ -174,7 +174,7 @@ def _line_load(grid: Grid, axis: int) -> Array:
 
 
 def _even_transform(values: Array, length: int) -> Array:
-    """Transform of an even kernel with these values at the offsets 0, 1, … length // 2."""
+    """Transform of an even kernel that has `values` at the offsets 0, 1, … length // 2."""
     index = np.arange(length)
     transform: Array = np.fft.rfft(values[..., np.minimum(index, length - index)]).real
     return transform

@@ -15,14 +15,14 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State between two gradient steps: length of the next one, and failures in a row."""
+    """Length of the next gradient step, and number of gradient steps in a row that failed."""
 
     length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first step: 1 over an element's self influence [Pa/m]; 1 if rows are soft."""
+    """Length of the first step: 1/(self influence of an element) [Pa/m]; 1 if rows are soft."""
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 
@@ -31,8 +31,8 @@ def gradient_step(
 ) -> tuple[Iterate, Gradient]:
     """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    The displacement is updated along with the pressure, not computed from it. That saves a
-    convolution and costs digits.
+    The displacement is updated along with the pressure, not computed from the pressure. That saves
+    a convolution, but loses digits.
     """
     pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
     metric = problem.metric_on(nodes)

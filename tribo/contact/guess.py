@@ -25,7 +25,7 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess the pressure [Pa] by solving the contact of 2 × 2 blocks; return also convolutions.
+    """Guess the pressure [Pa] by solving the contact of 2 × 2 blocks; also count convolutions.
 
     The contact of blocks is itself guessed from a coarser grid. All elements of a block get the
     block's pressure, so that too many are loaded: the iteration drops surplus elements in fewer
@@ -48,7 +48,7 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Improve a guess [Pa] by solving the contact on its loaded part; return also convolutions.
+    """Improve a guess [Pa] by solving the contact on its loaded part; also count convolutions.
 
     The part spans periodic axes as a whole. Elements outside it get 0. A convolution on the part
     counts by its share of the elements. If the part is not much smaller than the grid, the guess is
@@ -87,7 +87,7 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _springs(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure [Pa] as if each element were a spring, and the nearest tenth carried the load.
+    """Pressure [Pa] if each element were a spring, and the nearest tenth of them carried the load.
 
     `heights` is the separation [m], `total` the sum of the pressure and `hardness` its bound [Pa].
     """

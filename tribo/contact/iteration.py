@@ -64,7 +64,7 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Counters after an iterate of this residual.
+        """Counters after an iterate with a residual.
 
         `has_settled` if few nodes are at a wrong bound.
         """
@@ -129,7 +129,7 @@ def iterate(
 def _first_iterate(
     problem: Problem, guess: Array, displacement: Array | None, spent: float
 ) -> Iterate:
-    """The first iterate: the guess, scaled to the load and moved into the bounds; see `iterate`."""
+    """Scale a guess to the load, and move it into the bounds; see `iterate` for the parameters."""
     # Heights count from a datum near the contact: far from 0 they would have few digits.
     datum = float(problem.heights.min())
     separation = problem.heights - datum
@@ -140,7 +140,7 @@ def _first_iterate(
 
 
 def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """The judgement with a bound on the error of rounding added to its residual."""
+    """Add a bound on the rounding error to the residual of `judged`."""
     hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 

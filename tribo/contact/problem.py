@@ -39,9 +39,9 @@ class Problem:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
-        """Set up the problem of pressing a surface of these heights [m] into a solid.
+        """Set up the problem of pressing a surface with `heights` [m] into a solid.
 
-        `total` is the sum of the pressure, and `hardness` its upper bound [Pa].
+        `total` is the sum of the pressure over all elements, and `hardness` its upper bound [Pa].
         """
         return cls(solid, heights, total, hardness, *_prepare_solid(solid))
 
@@ -76,13 +76,13 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """The rows of elements, along x or along y, that yield more to their mean pressure."""
+    """Rows of elements along x or along y, whichever yield more to a uniform pressure."""
     return _prepare_solid(solid)[0]
 
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Soft rows, stencils, and map in single precision where possible; cached for each solid."""
+    """Soft rows, stencils and a copy of the solid, in single precision if possible; cached."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
@@ -101,7 +101,7 @@ class Iterate(NamedTuple):
     shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
-        """The next iterate: a pressure [Pa], and its displacement, which this computes.
+        """The next iterate: a given pressure [Pa], and its displacement, which is computed.
 
         `spent` are the convolutions that it took to find the pressure.
         """
@@ -149,9 +149,10 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
-    """Approach [m] that makes `gap` [m] vanish on average at the `free` nodes, at no bound.
+    """Approach [m] that makes `gap` [m] 0 on average at the `free` nodes.
 
-    Without such nodes: halfway from the widest gap of `loaded` nodes to the narrowest of others.
+    Without free nodes it is halfway between the widest gap of `loaded` nodes and the narrowest gap
+    of unloaded ones.
     """
     if free.size:
         return float(gap.take(free).sum()) / free.size

@@ -45,8 +45,9 @@ def restore_digits(
 ) -> Iterate | None:
     """Repair an iterate whose rounding errors are too large; None if they are small enough.
 
-    One thing is repaired at a call: the datum, the load or the displacement. `slack` is the
-    tolerance less the residual. If `exhausted`, no convolution is spent on the load.
+    One thing is repaired in each call: the zero level of the gap (datum), the load or the
+    displacement. `slack` is the tolerance less the residual. If `exhausted`, no convolution is
+    spent on the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
@@ -65,13 +66,13 @@ def restore_digits(
 
 
 class LowestResidual(NamedTuple):
-    """The lowest residual so far, and the convolutions spent until it was reached."""
+    """The lowest residual so far, and the convolutions spent until then."""
 
     lowest: float = math.inf
     convolutions: float = 0.0  # spent until it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
-        """The lowest residual after an iterate with this one, reached by so many `convolutions`."""
+        """Update the lowest residual with a `residual` reached after so many `convolutions`."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:

@@ -31,7 +31,7 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """The rows of elements, along x or y, that yield most to their mean pressure (soft rows)."""
+    """Rows of elements along x or along y, whichever yield more to a uniform pressure."""
 
     axis: int  # along which the rows lie
     coupling: float  # c/n of Eq. (1): displacement that nodes of a row add to each other [m/Pa]
@@ -39,7 +39,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Choose the rows of a solid, along x or y, that yield most to their mean pressure."""
+        """Choose rows along x or along y, whichever yield more to a uniform pressure."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n
@@ -58,7 +58,7 @@ class SoftRows:
 
 
 class RowMetric:
-    """The metric of Eq. (1) on some nodes of a field; all others stay as they are.
+    """The metric of Eq. (1) on some nodes of a field; all other nodes keep their values.
 
     Fields are vectors of the values at these nodes.
 
@@ -129,9 +129,9 @@ class RowMetric:
     def _shifted_at_once(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip`, None on failure.
+        """Solve Eq. (2) for μ and all sᵢ together; result as of `_shift_and_clip`, None on failure.
 
-        `sums` are Qᵢ, `total` and `highest` those of `nearest`.
+        `sums` are Qᵢ; see `nearest` for `total` and `highest`.
         """
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
@@ -163,9 +163,9 @@ class RowMetric:
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) as exactly as the digits of q allow; return clip(q + s), s and row sums.
+        """Solve Eq. (2) as exactly as rounding allows; return clip(q + s), s and the sums of rows.
 
-        `sums` are Qᵢ, `total` and `highest` those of `nearest`.
+        `sums` are Qᵢ; see `nearest` for `total` and `highest`.
         """
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))

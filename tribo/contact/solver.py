@@ -32,7 +32,7 @@ _SMALLEST_SINGLE = 1e-27  # stress or depth whose transform single precision can
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSolution:
-    """Pressure and gap of a contact, with the proof of how well they solve it.
+    """Pressure and gap of a contact, with measures of how well they solve it.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ def solve_contact(
     Returns
     -------
     ContactSolution
-        Pressure and gap, with the proof of how well they solve the problem.
+        Pressure and gap, with measures of how well they solve the problem.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def _check(
     tolerance: float,
     max_iterations: int,
 ) -> None:
-    """Raise `InputError` for an argument of `solve_contact` that allows no solution."""
+    """Raise `InputError` for an argument with which `solve_contact` has no solution."""
     area = solid.grid.area
     require_positive(tolerance=tolerance, max_iterations=max_iterations)
     if not hardness > 0:
@@ -221,7 +221,7 @@ def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
 
 
 def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
-    """True if single precision can hold the pressures and displacements of a contact."""
+    """True if the pressures and displacements of a contact are in the range of single precision."""
     scales = _scales(solid, normal_load)
     return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
 
@@ -245,7 +245,7 @@ def _solution(outcome: IterationResult, hardness: float) -> ContactSolution:
 
 
 def _failure(outcome: IterationResult, limits: Limits) -> str:
-    """Error message for an iteration that has not converged, with advice."""
+    """Error message for an iteration that has not converged, with advice to the user."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
     if outcome.stalled:
         largest = float(np.abs(outcome.displacement).max())

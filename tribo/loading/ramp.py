@@ -122,7 +122,7 @@ class Ramp:
         return math.ldexp(self.reference_load / increments, -halvings)
 
     def lowest(self, normal_load: float) -> float:
-        """About the lowest load that shares its ramp (trunk) with `normal_load` [N].
+        """Approximately the lowest load that shares its ramp (trunk) with `normal_load` [N].
 
         Examples
         --------
@@ -172,7 +172,7 @@ class Ramp:
             begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations of the shared ramp (trunk), and the last, at `normal_load`; see `increment`."""
+        """Stations of the shared ramp (trunk), then that at `normal_load` [N]; see `increment`."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):
@@ -184,7 +184,7 @@ class Ramp:
         yield self._station_at_load(normal_load, False, last + 1)
 
     def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
-        """Station at which the growing load has reached `normal_load` [N]; see `Station`."""
+        """Station at which the growing load reaches `normal_load` [N]; see `Station`."""
         time = normal_load / self.rate
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 

@@ -29,8 +29,8 @@ class MeasuredLoad:
     load. So a jump gets half of the steps, however short it is.
 
     A point at another load has the same times, and all loads scaled in proportion. So points share
-    no trunk: each follows the record from its start. The load falls where the record falls. Below
-    0, where only the sensor's noise can be, it counts as 0.
+    no ramp: each follows the record from its start. The load falls where the record falls. Below 0,
+    where only the sensor's noise can be, it counts as 0.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class MeasuredLoad:
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of a time since the record's first row [s] and the load as a share of the last one.
+        """Pairs (time since the record's first row [s], load as a share of the last load).
 
         There is a pair for each row until the loading ends. If there are more than 500 rows, there
         is a pair for each of 500 steps instead: the mean load, at the middle of the step.
@@ -204,10 +204,10 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of all steps done by each reading, and its time [s]; None if steps are equal in time.
+    """Share of the steps done at each reading, and its time [s]; None for steps of equal time.
 
-    The share is the mean of that of the duration and that of the load's travel up and down. Travel
-    counts only beyond a dead band, so that noise adds none.
+    The share is the mean of two shares: of the duration, and of the load's travel up and down.
+    Travel within a dead band does not count, so that noise adds nothing.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
@@ -226,7 +226,10 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
 
 
 def fault(times: Array, loads: Array) -> tuple[int, str] | None:
-    """Index of the first reading [s, N] that is not finite or not later, and why; None if none."""
+    """Find the first reading that is not finite, or not later than the one before it.
+
+    Returns its index and the reason, or None. `times` are in s, `loads` in N.
+    """
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
     first = int(broken[0]) if broken.size else len(times)
     backwards = np.flatnonzero(np.diff(times[:first]) <= 0)

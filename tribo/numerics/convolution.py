@@ -35,9 +35,9 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
 
 
 def wrapped_offsets(grid: Grid, axis: int) -> Array:
-    """Offsets along `axis` at which a kernel is sampled, in the order of the transform [m].
+    """Offsets along `axis` at which a kernel is sampled [m], in the order of the transform.
 
-    0, 1, 2, … then the negative ones, each times the spacing.
+    They are 0, 1, 2, … times the spacing, then the negative offsets.
 
     Examples
     --------
@@ -55,7 +55,7 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel between means over pairs of elements along `axis`, at offsets counted in pairs."""
+    """Kernel for pairs of elements along `axis`: it maps mean values of pairs to mean values."""
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
     return pairs + (beside[0] + beside[1]) / 2
@@ -174,8 +174,8 @@ class Convolution:
     def faster_precision(self, influence: float) -> Self:
         """Return a copy in single precision, or itself where that is slower or not possible.
 
-        It is slower on small grids. It is not possible where the influence of an element on itself
-        is too large or too small for single precision.
+        Small grids are slower in single precision. It is not possible where `influence`, of an
+        element on itself, is too large or too small.
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
@@ -188,7 +188,7 @@ class Convolution:
         return changed
 
     def cropped(self, shape: tuple[int, int]) -> Self:
-        """Return the map between fields on a part of the patch, `shape` elements large.
+        """Return the map between fields on a part of the patch of `shape` elements.
 
         Only a free axis can be shorter than the patch.
         """
@@ -203,7 +203,7 @@ class Convolution:
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
 
-        An axis of one element keeps it; other axes must have an even number of elements.
+        An axis of one element is unchanged; other axes must have an even number of elements.
         """
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         fx, fy = min(nx, 2), min(ny, 2)
@@ -233,7 +233,7 @@ _Pair = tuple[NDArray[Any], NDArray[Any]]
 
 
 class _Buffers(threading.local):
-    """Arrays in which a thread transforms, kept for its next transforms of the same size.
+    """Arrays for the transforms of a thread, kept for its next transforms of the same size.
 
     Freshly allocated temporaries of this size cost more in page faults than the transforms.
     """

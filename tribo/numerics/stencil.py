@@ -24,7 +24,7 @@ _RIGID = 0.3
 
 
 class Neighbourhood:
-    """Stencils that stand for a convolution among neighbours, and for its inverse.
+    """Stencils that approximate a convolution among neighbours, and its inverse.
 
     The kernel must be even along y.
 
@@ -67,7 +67,7 @@ class Neighbourhood:
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
-        """Return the function (stencil, values) -> values at `nodes`, ascending indices."""
+        """Return a function (stencil, values) -> values at `nodes`, which are ascending indices."""
         nx, ny = self._shape
         (along_x, along_y), even = self._periodic, self._even
         # Fields have a margin of one element, and are summed as one long row. Rows that hold no

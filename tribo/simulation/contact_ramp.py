@@ -60,9 +60,9 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
 
 def mechanics(scene: Scene) -> Scene:
-    """The scene with wear rate and thermal constants set to 1, and without friction.
+    """Scene with wear rate and thermal constants set to 1, and without friction.
 
-    Scenes for which it is the same have the same contacts at equal load and `wear_number`.
+    Scenes with equal results have the same contacts at equal load and `wear_number`.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def mechanics(scene: Scene) -> Scene:
 
 
 def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
-    """Reason why contacts of equal wear number differ with the velocity; None if they do not.
+    """Reason why contacts of equal wear number depend on the velocity; None if they do not.
 
     Examples
     --------
@@ -114,14 +114,15 @@ def contacts(
 ) -> Iterator[State]:
     """Contact states along the way to `normal_load` and through its hold, without temperatures.
 
-    They depend on the velocity through `wear_number` alone, but for `State.sliding_distance`, and
-    where `inseparable` says why they do not. Parameters and errors are those of `tribo.simulate`.
+    They depend on the velocity only through `wear_number`, unless `inseparable` gives a reason.
+    (`State.sliding_distance` always depends on it.) See `tribo.simulate` for further parameters and
+    for errors.
 
     Parameters
     ----------
     note : Note, optional
-        Value to record of the state after each increment below the load. A state whose temperature
-        is requested has these values as `State.course`.
+        Value to record after each increment below the load. States whose temperature is requested
+        have these values as `State.course`.
 
     Yields
     ------
@@ -191,7 +192,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State on the coarsest of the `levels`, at a station that higher loads share.
+    """State at a station that higher loads share, on the coarsest of the `levels`.
 
     `levels` is the scene on ever finer grids; `before` is the state one step earlier.
     """
@@ -255,7 +256,7 @@ def _unworn(
 
 
 def _later(contact: State, station: Station, velocity: float) -> State:
-    """The state of a contact without wear at a later moment of the loading, at the same load."""
+    """State of a contact without wear at a later moment of the loading, at the same load."""
     return replace(
         contact,
         time=station.time,

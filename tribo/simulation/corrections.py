@@ -118,8 +118,8 @@ class Corrections:
     stem : Stem or None
         Stem of the pin, which must not turn.
     pin_bulk, disk_bulk : Bulk or None
-        Heat capacity and loss of both bodies behind all else. A body with None stays as warm as
-        it starts.
+        Heat capacity and heat loss of each body as a whole. A body with None keeps its starting
+        temperature.
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
@@ -209,7 +209,7 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Rise per unit friction that stem, film, tracks and bulk warming add to the contact [K].
+        """Rise per unit friction that stem, film, tracks and bulk warming add to the contact's [K].
 
         `columns` has all of `NEEDED`, with the steps on the last axis in order of time. NaN where
         the temperature was not computed.
@@ -265,9 +265,10 @@ class Corrections:
         ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Columns with corrected rises per unit friction [K], also at unequal bulk temperatures.
+        """Correct the rises in `columns`, which are per unit friction [K].
 
-        `columns` has all of `NEEDED`, and each column of rises that is to be corrected.
+        `columns` has all of `NEEDED`, and the rises, among them those for unequal bulk
+        temperatures. All other columns are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -317,7 +318,7 @@ class _Moment(NamedTuple):
         """Make the moment at index `place` of recorded columns, whose last axis is the step.
 
         The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
-        the last step. Without both it is linear between the steps that are known.
+        the last step. Without `rate` and `course` it is linear between the recorded steps.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))
@@ -339,7 +340,7 @@ class _Moment(NamedTuple):
 
 
 def _describe_curve(curve: Curve) -> str:
-    """Describe a curve of friction in words by the range of its factors; "" without a curve."""
+    """Range of a friction curve's factors in words; empty without a curve."""
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))
     return factors and f"measured, {factors} times the coefficient"

@@ -49,8 +49,8 @@ _KEPT = 4  # rounds that Anderson mixing combines
 class CoupledRise(NamedTuple):
     """Temperature rise where friction depends on temperature, and how it was found.
 
-    Rises are divided by the coefficient of friction [K]. They are NaN where they are not solved,
-    infinite where the contact ignites.
+    Rises are divided by the coefficient of friction [K]. They are NaN if they were not solved,
+    infinite if the contact ignites.
     """
 
     rise: float
@@ -70,7 +70,7 @@ class CoupledHeat:
     outcome : {"solved", "ignites", "not converged"}
         How the iteration ended. Unless it is "solved", the rises are NaN.
     partitions : int
-        Heat partitions that it took.
+        Number of heat partitions that the iteration took.
     rise_quantile : ndarray, shape (len(QUANTILES),)
         Quantiles of the rise over the contact area [K].
     mean_rise : float
@@ -148,7 +148,10 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
     heat = friction_heat(scene, state, frictions.velocity).take(nodes)
 
     def rise_by(flux: Array, whole: Array) -> Array:
-        """Rise of the touching elements due to a flux [K], solved loosely if `whole` is larger."""
+        """Rise of the touching elements due to a flux [K].
+
+        The smaller `flux` is, compared with the `whole` flux, the looser is the tolerance.
+        """
         size = float(np.linalg.norm(flux))
         if not size:
             return np.zeros(nodes.size)
@@ -198,7 +201,7 @@ class _Frictions:
 def _solve_rise(
     heat: Array, frictions: _Frictions, rise_by: Callable[[Array, Array], Array]
 ) -> tuple[Array, Outcome, int]:
-    """Iterate to the rise of each element [K]; return it, the outcome, and the rounds it took.
+    """Iterate to the rise of each element [K]; return rise, outcome and number of iterations.
 
     `heat` is the elements' heat at friction 1 [W/m²]. `rise_by` turns a flux into a rise.
     """

@@ -50,18 +50,18 @@ _SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elemen
 
 
 class Pass(NamedTuple):
-    """A contact to be solved within a step of the loading, and the position of the disk."""
+    """A contact to be solved within a step of the loading, and the shift of the disk in it."""
 
     stage: Stage
     shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
 
 
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
-    """Number of parts into which a step of wear is cut; each has the disk at another position.
+    """Number of parts into which a step is cut; in each part the disk has another position.
 
-    There are enough parts that the imprint of each stays below a limit. A small imprint of a wave
-    of the roughness is kS/λ of its height: the wear over the distance S [m] by the pressure that
-    flattens the wave, and λ the half-space's compliance to it. The mean over all waves counts.
+    In each part the disk's roughness wears an imprint into the pin. There are enough parts to keep
+    imprints below a limit. A small imprint of a wave is kS/λ of its height, with the distance S [m]
+    and the compliance λ of the half-space to the wave. The mean over all waves counts.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _finer(scene)
@@ -69,7 +69,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
-    """Share of the disk's roughness that wears into the pin over a distance [m]; 0 if unknown."""
+    """Imprint worn into the pin over a distance [m], as a share of the roughness; 0 if unknown."""
     heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
     if heights is None or not yielding > 0:
         return 0.0
@@ -92,10 +92,10 @@ def passes(
     observed: bool,
     scheme: WearScheme | None = None,
 ) -> Iterator[Pass]:
-    """Contacts that the step from `state` to `station` has to solve, in order.
+    """Yield the contacts to solve in the step from `state` to `station`, in order.
 
-    `distance` is the distance slid in the step [m]. If `observed`, the last contact is that with
-    the unshifted disk.
+    `distance` is the distance slid in the step [m]. If `observed`, the disk is unshifted in the
+    last contact.
     """
     if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
@@ -134,7 +134,7 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 
 
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
-    """Shifts of the disk, beside its own position, over which a temperature is averaged.
+    """Shifts of the disk over which a temperature is averaged, in addition to no shift.
 
     The shifts are in elements. They are multiples of `_SHIFT` pixels where the window allows it, so
     that all fidelities average over the same positions.

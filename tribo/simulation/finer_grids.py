@@ -43,7 +43,7 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth [m] from which one implicit step of wear ends at the wear of `after`."""
+    """Wear depth [m] from which a single implicit step reaches the wear depth of `after`."""
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
@@ -53,7 +53,7 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
 
 
 def _solve_on_finest(scene: Scene, after: State) -> State:
-    """The contact at the disk's own position on the finest grid, worn as on the coarsest."""
+    """Solve the contact on the finest grid, with the unshifted disk and the wear of `after`."""
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
     wear_depth = _spread(after.wear_depth, scene.grid.shape)

@@ -147,7 +147,7 @@ class Friction:
         return bulk + np.where(is_steep, steep, own)
 
     def limit(self, temperature: Any, bulk: float) -> Any:
-        """Rise above `bulk` per unit friction at which the contact has a temperature [K]."""
+        """Rise above `bulk` per unit friction at which the contact reaches a `temperature` [K]."""
         if self.coefficient == 0:
             return np.full(np.shape(temperature), np.inf)[()]
         if not self.by_temperature:
@@ -159,7 +159,7 @@ class Friction:
         return np.maximum(above / self.at(temperature=temperature), steep)[()]
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
-        """Derivative of a contact temperature by ln(rise above `bulk` per unit friction) [K]."""
+        """Derivative of a contact temperature with respect to ln(rise above `bulk`) [K]."""
         if not self.by_temperature or self.coefficient == 0:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))
@@ -198,7 +198,7 @@ class Friction:
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:
-        """Nodes of the curve from the bulk temperature up, and the rises that reach them [K]."""
+        """Temperatures of the curve from the bulk one up, and the rises that reach them [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])
@@ -233,5 +233,5 @@ class SolvedFriction:
 
 
 def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
-    """Temperatures and frictions at the lower, and at the upper end of each interval."""
+    """Split nodes of a curve into intervals: (temperatures, frictions) at lower, at upper ends."""
     return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])

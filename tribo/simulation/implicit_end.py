@@ -29,7 +29,7 @@ _NEW, _RIM = 0.01, 0.75
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """State after a step; its end is redone implicitly if much new area has come into contact.
+    """Repeat the end of a step implicitly if much new area has come into contact; return the state.
 
     `before` and `after` are on the same grid.
     """
@@ -48,7 +48,7 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages ends with much load on elements that bore none before it."""
+    """True if a step of several stages leaves much load on elements unloaded before it."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:

@@ -74,7 +74,7 @@ def solve_friction(
 
 
 def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
-    """True if the verdict on a rise per unit friction may change once its friction is solved."""
+    """True if solving friction by temperature may change the verdict on this rise."""
     if conditions.critical_temperature is None:
         return True
     return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)

@@ -72,8 +72,8 @@ def advance(
         Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
         given.
     observed : bool, optional
-        The pin of a scene that averages over positions of the disk wears at shifted positions.
-        True to solve the contact at the unshifted position afterwards, where pressure counts.
+        In some scenes the pin wears against the disk at shifted positions. True to solve the
+        contact with the unshifted disk afterwards, which gives the pressure of the state.
     scheme : {"implicit", "explicit", "sdirk2"}, optional
         Time integration of the wear; that of the fidelity if not given.
 
@@ -149,10 +149,10 @@ def solve_pass(
     wear_depth: Array,
     guess: Array | None,
 ) -> tuple[ContactSolution, Array]:
-    """Solve the next contact of a step; return it and its elastic displacement [m].
+    """Solve a contact of a step; return the solution and its elastic displacement [m].
 
-    The pin is worn by `wear_depth` [m]. Without a guess of the pressure [Pa], it is extrapolated
-    from the state and the state before it.
+    `wear_depth` [m] is the wear of the pin so far. `guess` is a pressure [Pa] to start from; by
+    default it is extrapolated from `state` and the state before.
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (
@@ -189,15 +189,15 @@ def solve_pass(
 
 
 def _element_area(scene: Scene) -> float:
-    """Area on the whole pin that an element represents [m²]."""
+    """Area of the whole pin that one element of the patch represents [m²]."""
     return scene.grid.element_area * scene.pin.patches(scene.grid)
 
 
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
     """Pressure [Pa] and elastic displacement [m] at a load [N], linear through the last two states.
 
-    Where the load changes much more than in the step before, the pressure is the last one. The
-    displacement is None where it is not known, and both are None if the state is unloaded.
+    If the load changes much more than in the step before, the pressure is that of `state`. The
+    displacement is None if it is not known. Both are None if the state is unloaded.
     """
     if state.normal_load == 0.0:
         return None, None

@@ -13,11 +13,11 @@ from tribo.wear import Stage
 
 
 def position_means(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Solve the contact at further positions of the disk, so that heat is a mean over positions.
+    """Solve the contact at further positions of the disk, to average the heat over them.
 
-    Returns the state with these contacts, or with the mean heat if it has heat already. Its
-    pressure and wear stay as at the disk's own position. `before`, the state one step earlier, has
-    the history of the heat.
+    Returns the state with the mean heat if `state` has heat already, else with the pressures at
+    these positions. Its pressure and wear are those with the unshifted disk. `before` is the state
+    one step earlier, with the history of the heat.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
     for shift in further_positions(scene, state.normal_load):

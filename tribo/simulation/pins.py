@@ -25,7 +25,7 @@ from tribo.types import Array
 
 
 class WornContact(NamedTuple):
-    """Width and depth of the smooth contact of a pin that has worn without rolling [m]."""
+    """Width of the contact, and depth of wear, of a smooth pin worn without rolling [m]."""
 
     width: float  # along x [m]
     depth: float  # greatest depth [m]
@@ -75,13 +75,13 @@ class Pin(Protocol):
         """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
 
     def patches(self, grid: Grid) -> float:
-        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
+        """Number of patches in the whole pin: its load, or worn volume, over that of the patch."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m]."""
+        """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m]."""
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
         """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
@@ -119,7 +119,7 @@ class Cylinder:
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
+        """Number of patches in the whole pin: its load, or worn volume, over that of the patch."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -127,7 +127,7 @@ class Cylinder:
         return hertz_contact(normal_load, contact_modulus, self.radius, self.length)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m].
+        """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m].
 
         Examples
         --------
@@ -184,7 +184,7 @@ class Ball:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
+        """Number of patches in the whole pin: its load, or worn volume, over that of the patch."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -192,7 +192,7 @@ class Ball:
         return hertz_contact(normal_load, contact_modulus, self.radius)
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m]."""
+        """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m]."""
         return _worn_ellipse(half_width, volume, self.radius, 1.0)
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
@@ -241,7 +241,7 @@ class Crowned:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Load, and wear, of the whole pin divided by that of the patch that `grid` covers."""
+        """Number of patches in the whole pin: its load, or worn volume, over that of the patch."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -251,7 +251,7 @@ class Crowned:
         )
 
     def worn(self, half_width: float, volume: float) -> WornContact:
-        """Contact of a pin at rest that has lost a volume [m³]; `half_width` before wear [m].
+        """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m].
 
         The flat of a paraboloid is an ellipse, longer than wide by the root of its radii's ratio.
         """

@@ -68,7 +68,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Times back from a state, ascending [s], and the share of its load still missing then."""
+    """Ascending ages before a state [s], and the share of its load that was missing at each."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])

@@ -61,7 +61,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """`Scene.windows_worn` at the state's velocity; 1 before anything moves."""
+    """`Scene.windows_worn` at the velocity of a state; 1 at rest."""
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 
@@ -84,8 +84,8 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 def touching_elements(scene: Scene, state: State) -> int:
     """Number of elements that touch.
 
-    In a plane scene, in which an element stands for a whole row along y, it is the square: as many
-    as if y were divided like x.
+    In a plane scene an element stands for a whole row along y. There the number is squared, as if y
+    were divided like x.
     """
     nodes = int(np.count_nonzero(state.pressure))
     return nodes**2 if scene.is_plane else nodes

@@ -51,7 +51,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
-    """Mean temperature over positions of the disk; its fields are those of the first position."""
+    """Mean temperature over positions of the disk, with the fields at the first position."""
     first, *others = heats
     if not others:
         return first
@@ -81,7 +81,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
-    """The scene with the elements of a state, which are smaller where few touch."""
+    """Scene with the elements of a state, which are smaller if few elements touch."""
     block = scene.pixels.shape[0] // len(state.pressure)
     if block == scene.fidelity.pixels_per_element:
         return scene
@@ -90,9 +90,9 @@ def refined_scene(scene: Scene, state: State) -> Scene:
 
 
 def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Return a state with its temperature by all heat since the start.
+    """Add to a state its temperature, due to all heat since the start.
 
-    `before`, the state one step earlier, has the histories of the heat.
+    `before` is the state one step earlier, with the histories of the heat.
     """
     contact = state.pressure > 0
 
@@ -140,7 +140,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """`summary` with the response of its temperatures to a disk that is 1 K warmer than the pin."""
+    """Add to `summary` the response of temperatures to a disk 1 K warmer than the pin."""
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
     return replace(
@@ -206,6 +206,6 @@ def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution,
 
 
 def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """The thermal map of a body, which after a while no longer depends on the time."""
+    """Thermal map of a body for heat that has acted for a `time` [s]."""
     settled = min(time, settling_time(grid, body.material, body.velocity))
     return heat_map(grid, body, settled)

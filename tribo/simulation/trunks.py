@@ -47,7 +47,7 @@ class _Trunk:
     def require(self, increments: int, noted: int) -> None:
         """Discard the ramp if it has dropped a state that is needed now.
 
-        The last one of `increments` is needed, and the first one that is not `noted` yet.
+        Needed are the last of `increments` states, and the state after the first `noted` ones.
         """
         if increments and self.gone >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
@@ -103,7 +103,7 @@ class Trunks:
         """Continue a cached ramp up to the last of the stations, and yield the new states.
 
         Ramps are cached by `key`; `advance` computes a state from the one before. Returns the state
-        at the last station, and what `note` makes of the states at all stations.
+        at the last station, and the value of `note` at each station.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

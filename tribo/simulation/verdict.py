@@ -143,7 +143,8 @@ class Conditions(Judging):
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None if the pin has the same.
     corrections : Corrections or None
-        Bodies that warm, stem, film, friction by velocity and temperature; None for none of them.
+        Bodies that warm, stem, film, friction by velocity and temperature; None without
+        corrections.
     criterion : Criterion
         Criterion of severe wear: more than a tenth of the contact if not given.
 
@@ -184,22 +185,22 @@ class Verdict:
     Attributes
     ----------
     is_severe : bool or None
-        True where the decisive temperature is above the critical one; None if that is not known.
+        True if the decisive temperature is above the critical one; None if the latter is unknown.
     time : float
         Worst moment, from the start of the loading [s].
     decisive_temperature, max_temperature : float
-        Temperature that decides, and the highest of the contact [K].
+        Temperature that decides, and highest temperature of the contact [K].
     failed_fraction : float or None
-        Share of the contact area above the critical temperature; None if that is not known.
+        Share of the contact area above the critical temperature; None without such a temperature.
     bulk_temperature : float
-        First part of the decisive temperature: that of the colder body far from the contact [K].
+        First part of the decisive temperature: the bulk temperature of the colder body [K].
     contact_rise : float
         Second part: the rise between two half-spaces [K].
     added_rise : float
-        Third part: what bodies that warm, stem, film and friction by velocity add [K].
+        Third part: added by warming bodies, stem, film and friction by velocity [K].
     friction : {"solved", "ignites", "not converged"} or None
-        How friction by temperature was solved, see `coupled_friction`; None where it was not. Where
-        the contact ignites, temperatures are those at the highest friction of the law.
+        How friction by temperature was solved, see `coupled_friction`; None if it was not solved.
+        If the contact ignites, temperatures are at the highest friction of the law.
 
     Examples
     --------
@@ -226,7 +227,7 @@ def rise_limit(conditions: Judging) -> float:
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Index of the step of highest rise among those at `load` or above; the last if there is none.
+    """Index of the step of highest rise among steps at `load` or above; else of the last step.
 
     `rise` and `normal_load` [N] have the steps on their last axis.
     """
@@ -238,7 +239,7 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
     """Convert columns of rises above the pin's bulk to rises above the colder body's bulk [K].
 
-    Rises are per unit friction. So is `bulk_ratio`, the disk's bulk less the pin's [K].
+    Rises are per unit friction, as is `bulk_ratio`: bulk temperature of disk minus pin [K].
     """
     if bulk_ratio == 0:
         return columns

@@ -137,7 +137,7 @@ def rms_height(heights: Array) -> float:
 def rms_slope(heights: Array, spacing: tuple[float, float]) -> float:
     """Root mean square of the gradient, from central differences on a surface that repeats.
 
-    `spacing` is that of the heights along x and y, in the same unit.
+    `spacing` has the distances between heights along x and y, in the unit of the heights.
 
     Examples
     --------

@@ -46,7 +46,7 @@ class Bulk:
 
     @property
     def resistance(self) -> float:
-        """Resistance in series with the body's others: 1/loss [K/W]; 0 with a heat capacity."""
+        """Thermal resistance to the surroundings [K/W]: 1/loss, or 0 with a heat capacity."""
         return 0.0 if self.capacity else 1 / self.loss
 
 
@@ -63,8 +63,8 @@ def bulk_warming(
 
         C₁ dT₁/dt = h₁/(h₁ + h₂) Q + h₁h₂/(h₁ + h₂) (T₂ − T₁) − G₁ T₁,
 
-    body 2 likewise. With constant conductances that is two exponentials, each summed in closed
-    form.
+    and body 2 the same with 1 and 2 exchanged. With constant conductances the solution has two
+    exponentials, each summed in closed form.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def bulk_warming(
     conductances : tuple of float
         Conductances of pin and disk.
     bulks : tuple
-        Bulk of pin and disk. A body with None or without capacity stays as warm as it starts.
+        Bulk of pin and disk. A body with None or without capacity keeps its starting temperature.
 
     Examples
     --------

@@ -47,8 +47,8 @@ def circuit_rise(
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    With the conductances hᵢ' of `conductances`, and the warming of the bulk behind them, θ₁ of the
-    pin and θ₂ of the disk [K],
+    With the conductances hᵢ' of `conductances`, and the warming of the bulk of pin (θ₁) and disk
+    (θ₂) [K],
 
         θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 

@@ -98,8 +98,8 @@ class ConductingHalfSpace(Convolution):
 def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     """Time after which the kernel of a `ConductingHalfSpace` no longer changes [s].
 
-    By then what was heated has left the patch, and its heat does not come back against the
-    motion. Infinite at rest, and where the patch repeats along x.
+    By then the surface heated first has left the patch, and its heat does not diffuse back.
+    Infinite at rest, and if the patch repeats along x.
     """
     kappa = material.thermal_diffusivity
     # The last factor is a margin for rounding.
@@ -117,16 +117,15 @@ def flux_history_spectrum(
 ) -> Spectrum:
     """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
 
-    By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under
-    the integral. Strengths belong to ages [s] that do not decrease; they are linear in between, and
-    0 before the first and after the last. The other parameters are those of `ConductingHalfSpace`.
+    By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) in the
+    integral. `strengths` are at the `ages` [s], which ascend; strength is linear between ages, and
+    0 outside them. The other parameters are those of `ConductingHalfSpace`.
 
     Returns
     -------
     ndarray, shape (mx, c)
-        The first c columns of a spectrum for `Convolution` [K m²/W]; the others are 0, since what
-        varies quickly along a periodic y has faded since the first age. Real where the body is at
-        rest.
+        The first c columns of a spectrum for `Convolution` [K m²/W]. The other columns are 0: they
+        vary quickly along a periodic y, and have faded. Real if the body is at rest.
 
     Examples
     --------
@@ -186,7 +185,7 @@ class _Stretch(NamedTuple):
     slope: float  # growth of the strength with s² [1/m²]
 
     def strength(self, s: Array) -> Array:
-        """Strength of the flux at diffusion lengths s."""
+        """Strength of the flux at diffusion lengths s [m]."""
         return self.first + self.slope * (s**2 - self.begin**2)
 
     def integral(self, s: float) -> float:
@@ -218,10 +217,10 @@ def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> Non
 
 
 def _leaving_length(grid: Grid, drift: float) -> float:
-    """Diffusion length at which the source has left the patch, from end to end [m].
+    """Diffusion length at which a source has moved from one end of the patch to the other [m].
 
-    From then on its heat does not come back against the motion. Infinite at rest, and where the
-    patch repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
+    From then on its heat does not diffuse back into the patch. Infinite at rest, and if the patch
+    repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
     """
     if grid.periodic[0]:
         return math.inf
@@ -257,7 +256,7 @@ def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Heated length along y [m], whose ends cool the mean along y; infinite without ends."""
+    """Length along y that is heated [m]; infinite if the heat has no ends along y."""
     if length == "nearest-image":
         if not grid.periodic[1]:
             raise InputError("length 'nearest-image' is for a patch that is periodic along y")

@@ -148,7 +148,7 @@ class Criterion:
         return rise <= limit
 
     def rise(self, columns: Columns) -> Any:
-        """Deciding rise [K]; columns must hold for the bulk temperatures of the verdict.
+        """Deciding rise [K], from columns for the bulk temperatures of the verdict.
 
         Parameters
         ----------
@@ -182,10 +182,11 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
 
 
 def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
-    """Convert rises above the pin's bulk, per unit friction, from equal to unequal bulks [K].
+    """Convert rises per unit friction [K] from equal to unequal bulk temperatures.
 
-    The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean
-    rise needs the column ``mean_bulk_response``, quantiles need ``bulk_rise_quantile``.
+    Rises are above the pin's bulk temperature. The bulk ratio is (disk's − pin's bulk
+    temperature)/friction [K]. The mean rise needs the column ``mean_bulk_response``, quantiles need
+    ``bulk_rise_quantile``.
 
     Examples
     --------

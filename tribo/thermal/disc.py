@@ -67,7 +67,7 @@ class Disc:
         return ", ".join(parts)
 
     def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
-        """Warming of the rim at an age of heat spread around it, per (heat per area)/ρc [1/m].
+        """Warming of the rim a time after heat was spread around it, per (heat per area)/ρc [1/m].
 
         The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
         over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in Solids*,
@@ -131,7 +131,7 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
     def mode(root: Array, x: float) -> tuple[Array, Array]:
-        """The mode and its slope at x, for any root; it satisfies the loss at the bore."""
+        """A mode and its slope at x, for a trial root; the loss at the bore is always satisfied."""
         if not inner:
             return j0(root * x), -root * j1(root * x)
         first, second = (

@@ -233,7 +233,7 @@ def _iterate_flux(
 
 
 def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
-    """The map from flux [W/m²] to temperature [K], both on some nodes alone."""
+    """The map from flux [W/m²] to temperature [K], both at `nodes` only."""
     field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
     ny = body.grid.shape[1]
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1

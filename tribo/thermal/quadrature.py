@@ -23,8 +23,8 @@ _NOTHING = 1e-12  # share of a length below which no part of the integral is wor
 def diffusion_length(reach: float, drift: float, distance: float) -> float:
     """Return the s > 0 at which drift·s² + reach·s = distance [m]; infinite if there is none.
 
-    Then the heat of a moving source gets past `distance`: its front if `reach` is positive, its
-    rear if it is negative.
+    At this diffusion length the heat of a moving source passes `distance`: with its front if
+    `reach` is positive, with its rear if negative.
     """
     root = math.sqrt(reach**2 + 4 * drift * distance)
     if reach > 0:

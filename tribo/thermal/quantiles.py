@@ -67,9 +67,9 @@ def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
 def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
     """Quantiles of the rise per unit friction at a bulk ratio [K], linear between stored ratios.
 
-    The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The shape of
-    `rise_quantiles`, at the ratio 0, is (..., n_quantile), that of `bulk_rise_quantiles`
-    (..., n_ratio, n_quantile).
+    The bulk ratio is (disk's − pin's bulk temperature)/friction [K]. The shape of `rise_quantiles`,
+    at the ratio 0, is (..., n_quantile). `bulk_rise_quantiles` has the shape (..., n_ratio,
+    n_quantile).
 
     Examples
     --------

@@ -78,7 +78,7 @@ class Stem:
 
 
 def stem_fraction(time: float | Array) -> Array:
-    """Resistance of a rod after a dimensionless time τ, over that in the steady state.
+    """Resistance of a rod after a dimensionless time τ, divided by its steady resistance.
 
     The heated end of a rod of length L, under a constant flow from time 0 and with its other end at
     its starting temperature, is warmer by the flow times the resistance R = L/(K A) times

@@ -89,7 +89,7 @@ def track_warming(
 
 
 def strip_response(width: float, body_width: float, spread: Array) -> Array:
-    """Warming in the middle of a strip whose heat has spread by √(κt), over that of a heated plane.
+    """Warming in the middle of a strip whose heat spread by √(κt), relative to a heated plane.
 
     In a body of a width W the strip of width B has images at a distance W, or in Fourier space
 

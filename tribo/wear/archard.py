@@ -219,6 +219,6 @@ class RollingWear(Wear):
         return self._compliance(solid, distance) / float(waves[waves > 0].min())
 
     def _compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Depth worn over a distance [m] per mean pressure [m/Pa], for k_x = 0, with padding."""
+        """Depth worn per mean pressure along x [m/Pa], scaled for the padding of the transform."""
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
