@@ -21,7 +21,7 @@ def run() -> None:
 
 
 def _leave(code: int, line: str = "") -> None:
-    """Print a line as an error, and end the process with exit code `code`, without cleaning up."""
+    """Print a line on stderr, and end the process at once with exit code `code`."""
     os.write(2, line.encode())
     os._exit(code)
 

@@ -21,7 +21,7 @@ STUDIES = "pipeline.workflows", "workflows"
 
 @cache
 def present() -> tuple[str, ...]:
-    """Names of the extras that are installed, by their folders."""
+    """Names of the optional parts that are installed, from their folders."""
     return tuple(name for name in EXTRAS if _is_there(f"pipeline.{name}"))
 
 
@@ -32,12 +32,12 @@ def _is_there(package: str) -> bool:
 
 
 def absent() -> frozenset[str]:
-    """Public names of `pipeline` whose extras are not installed."""
+    """Public names of `pipeline` whose optional parts are not installed."""
     return frozenset(one for name in EXTRAS.keys() - present() for one in EXTRAS[name])
 
 
 def modules(part: str) -> Iterator[ModuleType]:
-    """Import the modules named `part`, such as ``commands``, of all extras and studies."""
+    """Import the modules named `part`, such as ``commands``, of all optional parts and studies."""
     studies = next((name for name in STUDIES if _is_there(name)), "pipeline")
     for name in (*(f"pipeline.{name}" for name in present()), studies):
         if find_spec(f"{name}.{part}"):
@@ -45,7 +45,7 @@ def modules(part: str) -> Iterator[ModuleType]:
 
 
 def module(part: str) -> ModuleType:
-    """Import the module named `part` from the extra that has it; `InputError` if none has."""
+    """Import the module named `part` from the optional part that has it, else `InputError`."""
     for one in modules(part):
         return one
     from tribo import InputError  # with NumPy, which importing the package does not need

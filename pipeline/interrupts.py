@@ -48,5 +48,5 @@ def raised() -> Iterator[None]:
 
 
 def resend_interrupt() -> None:
-    """Send SIGINT again in 0.1 s, after Python has dropped the exception of the first one."""
+    """Send SIGINT again in 0.1 s, after Python has dropped the exception of the first SIGINT."""
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

@@ -28,7 +28,7 @@ def memory() -> int:
 
 
 def oom_kills() -> int:
-    """Number of processes that the kernel has ended so far for want of memory, 0 if not known."""
+    """Number of processes that the kernel has killed so far for lack of memory; 0 if unknown."""
     for file in _COUNTS:
         with suppress(OSError, KeyError, ValueError):
             lines = Path(file).read_text().splitlines()

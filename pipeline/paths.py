@@ -36,7 +36,7 @@ def reason_of(error: OSError, path: Path) -> str:
 
 
 def near_path(path: Path) -> str:
-    """Question whether an existing path of similar name was meant; empty if there is none."""
+    """Question whether an existing path of similar name was meant; empty without such a path."""
     wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
     with suppress(OSError):
         names = sorted(entry.name for entry in wrong.parent.iterdir())

@@ -26,7 +26,7 @@ PLACE = ("load", "velocity", "realization")
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Values, by name, of those options `names` that the command has and the user gave."""
+    """Values by name of the options in `names` that the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {
         name: value
@@ -42,18 +42,18 @@ def flags_of(names: Iterable[str]) -> str:
 
 
 def path_beside(store: Path | str, ending: str) -> Path:
-    """Path next to a store with another ending; in the working directory if it is in a bucket."""
+    """Path of a store with another ending; in the working directory if the store is in a bucket."""
     path = Path(store) if "://" not in str(store) else Path(Path(store).name)
     return path.with_name(f"{path.stem}{ending}")
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Values of the option --set by path of their entry, without the prefix `fidelity.`."""
+    """Values given by --set, by the path of their entry without the prefix `fidelity.`."""
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Conditions given as options, such as --friction, by name; several values as a tuple."""
+    """Conditions given as options such as --friction, by name; several values are a tuple."""
     given = values_in(options, *CONDITIONS).items()
     conditions = {name: values[0] if len(values) == 1 else tuple(values) for name, values in given}
     criterion = conditions.get("criterion", "share")
@@ -63,7 +63,7 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
-    """Operating points from --points, or from --load and --velocity; None if none is given."""
+    """Operating points from --points, or from --load and --velocity; None without these options."""
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:
@@ -77,7 +77,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
 
 
 def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
-    """Load the command's scene, with the numerical choices and conditions of its options."""
+    """Load the command's scene, changed by the options for conditions and numerical choices."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):
@@ -97,14 +97,14 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:
-    """Load the command's scene with the first value of each varied entry; a note says so."""
+    """Load the command's scene with the first value of each varied entry, and print a note."""
     sweep = scene_in(options)
     tell(*notes_on_first_values(sweep.variants))
     return sweep
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """Dataset of `store`, by default the command's store, under the conditions of its options."""
+    """Dataset of `store`, by default the command's store, judged under the options' conditions."""
     ds = pipeline.open_sweep(store or options.store)
     weighing = values_in(options, "given_measured", "scatter", "oil")
     return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))

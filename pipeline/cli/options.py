@@ -23,7 +23,7 @@ class Option:
 
 
 class Group(NamedTuple):
-    """Options under a title; without a title, options that exclude each other."""
+    """Options under a title. Without a title the options exclude each other."""
 
     title: str
     options: tuple[Option, ...]
@@ -49,7 +49,7 @@ def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more
 
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
-    """Option as from `value` that may be repeated; its values are collected in a list."""
+    """Option that may be repeated, with its values in a list; see `value` for the parameters."""
     return value(words, f"{use}; may be repeated", read, action="append", default=[])
 
 

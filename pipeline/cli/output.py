@@ -108,7 +108,7 @@ def tell(*messages: str | Progress) -> None:
 
 
 def complain(message: str) -> None:
-    """Print an error on stderr, without breaking a progress line."""
+    """Print an error on stderr, on a line below a progress bar."""
     lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
     if "tqdm" not in sys.modules:  # no progress line; an import could fail for lack of memory
         print(lines, file=sys.stderr)
@@ -130,7 +130,7 @@ _SOON = 2.0  # [s] before a slow command reports that it is working
 
 @contextmanager
 def run_line(silent: float = 0.0) -> Iterator[Report]:
-    """Yield a function that shows progress: a bar on a terminal, lines elsewhere.
+    """Context manager: yield a function that shows progress, as a bar on a terminal, else as lines.
 
     For the first `silent` seconds the function shows nothing.
     """
@@ -166,7 +166,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
 
 @contextmanager
 def working(task: str) -> Iterator[Report]:
-    """Context that says after two seconds that a task is running; yields a progress function."""
+    """Context manager: print that `task` is running if it takes long; yield a progress function."""
     timer = threading.Timer(_SOON, tell, [f"{task} …"])
     timer.daemon = True
     timer.start()

@@ -89,7 +89,7 @@ COMMANDS = (
 
 @cache
 def commands() -> tuple[Command, ...]:
-    """All commands of ``irg``; those of optional parts, such as gears, come last."""
+    """All commands of ``irg``; commands of optional parts, such as gears, come last."""
     return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
 
 
@@ -135,7 +135,7 @@ What a command takes:
 
 
 def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
-    """Parser of all commands, with options of the command `name` only, or of all if None."""
+    """Parser of all commands, with the options of command `name` only; of all if None."""
     parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",

@@ -59,7 +59,7 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
 def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact.
 
-    `alone` is True if tests of the scene at other places are left out.
+    `alone` is True if the scene's tests at other loads and velocities are left out.
     """
     data = pipeline.results(ds)
     conditions = data.conditions
@@ -79,7 +79,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
 
 
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
-    """Contact of a point at its end, and its highest temperatures, as a frame of one row.
+    """Frame of one row: the contact at the end of a point, and its highest temperatures.
 
     If friction depends on temperature (`solved`), only the deciding temperature is known.
     """

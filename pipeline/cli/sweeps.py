@@ -108,9 +108,9 @@ _Row = tuple[str, str]
 
 
 def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
-    """Yield rows that say what a scene means: contact, surface, motion, film, wear and heat.
+    """Yield rows that describe a scene: contact, surface, motion, film, wear and heat.
 
-    `memory` tells in words what a simulation needs.
+    `memory` states in words how much memory a simulation needs.
     """
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
@@ -161,7 +161,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """Range in words in a `unit`, such as "1.2 to 3 µm", or one value if both ends agree."""
+    """Range as text in a `unit`, such as "1.2 to 3 µm"; a single value if both ends agree."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 

@@ -18,8 +18,8 @@ from pipeline.paths import user_path
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
     """Return a function that reads text such as `like` to SI.
 
-    It refuses values that are not above 0, unless `is_signed`. A unit K is read as a difference of
-    temperatures.
+    The function refuses values that are not above 0, unless `is_signed`. It reads the unit K as a
+    difference of temperatures.
     """
 
     def read(text: str) -> float:

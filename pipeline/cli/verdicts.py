@@ -53,9 +53,9 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """Verdicts on an operating point in lines: `found` has one for each scene.
+    """Lines with the verdict on an operating point in each scene.
 
-    Raises if the only scene has none.
+    `found` has a verdict for each scene. Raises if there is only one scene, without a verdict.
     """
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:

@@ -124,14 +124,14 @@ _INSIDE = 1e-4  # distance from a point, over the interval: at points the error 
 
 
 def _refine_axis(points: Array, least: int) -> Array:
-    """Finer axis with at least about `least` values, some of them just beside each point."""
+    """Values of an axis at which to draw: about `least` or more, some just beside each point."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding less critical temperature [K] at velocities x, loads y: (surface, y, x); or NaN."""
+    """Deciding minus critical temperature [K] at velocities x, loads y (surface, y, x), or NaN."""
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
     return np.reshape(here.values - here.critical, (-1, len(y), len(x)))
@@ -142,7 +142,7 @@ def _shade_verdicts(
 ) -> list[Artist]:
     """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges.
 
-    `x`, `y` and `excess` are those of `_excess`.
+    `x`, `y` and `excess` are arguments and result of `_excess`.
     """
     is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))

@@ -27,7 +27,7 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Find indices of points nearest to loads and velocities; if None, nearest to transition."""
+    """Indices of the points nearest to loads and velocities, by default nearest to a transition."""
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))
@@ -57,7 +57,7 @@ def require_done_at(load: float, is_done: Mask) -> None:
 
 
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Indices in the values `places` of an axis nearest to one or several `values`; or empty."""
+    """Indices of the values `places` of an axis that are nearest to `values`; empty for None."""
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:

@@ -31,7 +31,7 @@ _LEVELS = ((BOUNDARY, "mixed", ":"), (FULL_FILM, "full film", "-."))
 def zero_line(
     axes: Axes, x: Array, y: Array, plane: Array, gid: str, color: Any = BLACK, **look: Any
 ) -> bool:
-    """Draw the contour at which values `plane` (load, velocity) are 0; return False if none.
+    """Draw the contour on which `plane` (load, velocity) is 0; return False if it is empty.
 
     `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file.
     """
@@ -92,7 +92,10 @@ def mark_test(
 def mark_tests(
     axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
 ) -> list[Artist]:
-    """Mark tests; faint if their bulk temperature, by default `own_bulk`, is not `bulk` [K]."""
+    """Mark tests, faint if their bulk temperature is not `bulk` [K]; return the legend.
+
+    `own_bulk` [K] is the bulk temperature of tests that give none.
+    """
     marks = list[Line2D]()
     for number, test in tests.items():
         is_other = abs((test.bulk_temperature or own_bulk) - bulk) > _SAME_BULK
@@ -109,7 +112,7 @@ def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
 def reachable_tests(
     data: Results, tests: Mapping[str, Measurement]
 ) -> tuple[dict[str, Measurement], list[Artist]]:
-    """Tests in or near the sweep's range, by number, and a legend line that lists the others."""
+    """Tests in or near the sweep's range, by number, and a legend line that lists the rest."""
     ends = {"load": data.loads[[0, -1]], "velocity": data.velocities[[0, -1]]}
 
     def is_near(test: Measurement) -> bool:

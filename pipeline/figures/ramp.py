@@ -81,7 +81,7 @@ def ramp(
 
 
 def _stored_variable(data: Results, name: str) -> tuple[str, str]:
-    """Axis label and name of a variable stored at each step; raises if there is none."""
+    """Axis label and name of a variable that is stored at each step; raises for other names."""
     stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
@@ -118,7 +118,7 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _judged_looks(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Pairs of conditions and line style, for the highest and for the deciding temperature."""
+    """Pairs (conditions, line style) to draw the highest and the deciding temperature."""
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]

@@ -64,10 +64,10 @@ _PLAIN = ContextVar("plain", default=False)
 
 @contextmanager
 def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
-    """Context manager: figures have a width [m] and, if `plain`, no titles and captions.
+    """Context manager: draw figures with a width [m] and, if `plain`, without titles and captions.
 
-    Text and marks shrink less than the figure, at most to two thirds. So a narrow figure is higher
-    in proportion to its width.
+    Text and marks shrink less than the figure, at most to two thirds. So narrow figures are taller
+    in proportion.
     """
     if width is not None and not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
@@ -80,12 +80,12 @@ def fitted(width: float | None = None, plain: bool = False) -> Iterator[None]:
 
 
 def wanted_width(usual: float) -> float:
-    """Width at which figures are drawn [in]: that of `fitted`, else `usual`."""
+    """Width to draw a figure at [in]: the width set by `fitted`, else `usual`."""
     return _WIDTH.get() or usual
 
 
 class Picture(Figure):
-    """A figure of the width set by `fitted`, shown in notebooks with any backend."""
+    """A Matplotlib figure with the width set by `fitted`, which notebooks show with any backend."""
 
     def __init__(self, figsize: tuple[float, float] | None = None) -> None:
         width, height = figsize or rcParams["figure.figsize"]
@@ -93,7 +93,7 @@ class Picture(Figure):
         super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
 
     def _repr_png_(self) -> bytes:
-        """The figure as PNG bytes, by which a notebook displays it."""
+        """The figure as PNG bytes, for display in a notebook."""
         written = io.BytesIO()
         self.savefig(written, format="png")
         return written.getvalue()
@@ -115,7 +115,7 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in the house style, but keep matplotlib settings that the caller changed."""
+    """Decorator: draw in one style, but keep matplotlib settings that the caller changed."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -129,7 +129,7 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: Any) -> None:
-    """Write legend and caption below a figure, which grows if they need much room."""
+    """Write legend and caption below a figure; the figure grows if they need much room."""
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))

@@ -31,7 +31,7 @@ _ROOM = 1.25  # factor on velocity between the outermost tests and the axes' end
 
 @style.house_style
 def measured_over_computed(data: Results) -> Figure:
-    """Draw each test's velocity over the critical velocity computed at its conditions."""
+    """Draw the velocity of each test against the critical velocity computed for it."""
     require_kind(data.kind, Kind.PLANE)
     require_one_scene(data.entry_dims)
     tests = number_tests(laboratory_tests(data))

@@ -32,7 +32,7 @@ def stage_duty(pair: Pair, stage: int) -> Duty:
 
 
 def rig_pair(pair: Pair) -> Pair:
-    """The FZG test gears with the oil, friction and surface of `pair`."""
+    """The FZG test gears, with the oil, friction and surface of `pair`."""
     rig = read_pair(_FZG)
     if pair.gears == rig.gears:
         return pair
@@ -47,10 +47,10 @@ def rig_pair(pair: Pair) -> Pair:
 
 
 def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame:
-    """Critical temperature of an oil that fails in a load stage, by simulating that test.
+    """Critical temperature of an oil that fails in a load stage of FZG's test, by simulation.
 
-    It is between the highest temperature in the last stage passed and in the failed stage. It holds
-    only for this model, with its friction and bulk temperature.
+    It lies between the highest temperatures in the last stage passed and in the failed stage. It
+    holds only for this model, with the same friction and bulk temperature.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     -------
     DataFrame
         One row: the value, midway between both stages; its standard deviation, from a uniform
-        distribution between both and the simulation's error; the two temperatures; and the
-        scuffing integral temperature of ISO/TR 13989-2, Eq. 94, which is for that rule only.
+        distribution between both and the simulation's error; the temperatures in both stages; and
+        the scuffing integral temperature of ISO/TR 13989-2, Eq. 94, for use with that report only.
 
     Raises
     ------

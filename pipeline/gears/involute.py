@@ -216,11 +216,11 @@ class Involutes:
                 )
 
     def undercut(self, gear: int) -> float:
-        """Radius of curvature below which a standard rack cuts away the involute [m]; else 0.
+        """Radius of curvature below which a standard rack undercuts the involute [m]; else 0.
 
         The corner of the rack, a depth H below the pitch line, is at (rφ − H tan αt, r − H) when
-        the gear has turned by φ. It cuts the involute down to the point where its path meets the
-        flank.
+        the gear has turned by φ. The corner cuts the involute down to the point where its path
+        meets the flank.
         """
         r, rb, angle = self.reference_radii[gear], self.base_radii[gear], self.transverse_angle
         depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module
@@ -251,7 +251,7 @@ def fitting_distance(
 
     The working angle follows from inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2), with the numbers
     of `teeth` z and the profile shifts x of pinion and wheel. The module [m] and the pressure angle
-    αn are those of the normal section; angles are in radians.
+    αn are in the normal section; angles are in radians.
 
     Examples
     --------

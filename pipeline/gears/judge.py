@@ -112,9 +112,10 @@ def worst(table: pd.DataFrame) -> pd.Series[Any]:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """Mesh reduced to places that may be worst: A to E if they slide, and local maxima of heat.
+    """Keep the places of a mesh that may be the worst: A to E if they slide, and the hottest.
 
-    Rough flanks are hotter than smooth ones by a factor that changes slowly along the path.
+    The hottest places are local maxima with smooth flanks. Rough flanks are hotter by a factor that
+    changes slowly along the path.
     """
     heat = [at.temperature for at in one.places]
     kept = (
@@ -131,7 +132,7 @@ def _is_too_hot(one: Mesh) -> bool:
 
 
 def _severe_margin(one: Mesh) -> dict[str, Any]:
-    """Columns of `pipeline.margin` for a mesh whose bulk temperature alone is too high."""
+    """Columns of `pipeline.margin` for a mesh with a bulk temperature above the critical one."""
     severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
     return severe | {"notes": _notes(one, _TOO_HOT)}
 

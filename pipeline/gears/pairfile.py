@@ -95,7 +95,7 @@ class Friction:
 
 @declared
 class Surface:
-    """Surface data that no drawing gives; the defaults are those of usual flanks."""
+    """Surface data that drawings do not state; the defaults suit usual flanks."""
 
     correlation_length: A[tuple[float, float], List(Quantity("4 um"), length=2),
         "Of the roughness, along and across the sliding."] = (4e-6, 4e-6)

@@ -104,7 +104,7 @@ def _make_pair(
 ) -> Pair:
     """Pair of gears made from valid tables; raises an `InputError` if the gears cannot run.
 
-    `written` are the entries in the user's words, `sources` what came from the library.
+    `written` has the entries in the user's words, `sources` the values from the library.
     """
     mesh, (first, second) = tables.mesh, (tables.pinion, tables.wheel)
     toothing = mesh.module, mesh.pressure_angle, mesh.helix_angle

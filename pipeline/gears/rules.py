@@ -124,8 +124,8 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
 def integral_temperature(pair: Pair, duty: Duty) -> Integral:
     """Integral temperature of a pair at a duty, by ISO/TR 13989-2, Eqs. (17) to (45).
 
-    The teeth have no tip relief. The bulk temperature is that of the duty; `warm_duty` computes it
-    from that of the oil.
+    The teeth have no tip relief. The bulk temperature is given by the duty; `warm_duty` computes it
+    from the oil temperature.
     """
     gears = pair.gears
     friction = friction_coefficient(pair, duty)
@@ -169,8 +169,8 @@ def warm_duty(
 
     In oil at the temperature θ the bulk temperature is θ + 0.7 × mean flash temperature (ISO/TR
     13989-2, Eq. 20). It is found by iteration, as friction depends on the viscosity at the bulk
-    temperature. Without θ the pair's bulk temperature is taken, which holds only for the pair's own
-    duty.
+    temperature. Without θ the bulk temperature is the pair's, which is right only for the pair's
+    own duty.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over that at the tip.
+    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over the tip's.
 
     `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
     """

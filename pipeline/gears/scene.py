@@ -114,9 +114,10 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
 
 
 def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
-    """Row of the scene's table of places, for the duty `number` of several, or 0 for a single duty.
+    """Row of the scene's table for one place of a mesh.
 
-    Several duties have columns of their own for friction and bulk temperature.
+    `number` counts several duties, which also have columns for friction and bulk temperature. It is
+    0 for a single duty.
     """
     track = 2 * math.pi * place.radius_1 * math.cos(mesh.pair.gears.base_helix_angle)
     row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}

@@ -45,11 +45,11 @@ _OPENINGS = {"mild": "No scuffing", NOT_DECIDED: "Scuffing is not decided", "sev
 def read_spectrum(
     source: str | PathLike[str] | Mapping[str, Sequence[Any]], pair: Pair, sheet: str | None = None
 ) -> tuple[list[tuple[float | None, Duty]], Sheet]:
-    """Read a table of duties: (hours or None, duty) of each row, and the sheet with unused parts.
+    """Read a table of duties; return (hours or None, duty) of each row, and the table itself.
 
     Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
-    temperature`` or ``oil temperature``, which replace those of the pair; see `warm_duty`. The
-    `source` is a file, or columns by heading; `sheet` names that of a workbook.
+    temperature`` or ``oil temperature``, which replace the pair's values; see `warm_duty`. The
+    `source` is a file, or columns by heading; `sheet` is the name of a sheet in a workbook.
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
@@ -107,7 +107,7 @@ def judge_spectrum(
 
 
 def conclusion(table: pd.DataFrame) -> str:
-    """Sentence with the worst row of a spectrum, which decides: damage does not accumulate."""
+    """Sentence on the worst row of a duty spectrum, which decides: damage does not accumulate."""
     decisive = worst(table)
     is_same = table["verdict"] == decisive["verdict"]
     sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"

@@ -53,7 +53,7 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Answer for a log: its columns, tests, faults and scene lines; see `_log_toml` for `named`."""
+    """Result for a log: its columns, tests, faults and scene lines; see `_log_toml` for `named`."""
     found, faults = log.tests, log.sheet.faults
     if log.row_of is Test and not faults:  # faulty rows have no test
         faults += [
@@ -77,7 +77,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
 
 
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
-    """Answer for a trace of friction: its stages, transition and scene lines, with a figure."""
+    """Result for a trace of friction: its stages, transition and scene lines, with a figure."""
     trace = read_trace(read)
     tests = trace.tests()
     toml = [*_trace_toml(tests, read.missing, trace.scuff)]
@@ -102,7 +102,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
 
 
 def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """Yield lines on a file: its format, rows left out, and a shipped scene that fits the rig."""
+    """Yield lines on a file: its format, rows left out, and a shipped scene for the rig."""
     form = [f"form of {export.title}"] if export.title else []
     yield f"{path}: {', '.join([*form, *sheet.form])}"
     if sheet.counted:
@@ -113,7 +113,7 @@ def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """How a file was read, as plain data: format, columns, rows left out, fitting scene."""
+    """How a file was read, as plain data: format, columns, rows left out, scene for the rig."""
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
         "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
@@ -122,7 +122,7 @@ def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
 
 
 def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
-    """Numbers of tests `found`, of their runs, oils and outcomes, in words."""
+    """Count the tests `found`, and their runs, oils and outcomes, in words."""
     kinds = Counter(test["outcome"] for test in found if "outcome" in test)
     counts = ", ".join(f"{count} {name}" for name, count in sorted(kinds.items()))
     number = counted(len(found), "test", "tests")
@@ -158,7 +158,7 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Yield scene lines that name the log file, with options for what the log does not state.
+    """Yield scene lines that name the log file, with the options needed to read it.
 
     `named` are the options that the user gave, by name.
     """

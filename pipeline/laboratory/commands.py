@@ -11,7 +11,7 @@ from pipeline.paths import user_path
 
 
 def _sides(text: str) -> tuple[float, float]:
-    """Read the sides of a pixel [m] from ``DX,DY``; a single length is for a square pixel."""
+    """Read the sides of a pixel [m] from ``DX,DY``, or from one length for a square pixel."""
     read = values.quantity("0.8 um")
     first, comma, second = text.partition(",")
     return read(first), read(second if comma else first)

@@ -14,9 +14,10 @@ from pipeline.scene.faults import Faults
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, None]:
-    """Scene with the tests of log files in place of the entries that name these files.
+    """Replace entries that name log files by the tests in these files.
 
-    Faults of a log are reported. The second value is None, as the sweep needs no further change.
+    Faults of a log are reported. Returns the changed document, and None because no variants are
+    added to the sweep.
     """
     for key in ("measured", "tested"):
         listed, folder = document.entries().get(key), document.file_of(key).parent
@@ -36,7 +37,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
 
 
 def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """Copy of a test whose number and run begin with the file's name, as each log counts from 1.
+    """Copy of a test with the file's name before its number and run, as each log counts from 1.
 
     `entry` is the scene's table that names the file.
     """
@@ -48,7 +49,7 @@ def _read_tests(
 ) -> list[dict[str, Any]]:
     """Read the tests of a log file as tables of a scene; faults name row and column.
 
-    `entry` is the table of the scene that names the file: the one at index `number` of list `key`.
+    `entry` is the table of the scene that names the file, at index `number` of the list `key`.
     """
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(Log).read(entry, place, faults)

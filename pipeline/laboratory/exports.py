@@ -47,9 +47,9 @@ def exports() -> Mapping[str, Export]:
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """Format of a file: `named` if given, else the one recognised by the cells of its tables.
+    """Format of a file: the one `named`, else one recognised by the cells of its tables.
 
-    It is empty if none matches.
+    Returns an empty format if no format matches.
     """
     if named is not None:
         if named not in exports():

@@ -34,7 +34,7 @@ _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights in the unit of their file; pixel size and unit are None if the file states none."""
+    """Heights as in their file; pixel size and unit are None if the file does not state them."""
 
     heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
     pixel: tuple[float, float] | None = None  # sides [m]
@@ -100,12 +100,12 @@ def _read_x3p(path: Path) -> Raw:
 
 
 def _text(element: Any, name: str, usual: str = "") -> str:
-    """Text of the child `name` of an XML element; `usual` if it is missing."""
+    """Text of the child `name` of an XML element; `usual` if there is no such child."""
     return (element.findtext(f".//{{*}}{name}") or usual).strip()
 
 
 def _read_gwy(path: Path) -> Raw:
-    """Read a Gwyddion file: its first channel with a length unit, else its first without a unit."""
+    """Read a Gwyddion file: the first channel with a length unit, else the first without a unit."""
     content = path.read_bytes()
     if not content.startswith(b"GWYP"):
         raise InputError(f"{path}: does not begin as Gwyddion writes; {_SAVE}")
@@ -125,7 +125,7 @@ def _read_gwy(path: Path) -> Raw:
 
 
 def _gwy_unit(unit: Any) -> float | None:
-    """Length of a Gwyddion unit [m]; None if there is none, 0 if it is no length."""
+    """Length of a Gwyddion unit [m]; None if no unit is given, 0 if it is not a length."""
     text = unit[1].get("unitstr", "") if unit else ""
     try:
         return to_si(f"1 {text}", "1 m") if text else None
@@ -134,7 +134,7 @@ def _gwy_unit(unit: Any) -> float | None:
 
 
 def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
-    """Read the Gwyddion object at byte `place` of a file: its name, components and end."""
+    """Read the Gwyddion object at byte `place`; return its name, components and end."""
 
     def text(begin: int) -> tuple[str, int]:
         end = content.index(b"\0", begin)
@@ -195,7 +195,7 @@ def _read_by_library(path: Path) -> Raw:
 
 
 def _why_not(formats: Any, path: Path, error: Exception) -> str:
-    """Why SurfaceTopography cannot read a file: the error of its reader, or that it has none.
+    """Why SurfaceTopography cannot read a file: its error, or that it has no reader for the file.
 
     `formats` is its module of readers, and `error` was raised by the first attempt.
     """

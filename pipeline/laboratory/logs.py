@@ -82,10 +82,10 @@ class Log:
 
 
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
-    """Read the tests of a log; faults are collected in its sheet.
+    """Read the tests of a log; faults are listed in the sheet of the result.
 
     `options` are the entries of a scene's log. `key` is the scene's list that needs the tests
-    ("measured" or "tested"); without it the log's columns decide.
+    ("measured" or "tested"); if it is None, the log's columns decide.
     """
     read = read_table(path, options)
     if is_one_run(read_table(path, options, OF_TRACE).sheet):
@@ -97,10 +97,10 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
-    """Tests of a table of rows; faults are collected in its sheet. See `read_log` for `key`.
+    """Find the tests in a table; faults are listed in the sheet of the result.
 
-    `words` has the user's outcome for words such as "ok". Others have their usual meaning; a word
-    without one is a fault.
+    `words` has the outcome that the user gives to words such as "ok". Other words have their usual
+    meaning; an unknown word is a fault. See `read_log` for `key`.
     """
     sheet, export, missing = read
     row_of = Transition if key == "measured" else _row_of(sheet)
@@ -139,7 +139,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
 
 
 def _row_of(sheet: Sheet) -> type | None:
-    """Class of a table's rows, by its columns: `Test`, `Stages` or `Transition`; or None."""
+    """Class of a table's rows, from its columns: `Test`, `Stages`, `Transition` or None."""
     if "outcome" in sheet.places:
         return Test
     if "mild_up_to" in sheet.places:
@@ -175,8 +175,8 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
 def _leave_out_repeats(sheet: Sheet) -> None:
     """Leave out rows that are copies of earlier rows.
 
-    A copy has the same cells throughout, among them one that repeated tests would not share, such
-    as a number or the friction. Other equal rows are repeated tests, and all count.
+    A copy has the same cells throughout, and one of them is a cell that repeated tests would not
+    share, such as a number or the friction. Other equal rows are repeated tests, and count.
     """
     used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
     distinguishing = {
@@ -195,8 +195,8 @@ def _leave_out_repeats(sheet: Sheet) -> None:
 def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
     """Number the runs of a log.
 
-    A run ends if load does not rise, wear was severe or the oil changes. `words` has the outcome
-    meant by each word.
+    A new run begins if the load does not rise, wear was severe before, or the oil changes. `words`
+    has the outcome meant by each word.
     """
     loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
     labels, run, last, before = list[str](), 0, 0.0, ""
@@ -210,7 +210,7 @@ def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 
 
 def _double_transitions(log: Log) -> list[str]:
-    """Faults in words for specimens with more than one transition, which is impossible."""
+    """Faults, in words, of specimens with more than one transition, which is impossible."""
     place = log.sheet.places.get("run")
     if log.row_of is not Transition or place is None:
         return []

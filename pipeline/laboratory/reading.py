@@ -35,7 +35,7 @@ _OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak
 
 
 class Read(NamedTuple):
-    """A table, its export format, and by quantity why it cannot be computed."""
+    """A table, its export format, and reasons why some quantities cannot be computed."""
 
     sheet: Sheet
     export: Export
@@ -90,7 +90,7 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings, from a row of units above whose first cell is `first`."""
+    """Append units to the headings, from a row of units above that begins with the cell `first`."""
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
     for k, unit in enumerate(units[: len(heads)]):
@@ -99,7 +99,7 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 
 
 def _count_time(sheet: Sheet, first: str) -> None:
-    """Fill an empty time column by the time step, which stands after the cell `first`."""
+    """Fill an empty time column by counting time steps; the step stands after the cell `first`."""
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
         step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
@@ -115,9 +115,9 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault for `needed` quantities that lack, with options that supply them.
+    """Add a fault for `needed` quantities that are missing, with options to give them.
 
-    Rows without them, or at which a quantity of `moving` is 0, are dropped.
+    Rows in which a needed quantity is empty, or a quantity of `moving` is 0, are left out.
     """
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
@@ -159,7 +159,7 @@ def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
 
 
 def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns for quantities that the user gives, by name, because the file lacks them."""
+    """Add columns for quantities that the file lacks, with the values `given` by the user."""
     for name, value in given.items():
         if name not in sheet.units:  # a log ignores what only traces need, and the reverse
             continue
@@ -176,7 +176,7 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 def _read_levels(sheet: Sheet, step: str) -> None:
     """Read the last mild and the first severe level of stepwise tests, with cells such as "> 12".
 
-    If a row lacks one of both, it is `step` away from the other.
+    If a row has only one of the two levels, the other level is `step` away.
     """
     beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
@@ -213,7 +213,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
     """Numbers of rows whose cell says "more than".
 
-    A cell becomes its number, or empty without one.
+    Such a cell becomes its number; a cell without digits becomes empty.
     """
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():
@@ -226,7 +226,7 @@ def _read_beyond(sheet: Sheet, name: str) -> set[int]:
 
 
 def _take_mean_of_sine(sheet: Sheet) -> None:
-    """Replace velocities that are peaks of a sine by the sine's mean."""
+    """Replace peak velocities of a sinusoidal motion by its mean speed."""
     place, speeds = sheet.places["velocity"], sheet.numbers("velocity")
     sheet.add("velocity", "m/s", [f"{_OF_SINE * speed:.12g}" for speed in speeds])
     sheet.sources.add(place)
@@ -248,7 +248,7 @@ def is_one_run(sheet: Sheet) -> bool:
 
 
 def read_trace(read: Read) -> Trace:
-    """Trace of friction in a table; raises an `InputError` that names all faults."""
+    """Read the trace of friction in a table; raises an `InputError` that names all faults."""
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]

@@ -37,7 +37,7 @@ _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
 class Likeness(NamedTuple):
-    """A quantity of the scan, and its mean over random surfaces with the fitted spectrum."""
+    """A quantity of the scan, and its mean over random surfaces like the scan."""
 
     scan: float
     mean: float
@@ -45,7 +45,7 @@ class Likeness(NamedTuple):
 
     @property
     def is_like(self) -> bool:
-        """True if the scan is within 15 % of the mean, or within twice the scatter."""
+        """True if the scan's value is within 15 %, or twice the scatter, of the mean."""
         reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
         return abs(self.scan - self.mean) <= reach
 
@@ -83,7 +83,7 @@ class SurfaceStatistics:
 
     @property
     def toml(self) -> str:
-        """Lines ``[disk.roughness]`` of a scene for similar random surfaces; else empty."""
+        """Scene lines ``[disk.roughness]`` for random surfaces, if these are like the scan."""
         if self.fit is None or not self.is_like:
             return ""
         lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
@@ -186,7 +186,7 @@ def surface_statistics(
     pixel_size: Sequence[float | str] | None = None,
     transpose: bool = False,
 ) -> SurfaceStatistics:
-    """Find the roughness of a scan by ISO 25178, and random surfaces similar to it.
+    """Find the roughness of a scan by ISO 25178, and random surfaces like the scan.
 
     Parameters
     ----------
@@ -206,11 +206,10 @@ def surface_statistics(
     InputError
         If the file cannot be read, is a profile, or lacks a unit or the size of its pixels.
 
-    Notes
-    -----
-    The mean plane is removed, and a significant curvature. Holes are left out. Eight random
-    surfaces are made with the fitted spectrum in the window of the scan. They are similar to it
-    if its Rq, Sal and Str are within 15 % of their means, or within twice their scatter.
+    Notes ----- The mean plane is removed, and a significant curvature. Holes are left out. Eight
+    random surfaces are made with the fitted spectrum in the window of the scan. They are like the
+    scan if its Rq, Sal and Str are within 15 %, or twice the scatter, of the means over these
+    surfaces.
 
     Examples
     --------
@@ -257,8 +256,8 @@ def _compare(
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
     """Compare a scan with random surfaces that have its fitted spectrum.
 
-    `sides` are those of a pixel [m]. Returns the fit, the reason why they differ (empty if they do
-    not), and the compared quantities.
+    `sides` are the pixel's [m]. Returns the fit, why the scan differs from random surfaces (empty
+    if it does not), and the compared quantities.
     """
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)

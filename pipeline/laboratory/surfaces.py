@@ -118,7 +118,7 @@ def _read_array(path: Path) -> Array:
 def _remove_outliers(heights: Array, unit: float) -> list[str]:
     """Turn isolated outliers such as −9999 into holes, in place; return a note on each value.
 
-    `unit` is that of the file's heights [m], in which notes state values.
+    Notes state values in the file's `unit` of height [m].
     """
     notes = list[str]()
     values = heights[np.isfinite(heights)]
@@ -135,7 +135,7 @@ def _remove_outliers(heights: Array, unit: float) -> list[str]:
 
 
 def _refuse_profile(path: Path, heights: Array) -> None:
-    """Raise an `InputError` for a profile, which states its Ra and Rq above a straight line."""
+    """Raise an `InputError` for a profile, with its Ra and Rq above a straight line."""
     place = np.arange(len(heights))
     level = heights - np.polyval(np.polyfit(place, heights, 1), place)
     ra, rq = (display(one(level), "µm", 3) for one in (average_roughness, rms_height))
@@ -239,8 +239,8 @@ def _cropped(
 ) -> Array | None:
     """Heights from the corner ``crop`` on, as many as the window has pixels.
 
-    Heights to be repeated may be fewer. Returns None if a fault was reported. `table` has the keys
-    of the scene's roughness.
+    If the scan is to be repeated, there may be fewer. Returns None if a fault was reported. `table`
+    has the scene's entries on roughness.
     """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":

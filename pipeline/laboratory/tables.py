@@ -26,7 +26,7 @@ _STEEPEST = 2.0  # largest slide-roll ratio: one surface at rest
 
 
 class Derived(NamedTuple):
-    """Rule that computes the quantity `name` from `inputs`, in SI."""
+    """Rule to compute the quantity `name` from the quantities `inputs`, all in SI."""
 
     name: str
     inputs: tuple[str, ...]
@@ -62,7 +62,7 @@ INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
 
 
 class Words(NamedTuple):
-    """SI unit of a quantity (None for text), and patterns of headings that name or exclude it."""
+    """SI unit of a quantity (None for text), and patterns of headings for it or not for it."""
 
     unit: str | None
     named: re.Pattern[str]
@@ -78,7 +78,7 @@ def vocabulary() -> Mapping[str, Any]:
 
 @functools.cache
 def words_of(name: str) -> Words | None:
-    """Unit and patterns of a quantity; None if ``words.toml`` has none."""
+    """Unit and patterns of a quantity; None if ``words.toml`` does not have the quantity."""
     table = vocabulary().get(name)
     if not isinstance(table, dict):
         return None
@@ -129,9 +129,9 @@ class WordNames(Names):
         return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Number of the column of each quantity, from its headings, and by quantity its fault.
+        """Column number by quantity, found from the headings, and faults by quantity.
 
-        Faults of quantities that are not needed are dropped.
+        A quantity that is not needed has no fault.
         """
         places, faults = super().columns(headings)
         made = {x for rule in RULES if rule.name in places for x in rule.inputs}
@@ -141,9 +141,9 @@ class WordNames(Names):
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
-    """Add columns computed from others. Return, by quantity, what is missing to compute it.
+    """Add columns computed from other columns. Return what is missing to compute each quantity.
 
-    For quantities in `needed` the missing input is also a fault of the sheet.
+    For quantities in `needed` the missing input is also added to the sheet's faults.
     """
     missing = dict[str, str]()
     for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:
@@ -166,7 +166,7 @@ def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
 
 
 def _add_derived(sheet: Sheet, rule: Derived) -> None:
-    """Add the column that a rule computes, unless its inputs have faults."""
+    """Add the column that a rule computes, unless the inputs have faults."""
     before = len(sheet.faults)
     inputs = {one: sheet.numbers(one) for one in rule.inputs}
     ratio = inputs.get("slide_roll_ratio")

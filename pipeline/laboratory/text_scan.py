@@ -51,8 +51,8 @@ _TOLERANCE = 1e-3  # largest relative deviation of places from a regular grid
 def read_text(path: Path) -> Raw:
     """Read heights from text: a matrix with a line for each y, rows of x, y and z, or a profile.
 
-    Raises an `InputError` if the text has no matrix of numbers, places off a regular grid, or
-    several tables.
+    Raises an `InputError` if the text has no matrix of numbers, x and y are not on a regular grid,
+    or there are several tables.
     """
     text, _ = decoded(path.read_bytes())
     try:
@@ -92,7 +92,7 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Heights without a first column and row that hold y and x; steps of x and y, or None.
+    """Remove a first column and row with y and x; return heights, and steps of x and y or None.
 
     The row of x may also be the line `above` the table.
     """
@@ -109,7 +109,7 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Header lines, table of numbers (NaN in holes), x in the row above it, number of blocks."""
+    """Split text: header lines, table (NaN in holes), x from the row above, number of tables."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -199,9 +199,10 @@ def _length(text: str) -> float | None:
 
 
 def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
-    """Heights (nx, ny) from rows of x, y, z on a regular grid; holes where a row is missing.
+    """Heights (nx, ny) from rows of x, y, z on a regular grid; missing rows become holes.
 
-    `units` has the units of the columns in metres by name, `unit` that of z; None if unknown.
+    `units` has the units of the columns in metres, by name. `unit` is the unit of z in metres, or
+    None.
     """
     axes, places = [], []
     for column in table.T[:2]:

@@ -35,7 +35,7 @@ _COMMANDS = "load", "velocity"
 
 
 class Stage(NamedTuple):
-    """Rows of a stage, and its load [N] and velocity [m/s]; on a ramp they are means."""
+    """Rows of a stage, and its load [N] and velocity [m/s], which are means on a ramp."""
 
     rows: slice
     load: float | None
@@ -44,10 +44,10 @@ class Stage(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A rise of friction that may be scuffing: where it is, and why it does not count as scuffing.
+    """A rise of friction that may be scuffing, and the reason if it does not count as scuffing.
 
-    `row` and `stage`, which counts from 1, say where; `low` and `high` are friction before and
-    after. `why_not` is empty for scuffing.
+    `row` and `stage` (counted from 1) are its place. `low` and `high` are friction before and
+    after. `why_not` is empty if it counts as scuffing.
     """
 
     row: int
@@ -105,7 +105,7 @@ class Trace:
 
     @property
     def scuff(self) -> Candidate | None:
-        """The rise of friction that counts as scuffing; None if there is none."""
+        """The rise of friction that counts as scuffing; None without scuffing."""
         return next((one for one in self.candidates if not one.why_not), None)
 
     def _smoothed_friction(self, rows: slice) -> tuple[Array, float]:
@@ -119,7 +119,7 @@ class Trace:
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
-        """Yield lines on the stages, and on each rise of friction: why it is or is no scuffing."""
+        """Yield lines on each stage, and on each rise of friction: is it scuffing, and why."""
         spans = (
             _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
         )
@@ -143,8 +143,8 @@ class Trace:
     def tests(self) -> list[dict[str, str | float]]:
         """Tests found in the trace, as tables of a scene file.
 
-        They are one table with the ends of a stepwise run, or a table for each stage, or a single
-        test, or a transition on a ramp.
+        Depending on the trace, they are: one table with the ends of a stepwise run, a table for
+        each stage, a single test, or a transition on a ramp.
         """
         severe = self.scuff
         number = severe.stage if severe else len(self.stages)
@@ -182,7 +182,7 @@ class Trace:
         ]
 
     def _shared_values(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Median friction of a stage before scuffing, and bulk temperature until then."""
+        """Median friction of a stage before scuffing, and median bulk temperature before it."""
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
         values: dict[str, str | float] = {
@@ -215,13 +215,13 @@ def _written_place(values: dict[str, float | None], without: str = "") -> dict[s
 
 
 def _is_varied(levels: Sequence[float | None]) -> bool:
-    """True if stages differ in these `levels` of load or velocity."""
+    """True if the `levels` of load or velocity differ between stages."""
     known = [level for level in levels if level is not None]
     return bool(known) and max(known) - min(known) > _APART * max(known)
 
 
 def _level(column: Array | None, rows: slice) -> float | None:
-    """Load or velocity held for most of a stage; else its mean. None without such a column."""
+    """Load or velocity that is held for most of a stage, else the mean; None without a column."""
     if column is None:
         return None
     values = column[rows]
@@ -260,7 +260,7 @@ def _setpoint(column: Array) -> Array:
 
 
 def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
-    """Cut a trace into stages: rows of each, and whether it is a ramp.
+    """Cut a trace into stages; return the rows of each, and whether it is a ramp.
 
     `commands` (n, n_command) are load and velocity over their maxima, at each `time` [s].
     """
@@ -307,7 +307,7 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
 
 
 def _continues_ramp(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
-    """True if a short `piece` (rows) after a ramp continues it at half its rate or more."""
+    """True if a short `piece` (rows) after a ramp continues at half the ramp's rate or more."""
     if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False
     way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
@@ -321,9 +321,9 @@ def _span(time: Array, rows: slice) -> float:
 
 
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
-    """True if a command drifts within piece `k` by over a third of the step to its neighbours.
+    """True if load or velocity drifts in piece `k` by over a third of the step to a neighbour.
 
-    `levels` are the median commands of the pieces.
+    `levels` are the medians of `commands` in each piece.
     """
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)
@@ -335,12 +335,12 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Yield rises of friction in a stage: row, level before and after, and why it is no scuffing.
+    """Yield rises of friction in a stage: row, level before, level after, why it is not scuffing.
 
-    The level before is the lowest so far, beginning with `before`, the end of the previous stage.
-    If `before` is infinite, the first `skipped` rows are left out, and friction that rises in them,
-    above the lowest of them or `start`, "begins" the stage. A rise exceeds a share of the level
-    before, plus `scatter` [friction].
+    The level before is the lowest so far, beginning with `before`, from the previous stage. A rise
+    exceeds it by a share, plus `scatter` [friction]. If `before` is infinite, the first `skipped`
+    rows are left out. If friction rises in these rows, above their lowest value or `start`, that
+    rise is yielded with the reason "begins".
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]

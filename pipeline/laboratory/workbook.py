@@ -13,7 +13,7 @@ from tribo import InputError
 
 
 def unpacked_size(path: Path) -> int:
-    """Number of bytes that a zip archive unpacks to, as its directory states."""
+    """Number of bytes that a zip archive unpacks to, according to its directory."""
     with zipfile.ZipFile(path) as archive:
         return sum(entry.file_size for entry in archive.infolist())
 
@@ -88,7 +88,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
 
 
 def _cell_text(value: Any, typed: Any) -> str:
-    """Text of a cell: its value, else its formula `typed`, else empty."""
+    """Text of a cell: its value, else the formula `typed` in it, else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
     return str(value).removesuffix(" 00:00:00").strip()

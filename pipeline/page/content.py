@@ -64,7 +64,7 @@ _NUMBERS = (
 
 
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
-    """Data of the page of a plane of points, as JSON values.
+    """Data of the page for one scene with a grid of loads and velocities, as JSON values.
 
     Contact fields are included for at most `most_fields` points, nearest to the transition.
     """
@@ -121,16 +121,16 @@ def _page_facts(data: Results) -> dict[str, Any]:
 
 
 def _test_facts(test: Measurement) -> dict[str, Any]:
-    """A test as a dictionary, with its load by axis name and the name of its legend symbol."""
+    """A test as a dictionary: its fields, and the name of its symbol in the legend."""
     sign = f"test-{test.outcome}" if test.outcome else "transition"
     return test.as_dict() | {"load": test.normal_load, "sign": sign}
 
 
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
-    """Tests as dictionaries: nearest grid node, and friction and bulk temperature that judge it.
+    """Tests as dictionaries, each with its nearest grid node, friction and bulk temperature.
 
-    `loads` [N] and `velocities` [m/s] are those of the nodes; velocities before the index `first`
-    are below those of the sweep.
+    `loads` [N] and `velocities` [m/s] belong to the nodes. Velocities before the index `first` are
+    below the sweep.
     """
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
@@ -208,9 +208,9 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares at which rises are tabulated, for linear interpolation between them.
+    """Failing shares at which rises are tabulated; the page interpolates between them.
 
-    It is a single one if the criterion does not use a share.
+    There is only one share if the criterion does not use it.
     """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
@@ -226,10 +226,11 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Deciding rises, and quantiles of the rise over the contact [K].
+    """Tables of deciding rises, and of quantiles of the rise over the contact [K].
 
-    Axes are load, velocity, bulk ratio, failing share (of rises) or probability (of quantiles),
-    step. `columns` are variables by name, `quantile` the probabilities of their quantiles.
+    Axes of deciding rises are load, velocity, bulk ratio, failing share and step. Tables of
+    quantiles have a probability instead of the share. `columns` are variables by name, and
+    `quantile` are the probabilities of their quantiles.
     """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
@@ -239,7 +240,7 @@ def _tables(
 
 
 def _step_values(values: Array, steps: Indices) -> Array:
-    """Values of each point at its own step `steps`; the last axis of `values` is steps."""
+    """For each point, the value at the point's own index in `steps`, along the last axis."""
     chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
     return chosen
 
@@ -247,8 +248,9 @@ def _step_values(values: Array, steps: Indices) -> Array:
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
     """Tables of deciding rises for the page: on a fine grid, and on lines that lack points.
 
-    The grid has rises [K] (surface, load, velocity, bulk ratio, share). Its first and last velocity
-    are far outside the sweep. A line is a load or velocity of the sweep; only its own points count.
+    The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
+    of the grid are far outside the sweep. A line belongs to one load or velocity of the sweep, and
+    uses only the points there.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -300,9 +302,10 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index in a table at which the values of each line begin, by key "surface node".
+    """Index in a table at which the values of each line begin, by a key such as "0 12".
 
-    The first begins at `begin`; each has `width` values.
+    The key has the line's surface and node. The first line begins at `begin`; each has `width`
+    values.
     """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}
@@ -351,7 +354,7 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices of points whose fields are shown: the `most` that are `done` and near the limit."""
+    """Indices of the points whose fields are shown: at most `most`, those nearest to the limit."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
@@ -363,12 +366,12 @@ def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> li
 
 
 def digit_string(values: Any) -> str:
-    """An array `values` of codes 0 to 9 as a string of digits; 0 for NaN."""
+    """Write an array of codes 0 to 9 as a string of digits; NaN becomes 0."""
     return "".join(f"{code:.0f}" for code in np.nan_to_num(np.asarray(values, float)).flat)
 
 
 def packed_array(values: Any, dtype: str) -> str:
-    """Bytes of an array `values`, converted to `dtype`, as base64 text."""
+    """Convert an array to `dtype`, and its bytes to base64 text."""
     return base64.b64encode(np.asarray(values, dtype=dtype).tobytes()).decode()
 
 
@@ -385,8 +388,8 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated"
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
     """Number of parts into which the grid divides each interval of velocity, and of load.
 
-    `loads` and `velocities` are the numbers of both in the sweep. `others` is the number of values
-    at each node, which limits the number of nodes.
+    `loads` and `velocities` are their numbers in the sweep. `others` is the number of values at
+    each node, which limits the number of nodes.
     """
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
@@ -396,7 +399,7 @@ def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
 
 
 def divided(places: Array, parts: int) -> Array:
-    """Values `places` of an axis, with each interval divided into `parts` equal parts."""
+    """Divide each interval between the values `places` of an axis into `parts` equal parts."""
     index = np.arange((len(places) - 1) * parts + 1) / parts
     return np.interp(index, np.arange(len(places)), places)
 
@@ -404,8 +407,8 @@ def divided(places: Array, parts: int) -> Array:
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
     """Interpolate values along an axis from abscissae `x` to `places`; see `Curve`.
 
-    Values that are not finite are left out. If `continued`, values beyond the known ones are
-    extrapolated by the power laws of `Curve`.
+    Values that are not finite are left out. If `continued`, values are extrapolated by the power
+    laws of `Curve`.
     """
     fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, is_line=True)
     return np.moveaxis(fine, -1, axis)
@@ -414,10 +417,10 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 def rows_along(
     rises: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises along velocity at each load [K], and the velocities of their nodes [m/s].
+    """Rises [K] at each load on a finer grid of velocities, and these velocities [m/s].
 
-    Nodes divide each interval of velocities into `parts`. Beyond the sweep's velocities rises per
-    friction are power laws, times friction there. The outermost nodes are far beyond.
+    Each interval of velocities is divided into `parts`. The outermost velocities are far outside
+    the sweep. There rise/friction is extrapolated as a power law of the velocity.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -433,11 +436,12 @@ def rows_along(
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     """State of each grid node (surface, load, velocity), as a code from 1 to 4.
 
-    `COMPUTED`, `INTERPOLATED`, `BETWEEN` (two loads, only one of them with points on both sides) or
-    `EXTRAPOLATED`.
+    It is `COMPUTED`, `INTERPOLATED`, `EXTRAPOLATED`, or `BETWEEN` for a node between two loads of
+    which only one has points on both sides.
 
-    `done` is the mask of computed points, `parts` how the grid divides each interval of loads and
-    of velocities. `places` numbers the nodes along velocity, from 0 at the sweep's first velocity.
+    `done` is the mask of computed points. `parts` are the numbers of parts of each interval of
+    loads and of velocities. `places` are node numbers along velocity, 0 at the sweep's first
+    velocity.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

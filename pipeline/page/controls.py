@@ -15,7 +15,10 @@ from pipeline.sweep.conditions import Conditions
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """A condition as a slider and a field, which show ``factor`` × SI value + ``offset``."""
+    """A condition that the reader sets by a slider or in a field.
+
+    They show ``factor`` × SI value + ``offset``.
+    """
 
     name: str
     label: str
@@ -46,8 +49,8 @@ def controls(
 ) -> list[Control]:
     """Controls for the conditions that can be changed on the page of a sweep.
 
-    Without `has_heat` friction must be 0. The disk has its own bulk temperature if `two_bulks`. The
-    failing share of the contact can be changed if `has_share`.
+    If not `has_heat`, friction must be 0. If `two_bulks`, the disk has its own bulk temperature. If
+    `has_share`, the failing share of the contact can be changed.
     """
     cold = "must be 0: the sweep was computed without friction and heat"
     friction = Control(
@@ -75,7 +78,7 @@ def controls(
 
 
 def surface_choice(surfaces: Sequence[int] | None) -> str:
-    """HTML that selects one surface or all; empty if there is only one."""
+    """HTML to select one surface or all; empty if there is only one surface."""
     if not surfaces or len(surfaces) < 2:
         return ""
     numbered = {str(number): f"surface {name}" for number, name in enumerate(surfaces)}
@@ -84,7 +87,7 @@ def surface_choice(surfaces: Sequence[int] | None) -> str:
 
 
 def scene_choice(names: Sequence[str]) -> str:
-    """HTML that selects a scene of a sweep by its name; empty if there is only one."""
+    """HTML to select a scene of a sweep by its name; empty if there is only one scene."""
     if len(names) < 2:
         return ""
     options = {str(number): name for number, name in enumerate(names)}
@@ -93,7 +96,7 @@ def scene_choice(names: Sequence[str]) -> str:
 
 
 def _select(name: str, options: Mapping[str, str]) -> str:
-    """HTML element that selects one of `options`, the shown texts by value."""
+    """HTML element to select one of `options`, which has the shown text of each value."""
     listed = "".join(
         f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
     )

@@ -45,7 +45,7 @@ _OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.
 @shown
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Path of the page that `pipeline.explore` has written, and how many points it shows."""
+    """Path of the page that `pipeline.explore` wrote, and the numbers of points on it."""
 
     path: Path  #: File of the page.
     points: int  #: Number of points of the sweep that are done.
@@ -73,8 +73,8 @@ def explore(
     the answer. The boundary, its band over several surfaces and the tables follow the conditions
     that the reader sets. Each point shows its numbers, its fields and the distribution of
     temperature over the contact. For samples the page shows the probability of severe wear at any
-    place, for rows with their own places their margins. If entries have several values, the reader
-    selects a scene. Printed, on A4 or to PDF, the page is a report.
+    load and velocity. For rows with their own load and velocity it shows their margins. If entries
+    have several values, the reader selects a scene. Printed on A4 or to PDF, the page is a report.
 
     Parameters
     ----------
@@ -136,7 +136,8 @@ def explore(
 def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: Sequence[str]) -> str:
     """HTML of the page of all scenes, with their names and HTML (`bodies`).
 
-    Its security policy allows only its own style and `scripts`, which are named without suffix.
+    The page's security policy allows only its own style and `scripts`, which are named without
+    suffix.
     """
     style = _text("page.css")
     sources = (_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
@@ -163,7 +164,7 @@ class _Main(NamedTuple):
 
 
 def _plane(scene: Results, most_fields: int) -> _Main:
-    """Main part of the page for a plane of points; see `content` for `most_fields`."""
+    """Main part of the page for a grid of loads and velocities; see `content` for `most_fields`."""
     held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),
@@ -209,7 +210,7 @@ def _text(name: str) -> str:
 
 
 def _json_text(held: dict[str, Any]) -> str:
-    """Data `held` by the page as JSON in which no text can end the script element."""
+    """Write data of the page as JSON in which no text can end the script element."""
     text = json.dumps(held, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", r"\u003c")
 

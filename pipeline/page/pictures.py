@@ -30,8 +30,8 @@ def packed_fields(
     """Draw pressure, rise and wear depth of `chosen` points: indices (surface, load, velocity).
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
-    the number of the point. Each has the highest pressure [Pa], the lowest and highest rise above
-    the colder body at the bulk ratio [K], the greatest wear depth [m], and three pictures.
+    the number of the point. Each point has the highest pressure [Pa], the lowest and highest rise
+    above the colder body at the bulk ratio [K], the greatest wear depth [m], and three pictures.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -97,9 +97,9 @@ def risk_scale() -> str:
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:
-    """Lowest and highest mean of a field over blocks in contact, and colour levels of blocks.
+    """Means of a field over blocks: the lowest, the highest, and the colour level of each block.
 
-    Elements out of contact do not count. `touching` is the number of elements in contact by block.
+    Only elements in contact count; `touching` is their number in each block.
     """
     means = _summed(np.where(contact, field, 0.0), block) / np.maximum(touching, 1.0)
     finite = means[touching > 0]
@@ -111,7 +111,7 @@ def _over_contact(
 
 
 def _block(elements: int) -> int:
-    """Number of elements to average along an axis, so that the picture is small enough."""
+    """Number of elements to average along an axis, to keep the picture small."""
     return -(-elements // _SIDE)
 
 

@@ -51,7 +51,7 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
 
 
 def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:
-    """HTML of a section with its heading; empty without parts.
+    """HTML of a section with its heading and `parts`; empty without parts.
 
     If a part raises an `InputError`, the section ends with the reason.
     """
@@ -136,7 +136,7 @@ def _first_sentence(meaning: str) -> str:
 
 
 def _origin(data: Results) -> Iterator[str]:
-    """Yield sentences on model, program and scene behind the answers, and how to cite them."""
+    """Yield sentences on the model, program and scene used, and how to cite them."""
     sweep = data.sweep
     yield _MODEL
     if sweep.selection:
@@ -148,7 +148,7 @@ def _origin(data: Results) -> Iterator[str]:
 
 
 def citation() -> Iterator[str]:
-    """References to the program and to the paper that it is based on, a line each."""
+    """Yield references to the program and to the paper on which it is based."""
     version = package_versions()["irg-transition"]
     yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
     yield (

@@ -35,7 +35,7 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Root(NamedTuple):
-    """An expected velocity, as a logarithm, at which the rise crosses its limit."""
+    """Logarithm of an expected velocity at which the rise crosses the limit."""
 
     place: float
     low: float = -math.inf  # nearest velocities whose rise is known, as logarithms; else infinite
@@ -47,7 +47,7 @@ class _Root(NamedTuple):
 class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
-    Velocities to compute are numbers of six digits divided by `scale`.
+    The search chooses velocities with six digits, and divides them by `scale`.
     """
 
     loads: Sequence[float]
@@ -129,9 +129,9 @@ class BoundarySearch:
         ]
 
     def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
-        """Expected crossings at loads without points, from the `roots` at other loads or a trend.
+        """Expected crossings at loads without points, from `roots` at other loads, or from a trend.
 
-        Without any known crossing only three loads are begun.
+        If no crossing is known yet, only three loads are begun.
         """
         middle = self.loads[len(self.loads) // 2]
         loads = self.loads if roots else (self.loads[0], middle, self.loads[-1])
@@ -149,9 +149,9 @@ class BoundarySearch:
         return first
 
     def _next(self, root: _Root, curvature: float) -> set[float]:
-        """Velocities to compute next on both sides of a crossing, from the coarsest grid.
+        """Velocities to compute next on both sides of a crossing, on the coarsest grid possible.
 
-        `curvature` is κ. Empty once the crossing is known to the tolerance.
+        `curvature` is κ. The set is empty once the crossing is known to the tolerance.
         """
         if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()
@@ -176,7 +176,7 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals
 
     def _node(self, number: int, level: int) -> float:
-        """Velocity at node `number` of the grid that is halved `level` times, kept in range."""
+        """Velocity at node `number` of a grid halved `level` times, limited to the range."""
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
@@ -185,7 +185,7 @@ class BoundarySearch:
 
 
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
-    """Interpolate y(x) linearly at `at`; extrapolate with slopes near the usual `slope`."""
+    """Interpolate y(x) linearly at `at`; extrapolate with a slope near `slope`."""
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
     slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
@@ -196,10 +196,10 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
-    """Yield κ = |curvature/slope| of the line y(x), from three points each around a crossing.
+    """Yield κ = |curvature/slope| of the line y(x) near a crossing, each from three points.
 
-    The crossing is before the point of index `number`. There are up to two values; none if points
-    lack on either side, or are far apart.
+    The crossing is just before the point at index `number`. There are up to two values, and none if
+    points are missing or far apart.
     """
     for k in (number - 2, number - 1) if 0 < number < len(x) else ():
         if 0 <= k < len(x) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
@@ -212,8 +212,8 @@ def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
     """Return a function that chooses the next points, given the store of a sweep.
 
-    It returns the sweep of all points in the store and of those to compute next. `tolerance` is the
-    relative error that the search adds to the critical velocity.
+    The function returns the sweep with the points in the store and the points to compute next.
+    `tolerance` is the relative error that the search adds to the critical velocity.
     """
     sweep.require_search()
     searches = {

@@ -111,7 +111,7 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
 
 @dataclass
 class Connection:
-    """A Dask client and its list of workers; it also reports to the user."""
+    """A Dask client with its list of workers, which also reports to the user."""
 
     client: Client
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
@@ -132,7 +132,7 @@ class Connection:
 
     @contextmanager
     def reached(self) -> Iterator[None]:
-        """Context manager: turn an error for want of a scheduler into an `ExecutionError`."""
+        """Context manager: turn errors of a lost scheduler into an `ExecutionError`."""
         limit = time.monotonic() + self.patience
         while self.client.status == "connecting" and time.monotonic() < limit:
             time.sleep(0.1)  # the scheduler may be starting again
@@ -169,8 +169,8 @@ class Connection:
     def memory_cause(self, workers: Collection[str]) -> str:
         """Message that one of these workers was killed for lack of memory; empty if not known.
 
-        The nanny of a worker reports that it has killed the worker for this. The kernel only counts
-        the processes that it has killed.
+        Dask's nanny of a worker reports it if it has killed the worker. The kernel only counts the
+        processes that it has killed.
         """
         with self.reached():
             events = self.client.get_events("worker-restart-memory")
@@ -191,8 +191,9 @@ def connected(
 ) -> Iterator[Connection]:
     """Context manager: connect to the workers of a client, or start workers here.
 
-    Workers that were started here are ended. Raises an `ExecutionError` if they do not start. See
-    `Connection` for `patience`; `dashboard` also serves Dask's page on their progress.
+    Workers that were started here are ended with the block. Raises an `ExecutionError` if they do
+    not start. See `Connection` for `patience`; `dashboard` also serves Dask's page on their
+    progress.
     """
     with ExitStack() as stack:
         cluster = None
@@ -218,7 +219,7 @@ def client_of(
 ) -> Client:
     """Connect to a scheduler by its address or scheduler file.
 
-    Raises an `ExecutionError` if none answers within `patience` [s].
+    Raises an `ExecutionError` if no scheduler answers within `patience` [s].
     """
     try:
         if file is not None:  # Dask would wait for a missing file without end

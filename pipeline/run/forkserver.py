@@ -45,10 +45,10 @@ def start() -> None:
 
 @contextmanager
 def block_interrupts() -> Iterator[None]:
-    """Delay a Ctrl-C to the end of the block; threads and processes begun within never see it.
+    """Delay a Ctrl-C to the end of the block; threads and processes begun in it never see one.
 
-    A terminal sends Ctrl-C to every process in the foreground. So it stops the driver alone, and no
-    worker that may be just starting.
+    A terminal sends Ctrl-C to every process in the foreground. With this block it stops only the
+    driver, and no worker that is just starting.
     """
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

@@ -32,7 +32,7 @@ _CANNOT = "a Dask worker cannot run this program"
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task given to Dask, its worker's address, and whether that worker has no other task."""
+    """A task given to Dask, with its worker's address, and whether the worker has no other task."""
 
     task: Task
     worker: str = ANYWHERE
@@ -49,7 +49,7 @@ class Loss(Enum):
 
 
 class Jobs:
-    """Tasks given to Dask: `running` have no result yet, `computed` have one on a worker."""
+    """Tasks given to Dask: `running` ones, and `computed` ones whose result is on a worker."""
 
     def __init__(self, link: Connection, sweep: Sweep, with_fields: bool) -> None:
         self._link, self._client = link, link.client
@@ -79,7 +79,7 @@ class Jobs:
         return bool(self.running or self.computed or self._without_result)
 
     def _send_run(self) -> None:
-        """Send the sweep to the scheduler, which gives it to all present and later workers."""
+        """Send the sweep to the scheduler, which gives it to all workers, also to later ones."""
         try:
             self._client.register_plugin(self._run)
         except GONE:  # a worker or the scheduler is gone, as the next update finds
@@ -111,10 +111,10 @@ class Jobs:
         self._news.clear()
 
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
-        """Return tasks that were lost since the last call, each with how it was lost.
+        """Return tasks that were lost since the last call, each with the reason.
 
-        A task with a result is lost, too, if its worker is gone before the result was fetched.
-        Workers that are gone are looked for only if the list of workers is new (`has_looked`).
+        A task with a result is lost, too, if its worker is gone before the result was fetched. Gone
+        workers are looked for only if the list of workers was just updated (`has_looked`).
         """
         lost, self._without_result = self._without_result, []
         while self._ended:
@@ -148,7 +148,7 @@ class Jobs:
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
     def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Tasks whose worker is gone, which Dask may never end, each with how it was lost."""
+        """Yield tasks whose worker is gone, each with the reason; Dask may never end such tasks."""
         present = {ANYWHERE, *self._link.workers}
         for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:
@@ -159,10 +159,9 @@ class Jobs:
                     yield job, loss
 
     def results(self) -> Iterator[bytes]:
-        """Yield pickled results that have arrived; request others at most once a second.
+        """Yield pickled results that have arrived; request further results at most once a second.
 
-        A worker that hangs delays the results that are requested together with its own, but no
-        later ones.
+        A worker that hangs delays only the results that are requested together with its own.
         """
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]

@@ -62,10 +62,10 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
 
 
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
-    """Addresses of workers with room for a task, idle ones first; an address for each task.
+    """Addresses of workers with room for another task, idle workers first.
 
-    Workers have room by their number of `running` tasks. `ANYWHERE` stands for a worker that is
-    still to come.
+    There is an address for each possible task, so that a worker may occur twice. Room depends on
+    the number of `running` tasks. `ANYWHERE` stands for a worker that is still to start.
     """
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]
@@ -78,7 +78,7 @@ def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
 class Losses:
     """Policy for lost tasks: queue them again, or try each of their points alone at the end.
 
-    If a worker dies, all of its tasks are lost, and each of their points may have killed it.
+    If a worker dies, all of its tasks are lost, and any point of these tasks may have killed it.
     """
 
     def __init__(self) -> None:
@@ -100,16 +100,16 @@ class Losses:
         return False
 
     def failed(self) -> list[tuple[Point, list[str]]]:
-        """Remove and return points that were lost too often, each with the workers lost with it."""
+        """Remove and return points that were lost too often, with the workers lost with each."""
         failed = [point for point in self._suspects if len(self._workers[point]) >= TRIALS]
         for point in failed:
             del self._suspects[point]
         return [(point, self._workers[point]) for point in failed]
 
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Jobs that try one suspected point each, alone on a free worker, least suspected first.
+        """Yield jobs that try a single suspected point on a free worker, least suspected first.
 
-        There are none while ordinary jobs are `present`.
+        There are no such jobs while ordinary ones are `present`.
         """
         if not all(job.is_alone for job in present):
             return

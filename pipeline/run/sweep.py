@@ -72,36 +72,37 @@ def run_sweep(
     sweep : Sweep, str or path
         The scene, or its path.
     out : str or path
-        Path of the store, which is created, resumed or extended. In a folder all points that are
-        done are compared with their checksums first, and computed again if they differ.
+        Path of the store, which is created, resumed or extended. If it is a folder, all done points
+        are first compared with their checksums, and computed again if they differ.
     workers : int, optional
         Number of processes; one for each core that this process may use if not given.
     client : distributed.Client, optional
         Client of any Dask cluster to compute on instead. Its workers need this package; they need
         not see the store. Each computes one point at a time, however many threads it has.
     progress : callable, optional
-        Called with a `Progress` at the start, after each point, and with words for the user, such
-        as a note on a store that is resumed; in a notebook a line shows how far it is if not given.
+        Called with a `Progress` at the start, after each point, and for messages to the user, such
+        as a note on a store that is resumed. If it is not given, a notebook shows a line of
+        progress.
     retry_failed : bool, optional
         True to try the points again that failed in an earlier run.
     boundary_only : float, optional
-        Compute the boundary alone, to this relative error of the critical velocity, at velocities
-        that the run chooses. They lie between the sweep's lowest and highest, for each of several
-        surfaces; the error comes on top of that of the scene's fidelity. The store is one of
-        single points. A store of the whole sweep may take them over later, by `source`.
+        Compute only the boundary, for each surface, to this relative error of the critical
+        velocity. The run chooses velocities between the sweep's lowest and highest. The error is in
+        addition to the error of the scene's fidelity. The store then has single points, which a
+        store of the whole sweep may take over later by `source`.
     patience : float, optional
-        Time to wait for an answer of the scheduler, and for workers if there are none [s]; long for
-        workers that wait in a queue.
+        Time to wait for an answer of the scheduler, and for the first worker [s]. Choose it long if
+        workers wait in a queue.
     dashboard : bool, optional
         True to report the link of Dask's dashboard, which everybody on this machine can read.
     source : str or path, optional
-        Another store, which is only read: its points that are done, that this sweep asks for and
-        that are of the same scene are taken over, and not computed again.
+        Another store, which is only read. Its done points are taken over instead of being computed,
+        if this sweep needs them and they belong to the same scene.
 
     Raises
     ------
     InputError
-        If there is no boundary to look for alone: no friction, one velocity, or samples.
+        If only the boundary is wanted, but there is no friction, only one velocity, or samples.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -170,7 +171,8 @@ def _rounds(
 ) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
     """Yield sweep, store and queue of pending tasks: once, or for each round of a search.
 
-    `choose_next` returns the sweep with the points of the next round, unchanged after the last.
+    `choose_next` returns the sweep with the points of the next round; without new points, the
+    search is over.
     """
     while True:
         if queue := TaskQueue(tasks(store.pending(), sweep)):
@@ -184,7 +186,7 @@ def _rounds(
 def _notes(store: Store, before: Sweep) -> Iterator[str]:
     """Notes for the user if a store is resumed under other conditions or program versions.
 
-    `before` is the sweep that the store had.
+    `before` is the sweep as it was in the store.
     """
     if changed := [*effective_changes(before, store.sweep, lambda one: one.conditions)]:
         yield (

@@ -16,7 +16,7 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 
 class Tally:
-    """Counts points as they are written, and estimates the remaining time from their mean time."""
+    """Counts points as they are written, and estimates the remaining time from the time a point."""
 
     def __init__(self, store: Store, progress: Report) -> None:
         self.store = store  # replaced where a search of the boundary makes it grow
@@ -26,7 +26,7 @@ class Tally:
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Add points that were written, and report the progress of so many `workers`."""
+        """Add points that were written, and report the progress; `workers` is their number."""
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
@@ -41,7 +41,7 @@ class Tally:
 
 
 def shown_progress(progress: Report | None) -> Report:
-    """Return `progress`, or if it is None a function: in a notebook it updates a line of output."""
+    """Return `progress`, or if it is None a function that shows progress in a notebook."""
     ipython: Any = sys.modules.get("IPython")
     if progress is not None or not hasattr(ipython and ipython.get_ipython(), "kernel"):
         return progress or silent

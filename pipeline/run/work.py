@@ -35,7 +35,7 @@ _FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
 
 
 def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
-    """Hash of the names and contents of all source files in package folders."""
+    """Hash of the names and contents of all source files in `folders`."""
     digest = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
@@ -66,9 +66,9 @@ class ExecutionError(TriboError):
 
 
 class Run(WorkerPlugin):  # type: ignore[misc]
-    """Dask plugin that brings the sweep of a run to each worker, also to later ones.
+    """Dask plugin that brings the sweep of a run to each worker, also to workers that join later.
 
-    It carries the code of the user's laws, since their modules are not on the workers.
+    It carries the code of the user's own laws, since their modules are not on the workers.
     """
 
     def __init__(self, name: str, sweep: Sweep, with_fields: bool) -> None:
@@ -78,7 +78,7 @@ class Run(WorkerPlugin):  # type: ignore[misc]
 
     @cached_property
     def sweep(self) -> Sweep:
-        """The sweep, unpickled once a process."""
+        """The sweep, unpickled once in each process."""
         sweep: Sweep = pickle.loads(self._sweep)
         return sweep
 
@@ -117,7 +117,7 @@ def compute_points(name: str, points: Sequence[Point]) -> bytes:
 
 
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
-    """Simulate points that share a contact; return their records, with the reason of a failure."""
+    """Simulate points that share a contact; return their records, failed ones with the reason."""
     try:
         results = run_points(run.sweep, points, _trunks)
         return [packed(result.record(run.with_fields), run.sweep) for result in results]

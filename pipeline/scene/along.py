@@ -65,9 +65,9 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class OperatingPoints:
-    """Operating points read from a table, and its other columns by their headings.
+    """Operating points read from a table, and the table's other columns by their headings.
 
-    `conditions` are friction, bulk and critical temperature [K], for each row that gives them.
+    `conditions` has friction, bulk and critical temperature [K] of the rows that give them.
     """
 
     places: tuple[Place, ...]
@@ -157,7 +157,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Make the first row of ``sweep.along``, and all loads and velocities there, the defaults.
+    """Make the first row of ``sweep.along``, and all loads and velocities in it, the defaults.
 
     Returns the document and the function that adds the rows to a sweep; None without rows.
     """
@@ -182,7 +182,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of ``sweep.along`` as they are written, as entries by path; none if absent or faulty."""
+    """Rows of ``sweep.along`` as written, each as entries by path; empty if absent or faulty."""
     written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
     if isinstance(written, str) and written:
@@ -220,7 +220,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
-    """Read rows of a file as entries by heading; none if any is faulty, with all faults noted."""
+    """Read rows of a file as entries by heading; empty if a row is faulty. Notes all faults."""
     try:
         sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
     except InputError as error:

@@ -50,7 +50,7 @@ _Class = TypeVar("_Class")
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 def declared(table: type[_Class]) -> type[_Class]:
-    """Class decorator: declare a table of a scene file, whose entries are the fields of the class.
+    """Class decorator: the class is a table of a scene file, and its fields are the entries.
 
     Messages name the table by its class, such as "random surface", or by its `form_name`.
     """
@@ -117,7 +117,7 @@ def kind_of(hint: Any) -> Kind:
 
 @dataclass(frozen=True)
 class List(Kind):
-    """Kind of an entry: a list of one or more values of one kind, read as a tuple."""
+    """Kind of scene entry: a list of one or more values of one kind, read as a tuple."""
 
     holds = list
     of: Kind
@@ -144,7 +144,7 @@ class List(Kind):
 
 @dataclass(frozen=True)
 class Range(Kind):
-    """Kind of an entry: a range of quantities, by its ends and either a step or a count."""
+    """Kind of scene entry: a range of quantities, by its ends and either a step or a count."""
 
     holds = dict
     of: Quantity
@@ -182,10 +182,10 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """Kind of an entry: one of several kinds, the first one unless another fits the value better.
+    """Kind of scene entry: one of several kinds, the first unless another fits the value better.
 
-    Of several tables, the one with most of the value's keys is taken. Keys of the first table do
-    not count; it is taken if the value has no others.
+    Of several tables, the one that has most of the value's keys is taken. Keys of the first table
+    do not count for this. The first table is taken if the value has only keys of it.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
@@ -218,7 +218,7 @@ class Either(Kind):
 
 
 class Axis(Either):
-    """Kind of an entry: values in a list or a range, read in ascending order and each once."""
+    """Kind of scene entry: values in a list or a range, read in ascending order and each once."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
         values = super()._read(value, place, faults)
@@ -227,7 +227,10 @@ class Axis(Either):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """Kind of an entry: a table of fixed keys; `make` gets their values, None for a faulty one."""
+    """Kind of scene entry: a table of fixed keys.
+
+    `make` is called with their values, None for a faulty value.
+    """
 
     holds = dict
     keys: Mapping[str, Entry]
@@ -267,7 +270,7 @@ class Table(Kind):
 
 @dataclass(frozen=True)
 class Tables(Kind):
-    """Kind of an entry: one or more tables of one kind, under names of the user's choice."""
+    """Kind of scene entry: one or more tables of one kind, under names of the user's choice."""
 
     holds = dict
     of: Kind
@@ -283,7 +286,7 @@ class Tables(Kind):
 
 @dataclass(frozen=True)
 class ByPath(Kind):
-    """Kind of an entry: a table from paths of other entries, such as "pin.radius", to values."""
+    """Kind of scene entry: a table of values by the path of another entry, such as "pin.radius"."""
 
     holds = dict
     of: Kind
@@ -301,5 +304,5 @@ class ByPath(Kind):
         return {path: leaf for path, leaf in read.items() if leaf is not None}
 
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        """Pairs of a path and its value, also where the path is written as nested tables."""
+        """Pairs (path, value), also if a path is written as nested tables."""
         return flat(value, "", self.of.leaf_keys)

@@ -42,7 +42,7 @@ class FileEntries(NamedTuple):
 
 
 class Document(NamedTuple):
-    """Entries of a scene in layers, one for each file: an earlier layer overrides a later one."""
+    """Entries of a scene in layers, one for each file; earlier layers override later ones."""
 
     layers: tuple[FileEntries, ...]
 
@@ -71,14 +71,14 @@ class Document(NamedTuple):
         )
 
     def file_of(self, key: str) -> Path:
-        """The file that sets the entry at a key path, or else the table around it."""
+        """The file that sets the entry at a key path, or else sets the table around the entry."""
         parts = re.sub(r"\[\d+\]", "", key).split(".")
         paths = [*itertools.accumulate(parts, "{}.{}".format)]
         held = [sum(entry_at(one.entries, p) is not None for p in paths) for one in self.layers]
         return self.layers[held.index(max(held))].file
 
     def line(self, fault: Fault) -> str:
-        """Write a fault on one line, with its file if that is not the scene file itself."""
+        """Write a fault on one line, with its file unless it is the scene file itself."""
         file = fault.file or self.file_of(fault.key)
         is_inherited = not fault.file and file != self.file
         hint = f'; or leave it out here: without = ["{fault.key}"]' if is_inherited else ""
@@ -89,8 +89,8 @@ class Document(NamedTuple):
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
     """Read a scene file and the files that it extends.
 
-    `above` are the files that extend this one. Wrong paths in ``without`` are added to `faults`.
-    `SceneFileError` is raised if a file cannot be read.
+    `above` are the files that extend the file at `path`. Wrong paths in ``without`` are added to
+    `faults`. `SceneFileError` is raised if a file cannot be read.
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
@@ -141,7 +141,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
-    """The document without the entries whose paths are in `value`, as ``without`` of `file`."""
+    """The document without the entries listed in `value`, the list ``without`` of `file`."""
     wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
@@ -155,7 +155,7 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
-    """Merge tables key by key, some levels deep; values of `upper` replace those of `lower`."""
+    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
     replaced = {_REPLACED.get(key) for key in upper}
     merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():

@@ -75,7 +75,7 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Warnings of friction or bulk temperature in a row's `own` values, if its unit looks wrong."""
+    """Warnings on friction or bulk temperature in a row's `own` values, if a unit looks wrong."""
     for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
         value = own.get(name)
         if value is not None and (words := unusual(value, kind.usual, kind.unit)):

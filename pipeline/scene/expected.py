@@ -54,7 +54,7 @@ def expect_contacts(
 
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:
-    """Time until a point's end [s], and the load integrated over it [N s]."""
+    """Duration of the loading to a load [s], and the load integrated over time [N s]."""
     stations = list(scene.all_stations(load))
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
@@ -66,8 +66,8 @@ def _worn(
 ) -> tuple[Array, Array]:
     """Width of the contact of a smooth, worn pin, and greatest depth of its wear [m].
 
-    `half_widths` are those of the unworn contact [m], `worn_volumes` are in m³. `fastest` is the
-    highest sliding velocity [m/s].
+    `half_widths` are half the widths of the unworn contact [m], `worn_volumes` are in m³. `fastest`
+    is the highest sliding velocity [m/s].
     """
     pin, hertz = scene.pin, 2 * half_widths
     if scene.velocities_at(fastest).pin:  # the pin rolls: it wears all around, and stays round

@@ -21,7 +21,7 @@ Extend = Callable[[Sweep], Sweep]
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
-    """Let extensions add their entries to a document.
+    """Let each extension change the document of a scene.
 
     Returns the document, and the functions that later add variants to the sweep.
     """

@@ -20,21 +20,21 @@ _FEWEST_WIDTHS = 10.0  # contact widths in a track, at least, so that a pass is 
 
 
 class Span(NamedTuple):
-    """Lowest and highest value over the loads and velocities of a sweep, in SI."""
+    """Range of a quantity over the loads and velocities of a sweep, in SI."""
 
     low: float
     high: float
 
     @classmethod
     def of(cls, values: Iterable[float] | Array) -> Span:
-        """Span from the lowest to the highest of some values."""
+        """Range from the lowest to the highest of `values`."""
         array = np.array(list(values))
         return cls(float(array.min()), float(array.max()))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """Numbers that describe a scene. Spans are over its loads and velocities."""
+    """Numbers that describe a scene. Each `Span` is over its loads and velocities."""
 
     hertz_pressure: Span  # highest pressure, smooth, elastic and unworn [Pa]
     hertz_half_width: Span  # half-width of that contact [m]
@@ -49,7 +49,7 @@ class Facts:
 
 
 def facts_of(sweep: Sweep) -> Facts:
-    """Calculate the facts of a scene in closed form."""
+    """Calculate numbers that describe a scene, in closed form; see `Facts`."""
     scene, surface = sweep.scene, surface_facts(sweep)
     velocities, diffusivity = sweep.plane.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
@@ -65,7 +65,7 @@ def facts_of(sweep: Sweep) -> Facts:
 
 
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
-    """Raise `InputError`, which names the key, if the window cannot carry a load."""
+    """Raise `InputError`, which names the entry `key`, if the window cannot carry a load."""
     scene = sweep.scene
     if load > scene.greatest_load:
         raise InputError(

@@ -20,7 +20,7 @@ _SHOWN = 100  # faults that are shown, where there are thousands
 
 
 class Fault(NamedTuple):
-    """A fault in an entry of a scene: its key path, and what is wrong and what to do instead.
+    """A fault in an entry of a scene: its key path, what is wrong, and what to do instead.
 
     `file` is given if the key is not enough to find the entry. For a fault in a table file, `row`
     is the number of the row and `key` the column.
@@ -33,7 +33,7 @@ class Fault(NamedTuple):
 
 
 class Faults(list[Fault]):
-    """All faults of a scene, with notes and warnings on entries that are not faulty."""
+    """All faults of a scene, and notes and warnings on other entries."""
 
     def __init__(self, is_complete: bool = False, allows_store_only: bool = False) -> None:
         super().__init__()
@@ -42,11 +42,11 @@ class Faults(list[Fault]):
         self.allows_store_only = allows_store_only  # entries that no file may have are allowed
 
     def refuse(self, key: str, problem: str) -> None:
-        """Add a fault (`problem`, with what to do) in the entry at a key path."""
+        """Add a fault of the entry at a key path; `problem` also says what to do."""
         self.append(Fault(key, problem))
 
     def note(self, place: str, words: str, grade: Grade = "note") -> None:
-        """Add a note or warning on the entry at the key path `place`; none if `words` is empty."""
+        """Add a note or warning on the entry at the key path `place`, unless `words` is empty."""
         if words:
             self.notes.append(Remark(place, grade, words))
 
@@ -59,7 +59,7 @@ class Faults(list[Fault]):
             self.refuse(key, " ".join(str(error).split()))
 
     def touches(self, path: str) -> bool:
-        """True if the entry at a path is faulty, or an entry within it, or the table around it."""
+        """True if there is a fault at a path, within it, or in the table around it."""
         within = f"{path}.", f"{path}["
         return any(
             key == path or key.startswith(within) or path.startswith(f"{key}.") for key, *_ in self
@@ -110,7 +110,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Write faults in rows as lines; rows with the same kind of fault share a line."""
+    """Write faults in rows as lines, one line for all rows with the same kind of fault."""
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
@@ -148,7 +148,7 @@ def quoted(value: object) -> str:
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """Question whether the most similar of `words` was meant; empty if none is similar."""
+    """Question such as "did you mean X?" for the most similar of `words`; else empty."""
     word, known = word[:80].lower(), {other.lower(): other for other in words}
     ends = [other for other in known if other.endswith(f".{word}")]
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]

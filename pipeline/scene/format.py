@@ -56,24 +56,24 @@ LATER = "Acts after the simulation."
 
 
 def one_or_two(kind: Kind) -> Either:
-    """Kind of an entry: a pair of values along x and y, or one value for both."""
+    """Kind of scene entry: two values along x and y, or one value for both."""
     return Either(kind, List(kind, length=2))
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """Make a declared table that also has the entries of `others`, and further `entries`."""
+    """Make a copy of a declared table with the entries of `others`, and with `entries`."""
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
 
 def _brought_entries(path: str) -> tuple[type, ...]:
-    """Tables whose entries extras add to the table at a path: ``ENTRIES`` of their ``format``."""
+    """Tables whose entries optional parts add to the table at a path, from their ``ENTRIES``."""
     listed = (brought.ENTRIES for brought in extras.modules("format"))
     return tuple(entries[path] for entries in listed if path in entries)
 
 
 def _forms_of_tests(*own: type) -> List:
-    """Kind of a list of tests of the forms `own`, and those that extras add in ``FORMS``."""
+    """Kind of a list of tests, of the forms `own` and of forms that optional parts add."""
     first, *others = own
     brought = (form for one in extras.modules("format") for form in one.FORMS)
     return List(Either(*map(table_of, (first, *brought, *others))))

@@ -40,7 +40,7 @@ def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
 
 
 class Kind(ABC):
-    """Base of all kinds: reads the value of an entry, and says in words what is allowed."""
+    """Base class of kinds of scene-file entry: reads a value, and states what is allowed."""
 
     words: ClassVar[str] = ""
     holds: ClassVar[type | tuple[type, ...]] = ()
@@ -48,14 +48,14 @@ class Kind(ABC):
 
     @property
     def leaf_keys(self) -> Collection[str]:
-        """Keys by which a table is recognised as one value, and not as nested entries."""
+        """Keys by which a table is recognised as one value instead of nested entries."""
         return ()
 
     def __str__(self) -> str:
         return self.words
 
     def read(self, value: object, place: str, faults: Faults) -> Any:
-        """Read the value at a key path `place`; None, with a fault added, if it is wrong."""
+        """Read the value of the entry at path `place`; None, with a fault added, if it is wrong."""
         try:
             return self._read(value, place, faults)
         except (UnfitError, UnitError) as problem:
@@ -68,7 +68,7 @@ class Kind(ABC):
 
 
 class Text(Kind):
-    """Kind of an entry: text that is not empty."""
+    """Kind of scene entry: text that is not empty."""
 
     words = "text in quotes"
 
@@ -82,7 +82,7 @@ class Text(Kind):
 
 
 class Flag(Kind):
-    """Kind of an entry: true or false."""
+    """Kind of scene entry: true or false."""
 
     words = "true or false"
 
@@ -93,7 +93,7 @@ class Flag(Kind):
 
 @dataclass(frozen=True)
 class OneOf(Kind):
-    """Kind of an entry: one of a few words."""
+    """Kind of scene entry: one of a few words."""
 
     options: tuple[str, ...]
 
@@ -110,7 +110,7 @@ class OneOf(Kind):
 
 @dataclass(frozen=True)
 class Number(Kind):
-    """Kind of an entry: a number without a unit."""
+    """Kind of scene entry: a number without a unit."""
 
     words = "a number without a unit"
     holds = (int, float)
@@ -133,7 +133,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` if a value is beyond the kind's bounds, or its size beyond a range."""
+        """Raise `UnfitError` if a value is outside the bounds, or its size is not credible."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
@@ -143,7 +143,7 @@ class Number(Kind):
 
 @dataclass(frozen=True)
 class Share(Number):
-    """Kind of an entry: a share of a whole, as a number or in percent."""
+    """Kind of scene entry: a share of a whole, as a number or in percent."""
 
     words = 'a share such as 0.1 or "10%"'
 
@@ -155,7 +155,7 @@ class Share(Number):
 
 @dataclass(frozen=True)
 class Whole(Number):
-    """Kind of an entry: a whole number."""
+    """Kind of scene entry: a whole number."""
 
     words = "a whole number"
 
@@ -166,7 +166,7 @@ class Whole(Number):
 
 
 class Scalar(Kind):
-    """Kind of an entry: a number or a quantity of any dimension."""
+    """Kind of scene entry: a number or a quantity of any dimension."""
 
     words = "a number, or a quantity in quotes"
 
@@ -177,7 +177,7 @@ class Scalar(Kind):
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """Kind of an entry: a number with a unit, read in SI; its example fixes the dimension.
+    """Kind of scene entry: a number with a unit, read in SI; its example fixes the dimension.
 
     It must be above 0, or at least 0 if `zero` is true.
     """
@@ -227,7 +227,7 @@ def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
 
 @dataclass(frozen=True)
 class UnitText(Kind):
-    """Kind of an entry: a unit alone, such as "um", read as its size in SI."""
+    """Kind of scene entry: a unit alone, such as "um", read as its size in SI."""
 
     name: str
     example: str

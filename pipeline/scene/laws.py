@@ -78,8 +78,8 @@ def take_laws(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Move laws out of the entries of a scene; return the laws by kind, and the other entries.
 
-    Entries may change fields of a law. A law that is not given, but named in a store, is read as a
-    `Law`. A pin that is a law is replaced in the entries by a ball or a cylinder of its sizes.
+    Entries may change fields of a law. If a store names a law that is not in `laws`, it is read as
+    a `Law`. A user's pin is replaced in the entries by a ball or a cylinder of the same size.
     """
     taken = dict(laws)
     for kind, path in _NAMES.items():
@@ -118,7 +118,7 @@ def _laws_of(parts: Parts) -> dict[str, Any]:
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
     """Add the laws of a scene to its entries: name, fields and the hash of the source.
 
-    A law is left out if `like` has the same one and the entries do not have its table.
+    A law is left out if `like` has the same law and the entries do not have its table.
     """
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():
@@ -149,7 +149,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """The law with other values of some fields; a value that does not fit is added to faults."""
+    """The law with other `values` of some fields; values that do not fit are added to `faults`."""
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

@@ -33,7 +33,7 @@ def library() -> dict[str, Any]:
 
 
 def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[FromLibrary, ...]]:
-    """Add values of the library to the entries of a scene; return all entries, and those added."""
+    """Add values of the library to a scene's entries; return the entries, and the added values."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
     if (oil := entries.get("oil")) is not None:

@@ -65,19 +65,19 @@ class Heading(NamedTuple):
 
 @dataclass(frozen=True)
 class Names:
-    """Quantities that a reader of tables looks for, with SI units; None is text.
+    """Quantities to look for in a table, with their SI units; None stands for text.
 
-    It finds the columns of these quantities by their headings.
+    Their columns are found by the headings.
     """
 
     units: Mapping[str, str | None]
 
     def sureness(self, name: str, heading: Heading) -> float:
-        """Rank, higher if surer, of how surely a heading names the quantity; 0 if it does not."""
+        """How surely a heading names the quantity `name`: higher is surer, 0 is not at all."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:
-        """True if the unit of a heading fits a quantity, or is missing; text has no unit."""
+        """True if a heading's unit fits a quantity or is missing; for text, if there is no unit."""
         unit, like = heading.unit, self.units[name]
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 
@@ -86,9 +86,9 @@ class Names:
         return len({*self.columns(headings)[0].values()})
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
-        """Index of the heading of each quantity, by its name, and faults by name.
+        """Column number by quantity, found from the headings, and faults by quantity.
 
-        A quantity has a fault if several headings fit it alike.
+        A quantity has a fault if several headings fit it equally well.
         """
         places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:

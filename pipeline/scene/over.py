@@ -30,7 +30,7 @@ _FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested"
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """Make the first value of each entry in ``sweep.over`` its default.
+    """Make the first value of each entry in ``sweep.over`` the entry's default.
 
     Returns the document, and the function that adds the variants to a sweep.
     """
@@ -68,14 +68,14 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Pairs of path and value that one value sets; the name of an oil clears the other entries."""
+    """Pairs (path, value) to set for a `value`; naming an oil removes its other entries."""
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Convert values to numbers in SI and their unit; to texts and None if that fails."""
+    """Convert values to numbers in SI, and return their unit; else to texts, and return None."""
     first = values[0]
     try:
         if isinstance(first, str):
@@ -86,7 +86,7 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
-    """Note for each entry with several values, of which a command uses only the first."""
+    """Yield a note on each entry with several values, of which a command uses only the first."""
     for column in table.chosen:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:
@@ -95,10 +95,10 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
-    """The sweep with further variants as outer axis; `InputError` for the first faulty variant.
+    """Add variants to a sweep as its outer axis; `InputError` for the first faulty variant.
 
-    Each row of `table` is completed with values of the library and the SHA-256 of its files. `key`
-    is the scene's entry that asks for them, for messages.
+    Each row of `table` is completed with values of the library and the SHA-256 of its files.
+    Messages name `key`, the entry that asks for these variants.
     """
     for path in table.rows[0].values:
         if path.partition(".")[0] in _FIXED:
@@ -130,7 +130,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 
 def _require_alike(row: Parts, base: Parts) -> None:
-    """Raise an `InputError` if a variant would have other variables or fields than the sweep."""
+    """Raise an `InputError` if a variant (`row`) needs other variables than the sweep (`base`)."""
     has_fields = base.declared.sweep.fields
     for name, is_other in (
         ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),

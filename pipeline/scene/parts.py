@@ -46,13 +46,13 @@ _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number i
 
 
 def material_of(table: Material) -> tribo.Material:
-    """The `tribo.Material` of a table without faults."""
+    """Make the `tribo.Material` of a table without faults."""
     return tribo.Material(**{k: v for k, v in vars(table).items() if v is not None and k != "like"})
 
 
 @dataclass
 class Contents:
-    """Contents of files as arrays by SHA-256; and by entry, the folder of the file it names."""
+    """Contents of files as arrays by SHA-256, and folders of files by the entry that names them."""
 
     arrays: dict[str, Array] = field(default_factory=dict)
     folders: Mapping[str, Path] = field(default_factory=dict)
@@ -63,14 +63,14 @@ class Contents:
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """The array with the SHA-256 `key`, in a shape; `InputError` if it has another content."""
+        """The array with the SHA-256 `key`, in a shape; `InputError` if its content differs."""
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
             raise tribo.InputError(f"the array {key} is another one")
         return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
-        """Path of the file that a table names; None if its content is known, as from a store."""
+        """Path of the file that a table names; None if the file's content is known from a store."""
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:
@@ -130,7 +130,7 @@ def wear_of(table: Any) -> Any:
 
 
 def oil_of(table: Oil) -> tribo.Oil:
-    """The `tribo.Oil` of a table; a dynamic viscosity counts as kinematic at 1000 kg/m³."""
+    """Make the `tribo.Oil` of a table; a dynamic viscosity becomes kinematic at 1000 kg/m³."""
     kinematic = table.kinematic_viscosity
     dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
     if bool(kinematic) == bool(dynamic) or (kinematic and table.density is None):
@@ -152,7 +152,7 @@ def _pair(value: Any) -> tuple[float, float]:
 def corrections_of(
     scene: Any, pin: tribo.Pin, disk: tribo.Material, motion: tribo.Motion | None
 ) -> tribo.Corrections | None:
-    """The `tribo.Corrections` of a scene without faults; None if it has none."""
+    """Make the `tribo.Corrections` of a scene without faults; None if it has no corrections."""
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
         f"by_{name}": tuple(
@@ -179,29 +179,29 @@ def corrections_of(
 
 
 def motion_of(table: Motion, pin: Body) -> tribo.Motion:
-    """The `tribo.Motion` of a table; the track around the pin is taken from `pin` if not given."""
+    """Make the `tribo.Motion` of a table; the track length is taken from `pin` if not given."""
     return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
 
 
 def track_length(body: Body) -> float | None:
-    """Length of the track around a body [m]: the rim of a disc, or as given; None without one."""
+    """Length of the track around a body [m]: the rim of a disc, or as given; None if unknown."""
     return math.pi * body.diameter if body.diameter else body.track_length
 
 
 def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
-    """The `tribo.Track` around a body, under a pin; None if the table gives no track."""
+    """Make the `tribo.Track` around a body, under a pin; None if the table gives no track."""
     track = disc_of(body) or track_length(body)
     return tribo.Track.under(pin, material, track) if track else None
 
 
 def disc_of(body: Body) -> tribo.Disc | None:
-    """The `tribo.Disc` of a body; None if the body is no disc, or lacks a size."""
+    """Make the `tribo.Disc` of a body; None if the body is not a disc, or a size is missing."""
     sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
     return tribo.Disc(**sizes) if body.diameter and body.width else None
 
 
 def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
-    """The `tribo.Bulk` of a body: its heat capacity and loss; None if its table has neither."""
+    """Make the `tribo.Bulk` of a body: heat capacity and loss; None if the table has neither."""
     capacity, loss = body.capacity, body.loss
     if capacity is None and loss is None:
         return None
@@ -214,7 +214,7 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 def roughness_of(
     table: Any, window: Window, contents: Contents, faults: Faults
 ) -> Roughness | None:
-    """Roughness of the disk, made from a seed or read from a scan; None for a faulty scan.
+    """Roughness of the disk, made from a seed or read from a scan; None if the scan is faulty.
 
     `table` has the scene's entries on the roughness.
     """

@@ -49,8 +49,8 @@ class SceneReader:
     laws : mapping
         The user's own objects by kind, which replace entries.
     is_stored : bool
-        True for entries of a store, which are complete: a missing entry has no value, whatever
-        its default.
+        True for entries of a store, which are complete: a missing entry has no value, not even its
+        default.
     """
 
     contents: Contents = field(default_factory=Contents)
@@ -138,7 +138,7 @@ class SceneReader:
     def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
         """Read entries into their declared classes; return them, and the tables that have changed.
 
-        Only tables that differ from the last entries without faults are read anew.
+        Tables that have not changed since the last entries without faults are not read again.
         """
         kind = table_of(SceneFile)
         before, scene = self.first
@@ -154,9 +154,9 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """Call `make` with the scene's tables at `paths`, and `more`, and cache the result.
+        """Make a part of a scene by `make`, from its tables at `paths` and from `more`; cache it.
 
-        Returns None if the first table is missing, or one is faulty.
+        Returns None if the first table is missing, or a table is faulty.
         """
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):
@@ -184,7 +184,7 @@ class SceneReader:
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """Make the `tribo.Scene` from declared tables and made `parts`; `own_pin` is a user's law."""
+    """Make the `tribo.Scene` of declared tables and `parts`; `own_pin` is a pin by the user."""
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}

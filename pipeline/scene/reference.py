@@ -40,7 +40,7 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Each key that holds a value: its entry, and a form of the table if not all have it."""
+        """Entry of each key that holds a value, and a form of the table if not all have it."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
@@ -71,7 +71,7 @@ def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
-    """Tables that a kind allows, the usual one first; empty for a kind that is no table."""
+    """Tables that a kind allows, the usual table first; empty for a kind without tables."""
     match kind:
         case Table():
             return (kind,)
@@ -90,7 +90,7 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
 
 
 def find_entry(path: str) -> Entry | None:
-    """The entry of the format at a path; None if there is none."""
+    """The entry of the scene format at a path; None if there is no such entry."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
@@ -98,7 +98,7 @@ def find_entry(path: str) -> Entry | None:
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
-    """The kind of number within a kind, such as that of a list's items; None if it has none."""
+    """The kind of number in a kind, such as of a list's items; None if it has no numbers."""
     match kind:
         case Quantity() | Number():
             return kind
@@ -111,7 +111,7 @@ def number_in(kind: Kind) -> Quantity | Number | None:
 
 
 def number_at(path: str) -> Quantity | Number:
-    """Kind of the number or quantity at an entry's path; any number if the entry has none."""
+    """Kind of number or quantity of the entry at a path; any number if there is no such entry."""
     entry = find_entry(path)
     return (entry and number_in(entry.kind)) or Number()
 
@@ -121,11 +121,11 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a table that no earlier list of tables has, and the header of a list with the others.
+    """Keys of a table that no earlier list of tables has, and the header of an earlier list.
 
-    Keys are as from `Section.keys`. The header is that of an earlier list, such as "[[tested]]";
-    empty if all keys are new. `listed`, to which the new keys are added, has the header of the list
-    that first had each key.
+    Keys are as from `Section.keys`. The header, such as "[[tested]]", belongs to the list that has
+    the other keys; it is empty if all keys are new. `listed` has the header of the list that first
+    had each key; the new keys are added to it.
     """
     keys = section.keys()
     if "." in section.path or not section.is_list:
@@ -207,9 +207,9 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Lines of a scene file with every entry of the format, as a comment if the scene lacks it.
+    """Yield lines of a scene file with every entry of the format, as comments if not in the scene.
 
-    `entries` are those of the scene, as nested tables.
+    `entries` has the scene's entries, as nested tables.
     """
     listed: Listed = {}
     for section in sections():
@@ -237,7 +237,7 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Write `mark` and a line, then its meaning and `form` as a comment.
+    """Write `mark` and a line, then the line's meaning and `form` as a comment.
 
     A long meaning is cut after a clause.
     """
@@ -248,7 +248,7 @@ def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
 
 
 def example(entry: Entry, default: Any = None) -> Any:
-    """A value of an entry to show in a file: its example, its default, or any allowed value."""
+    """Value of an entry to show in a new file: its example, its default, or any allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 
 

@@ -16,10 +16,10 @@ from tribo import InputError, TriboError
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
-    """The sweep of a store after a further run: variants of both runs, all else from `sweep`.
+    """The sweep of a store after another run: variants of both runs, other data from `sweep`.
 
-    The choice of stored steps and fields, and of the fidelity, stays as in the first run. If points
-    were chosen, `chosen` is empty, since the store has them.
+    Which steps and fields are stored, and how the fidelity was chosen, stays as `before`. If the
+    points were chosen singly, `chosen` is empty, since the store has them.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -75,7 +75,7 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Entries, in words, that differ in the first common variant whose simulation differs."""
+    """Yield, in words, entries that differ in the first common variant with another simulation."""
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*effective_changes(old, new, lambda one: one.scene)]:
@@ -85,7 +85,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Differences between entries, in words, that change what `part` returns of a sweep."""
+    """Yield, in words, the differences between entries that change the result of `part`."""
     present = digest(part(old))
     if present == digest(part(new)):
         return

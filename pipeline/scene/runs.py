@@ -56,7 +56,7 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations of hold in a scene's tests, ascending [s]; empty for a sweep without samples."""
+    """Durations of hold in a scene's tests [s], ascending; empty for a sweep without samples."""
     if not entry_at(scene, "sweep.samples"):
         return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
@@ -68,7 +68,7 @@ def tests_of(scene: Any) -> tuple[Any, ...]:
 
 
 def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:
-    """Indices of tests that contradict another test of their run, and why."""
+    """Yield indices of tests that contradict another test of their run, and why."""
     runs = dict[str, list[tuple[int, Test]]]()
     for index, test in enumerate(tests):
         if None not in (test.run, test.load, test.velocity):

@@ -46,9 +46,9 @@ def load_scene(
         Preset of the numerical choices, in place of the scene's whole table ``[fidelity]``: draft,
         standard, fine or reference. Single entries of that table are left out, too.
     overrides : mapping, optional
-        Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
-        as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries
-        of the file, before the others are set.
+        Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
+        file's; or fields of `tribo.Fidelity`, which are applied last. ``without`` lists entries of
+        the file to leave out first.
     laws : mapping, optional
         Objects of your own in place of the scene's: a `tribo.WearLaw` as ``"wear"``, a
         `tribo.Surface` as ``"surface"``, a `tribo.Rule` as ``"criterion"``, a `tribo.Pin` as
@@ -58,7 +58,7 @@ def load_scene(
     Raises
     ------
     SceneFileError
-        If there is any fault in the file or the arguments; it carries all of them.
+        If there is any fault in the file or the arguments; the error carries all faults.
 
     Examples
     --------
@@ -133,7 +133,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides and `preset` by full key path; fidelity keys may be given without their table."""
+    """Overrides and `preset` by full key path, also for keys of ``[fidelity]`` given without it."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:
@@ -170,14 +170,14 @@ def run_point(
     realization : int, optional
         Seed of the random surface in place of the sweep's own.
     sample : int, optional
-        Number of the sample whose inputs stand in place of the sweep's own.
+        Number of the sample whose inputs replace the sweep's own.
     progress : callable, optional
         Called with a `Progress` after each of the point's steps.
 
     Raises
     ------
     TriboError
-        If text is not a load or a velocity, and what `tribo.simulate` raises.
+        If a text is not a load or a velocity, or `tribo.simulate` raises an error.
 
     Examples
     --------

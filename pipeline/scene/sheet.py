@@ -59,7 +59,7 @@ class Row(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Rows of a text or of a sheet that are not empty, and notes on their format."""
+    """Rows of a text or a sheet that are not empty, and notes on the format."""
 
     rows: list[Row]
     form: list[str]
@@ -94,7 +94,7 @@ class Sheet:
 
     @property
     def counted(self) -> str:
-        """Numbers of rows used and left out, with the reasons; empty if all are used."""
+        """Numbers of rows used and left out, with reasons, in words; empty if all are used."""
         said = []
         for reason in dict.fromkeys(self.left_out.values()):
             numbers = sorted(row for row, why in self.left_out.items() if why == reason)
@@ -105,7 +105,7 @@ class Sheet:
 
     @property
     def other_sheets(self) -> str:
-        """Names of the sheet that was read and of those that were not; empty for a single sheet."""
+        """Name of the sheet that was read, and of the other sheets; empty for a single sheet."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
@@ -125,7 +125,7 @@ class Sheet:
         self.rows = [row for row in self.rows if row.number not in reasons]
 
     def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
-        """Add a fault for each needed column that is missing; leave out rows without a value there.
+        """Add a fault for each missing column of `needed`; leave out rows that are empty in one.
 
         Rows in which a quantity of `moving` is 0 are left out, too.
         """
@@ -145,7 +145,7 @@ class Sheet:
         self.leave_out(reasons)
 
     def numbers(self, name: str) -> Array:
-        """Values of a quantity in SI, shape (rows,), NaN in empty cells; adds faults of cells."""
+        """Values of a quantity in SI (rows,), NaN for empty cells; faulty cells become faults."""
         place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
         zero, one = 0.0, 0.01 if unit == "%" else 1.0
         if like and unit:
@@ -170,10 +170,10 @@ class Sheet:
     def entries(
         self, declared: type, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
     ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        """Rows without faults as entries of a table that is `declared`, and the same in SI.
+        """Convert rows without faults to entries of a scene's table, as written and in SI.
 
-        `words` translates cells into allowed words. An empty cell is a fault, except in the
-        columns `may_lack`.
+        `declared` is the class of the table. `words` translates cells into allowed words. An empty
+        cell is a fault, except in the columns `may_lack`.
         """
         row_of = table_of(declared)
         tables, read, faults = [], [], list[Fault]()
@@ -199,7 +199,10 @@ class Sheet:
         return tables, read
 
     def refuse_faults(self, first_line: str) -> None:
-        """Raise an `InputError` with all faults, or for an empty table, with an example."""
+        """Raise an `InputError` with all faults, or if there are no rows.
+
+        The message has `first_line` as an example of headings.
+        """
         if not (self.rows or self.faults):
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
         if self.faults:
@@ -277,7 +280,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """Number of quantities that the best row of headings names, and the index of that row."""
+    """Find the row of headings that names most quantities; return their number, and its index."""
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
@@ -288,7 +291,7 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
-    """Make a `Sheet` from the table, and the rows below the headings, that name most quantities.
+    """Make a `Sheet` from the table, and the row of headings, that name most quantities.
 
     `decimal` is the decimal sign, "," or "."; found from the cells if None.
     """
@@ -330,7 +333,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Rewrite numbers with a decimal point; an ambiguous one becomes a text of both readings."""
+    """Rewrite numbers with a decimal point; an ambiguous number becomes a text that says so."""
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas such numbers are quoted; a comma before three digits may mark thousands.
@@ -356,9 +359,9 @@ def read_sheet(
 ) -> Sheet:  # fmt: skip
     """Read a table from a file or from lines, and find the columns of quantities.
 
-    `units` are the quantities that are sought, with SI units. Rows that lack a `needed` quantity,
-    or in which a quantity of `moving` is 0, are left out and counted. `sheet` names one of a
-    workbook.
+    `units` has the quantities to look for, with their SI units. Rows that lack a `needed` quantity,
+    or in which a quantity of `moving` is 0, are left out and counted. `sheet` is the name of a
+    sheet in a workbook.
     """
     words: Any = next(extras.modules("tables"), None)
     names = words.WordNames(units) if words else Names(units)

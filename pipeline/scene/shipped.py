@@ -20,7 +20,7 @@ def shipped_scenes() -> dict[str, Path]:
 
 
 def name_of(path: Path) -> str:
-    """Name of a scene in messages: that of a shipped one, else its path."""
+    """Name of a scene in messages: its name if it is shipped, else its path."""
     return path.stem if path == WORKFLOWS / path.name and path.suffix == ".toml" else str(path)
 
 

@@ -53,7 +53,7 @@ def file_contents(sweep: Sweep) -> dict[str, Array]:
 
 
 def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
-    """Read a sweep from its JSON text, without any file; `SweepTextError` for any other text.
+    """Read a sweep from its JSON text alone; `SweepTextError` for any other text.
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
@@ -85,7 +85,7 @@ _read_again = functools.lru_cache(maxsize=8)(functools.partial(_read, arrays={})
 
 
 def _variants(text: Any) -> Variants:
-    """Variants of a sweep from decoded JSON: columns of labels, and entries that each replaces."""
+    """Variants of a sweep from decoded JSON: columns of labels, and the entries to replace."""
     labels = {one["name"]: one["values"] for one in text.get("columns", ())}
     if not labels:
         return Variants()

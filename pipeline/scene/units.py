@@ -96,7 +96,7 @@ def exact_decimals() -> Iterator[None]:
 
 
 class Unit(NamedTuple):
-    """A unit: the SI unit of its dimension in CF's notation, its size and its zero point in SI."""
+    """A unit: the SI unit of its dimension in CF notation, its size, and its zero point in SI."""
 
     dimension: str
     size: Decimal
@@ -185,7 +185,7 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 
 @functools.cache
 def is_unit(unit: str, like: str | None = None) -> bool:
-    """True for a unit, with `like` only for one of that dimension; % is a unit without `like`."""
+    """True for a unit, or with `like` for a unit of its dimension; % is a unit without `like`."""
     try:
         found = si_unit(f"1 {unit}")
     except UnitError:
@@ -213,7 +213,7 @@ def clock_time(text: str) -> float:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Any]:
-    """The units known to pint, loaded when first needed, since that takes 0.3 s."""
+    """The units known to pint; loaded when first needed, since loading takes 0.3 s."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
@@ -336,7 +336,7 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Return a number as it is; convert a text with a unit, of the dimension of `like`, to SI."""
+    """Convert text with a unit, of the dimension of `like`, to SI; return a number unchanged."""
     if not isinstance(value, str):
         return float(value)
     try:

@@ -22,7 +22,7 @@ _FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Convert a value in SI back to an entry that its kind would read; None for no value."""
+    """Convert a value in SI to an entry that its kind would read; None stays None."""
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """All entries of a scene, `tables`, but in the user's words where the user has `written` them.
+    """Replace entries in `tables` by the user's words, where the user has `written` them.
 
     Both are nested tables, lists or single values; `written` may lack any of them.
     """
@@ -59,12 +59,12 @@ def completed(tables: Any, written: Any) -> Any:
 
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """Table ``[fidelity]`` with every numerical choice of `made`, and the name of its preset."""
+    """Table ``[fidelity]`` with the name of a preset and every numerical choice of `made`."""
     return Fidelity(preset=preset, **asdict(made))
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """The sweep with other numerical choices; `preset` is the name of the preset they equal."""
+    """The sweep with other numerical choices, `made`; `preset` is their name, if they have one."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 
@@ -96,7 +96,7 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
 
 
 def _judged(sweep: Sweep) -> dict[str, str]:
-    """Conditions by which a sweep is judged, in words, by the path of the entry each replaces."""
+    """Conditions that replace entries when a sweep is judged, in words, by the entry's path."""
     named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
     return {
         path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
@@ -130,7 +130,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """The kind by which a value was read."""
+    """Which of the kinds in `kind` a value was read by."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):
@@ -139,7 +139,7 @@ def form_of(kind: Either, value: Any) -> Kind:
 
 
 def _quantity_text(kind: Quantity, value: float) -> str:
-    """A quantity [SI] as text in its usual unit, with the fewest digits that read as this value."""
+    """Write a quantity [SI] in its usual unit, with the fewest digits that give back the value."""
     unit, zero = kind.unit, float(ZERO.get(kind.unit, 0))
     one = 1.0 if zero else to_si(f"1 {unit}", kind.example)
     texts = (f"{(value - zero) / one:.{digits}g} {unit}" for digits in range(_FEWEST, _MOST + 1))

@@ -38,9 +38,9 @@ _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and lab
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's Zstd codec, limited to unpack no more bytes than a chunk of its array has.
+    """Zarr's Zstd codec, limited to unpack no more bytes than a chunk of the array can have.
 
-    A damaged chunk of some kilobytes could otherwise unpack to gigabytes.
+    Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
     """
 
     async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
@@ -97,14 +97,17 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 
 
 class Encoder:
-    """Encodes parts of arrays as Zarr chunks; a part is (name, slices of whole chunks, values)."""
+    """Encodes parts of arrays as Zarr chunks.
+
+    A part is (name of the array, slices of whole chunks, values).
+    """
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._memory: dict[str, Any] = {}
         self._arrays = open_arrays(MemoryStore(self._memory), documents)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
-        """Return the bytes of all chunks of some parts, by the chunks' keys."""
+        """Encode `parts`; return the bytes of each chunk by the chunk's key."""
         self._memory.clear()
         for name, place, values in parts:
             self._arrays[name][place] = values

@@ -20,9 +20,9 @@ _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
 def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Checksum of a point: hash of its scene, its place, and the CRC of each of its variables.
+    """Checksum of a point: hash of its scene, load, velocity, and the CRC of each variable.
 
-    `simulated` is its `Sweep.scene_hash`, and `entries` are its variables by name.
+    `simulated` is the point's `Sweep.scene_hash`, and `entries` are its variables by name.
     """
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
@@ -35,7 +35,7 @@ def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
-    """The record with values of the types that are stored, and with its checksum."""
+    """Convert the values of a record to the types that are stored, and add the checksum."""
     if record.checksum is not None:
         return record
     data = {

@@ -46,8 +46,9 @@ from pipeline.sweep.stages import Report, silent
 def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
     """Context manager: create the store of a sweep, or open it with room for the sweep's points.
 
-    Raises a `StoreMismatchError` if it belongs to another scene, and a `StoreError` if something
-    else is at `path`, another process writes to the store, or it cannot be read or written.
+    Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
+    something else is at `path`, another process writes to the store, or it cannot be read or
+    written.
     """
     place = place_of(path)
     find_root(place)  # raises if this is no store, before a lock is put there
@@ -76,7 +77,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
-    """Root document of a store with room for a sweep's points; `before` is the present one."""
+    """Root document of a store with room for a sweep's points; `before` is the present document."""
     if before and (POINT in before.axes) != (sweep.chosen is not None):
         raise _no_room(place, "a plane and a search of its boundary have a store each")
     kept = join(before.sweep if before else None, sweep)

@@ -15,7 +15,7 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable that holds all input arrays of a scene, by its name; {} if there are none.
+    """The variable that holds all input arrays of a scene, by name; {} without arrays.
 
     `sizes` are the numbers of values in each array, by its SHA-256.
     """
@@ -25,7 +25,7 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Split the values of the variable `INPUTS` into arrays by SHA-256; its attributes say how."""
+    """Split the values of the variable `INPUTS` into arrays by SHA-256, as its attributes say."""
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
     return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

@@ -33,8 +33,8 @@ _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Number of points in a chunk along each dimension: 1024 in all, fewer if points are large.
 
-    `sizes` are those of the dimensions. A chunk has all loads, which one ramp computes, then
-    neighbouring velocities, then surfaces or samples.
+    `sizes` are the lengths of the dimensions. A chunk has all loads, since one ramp computes them,
+    then neighbouring velocities, then surfaces or samples.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):
@@ -44,7 +44,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Size of a point in the variable of `wanted` that needs most bytes a point [B]."""
+    """Bytes of a point in the variable of `wanted` that needs most bytes for each point."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
@@ -53,10 +53,10 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
 
 
 def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
-    """Axes of a store, with the values that it had `before` and those that a sweep adds.
+    """Axes of a store, with the values `before` the run and the values that a sweep adds.
 
-    `kept` is the sweep of the store after the run, with the variants of both, and `wanted` are its
-    variables.
+    `kept` is the sweep of the store after the run, with old and new variants. `wanted` has the
+    store's variables.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
@@ -81,7 +81,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Values along each dimension of variants, sorted, and of columns that these determine."""
+    """Sorted values along each dimension of variants, and values of columns that depend on one."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {
@@ -90,9 +90,10 @@ def row_axes(sweep: Sweep) -> Axes:
 
 
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Values of the dimensions within a point, such as step, x and y, for points at these loads.
+    """Values along the dimensions within a point, such as step, x and y.
 
-    There may be spare steps. `before` has the axes of a store that grows.
+    There are enough steps for points at the `loads`, or more. `before` has the axes of a store that
+    grows.
     """
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
@@ -112,7 +113,7 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at some indices, which `where` has for each dimension of the variable ``status``."""
+    """Points at the indices that `where` has for each dimension of the variable ``status``."""
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
         numbers = where[dims.index(wanted[name].dims[0])]
@@ -134,10 +135,10 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Coordinates that follow from the scene: time, load and distance at each step; and scene ids.
+    """Coordinates that are computed from the scene: time, load and distance by step; scene ids.
 
-    They are NaN at the spare steps before a point's first. `ids` are the scene ids of the sweep's
-    variants, in the order of the table.
+    They are NaN at unused steps before the first step of a point. `ids` are the scene ids of the
+    sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))
@@ -177,5 +178,5 @@ def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], 
 
 
 def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
-    """Slices of a chunk by its index `numbers`, if chunks have these sizes by dimension."""
+    """Slices of the chunk with index `numbers`, if chunks have `sizes` along the dimensions."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))

@@ -30,10 +30,10 @@ Lock = Callable[[], bool]
 
 @contextmanager
 def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
-    """Hold the lock of a store within the block; `StoreError` if another process has it.
+    """Context manager: hold the lock of a store; `StoreError` if another process has it.
 
-    Yields a function that returns True if the lock is still there. On a disk or object store
-    without locks, this is reported, and the block runs without one.
+    Yields a function that returns True if the lock is still there. If the disk or object store has
+    no locks, a note is reported, and the block runs without a lock.
     """
     unlocked = Progress(f"{place} has no locks: let one run at a time write to it")
     if isinstance(place, Bucket):
@@ -83,7 +83,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
-    """True if the lock file that this process has open was not deleted or replaced."""
+    """True if the lock file that this process has open is still there, not deleted or replaced."""
     try:
         return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
     except OSError:  # also on a file server that no longer knows the folder
@@ -91,7 +91,7 @@ def _is_in_place(folder: Folder, descriptor: int) -> bool:
 
 
 def holder_of(place: StorePlace) -> str | None:
-    """Process and host that write to a store, in words; None if nobody does."""
+    """Process and host that write to a store, in words; None if no process does."""
     if isinstance(place, Bucket):
         return None
     with suppress(OSError):

@@ -88,7 +88,7 @@ class Folder:
         return LocalStore(self.path, read_only=True)
 
     def read(self, key: str) -> bytes | None:
-        """Content of the file `key`; None if there is none."""
+        """Content of the file `key`; None if there is no such file."""
         with suppress(FileNotFoundError, NotADirectoryError):
             return (self.path / key).read_bytes()
         return None
@@ -119,14 +119,14 @@ class Bucket:
         return FsspecStore.from_url(self.address, read_only=True, storage_options=_OPTIONS)
 
     def _opened(self) -> tuple[Any, str]:
-        """File system of fsspec, and the beginning of the names of the store's objects."""
+        """File system of fsspec, and the prefix of the names of the store's objects."""
         import fsspec  # which stores in folders do without
 
         system, path = fsspec.core.url_to_fs(self.address, **_OPTIONS)
         return system, f"{path}/"
 
     def read(self, key: str) -> bytes | None:
-        """Content of the object `key`; None if there is none."""
+        """Content of the object `key`; None if there is no such object."""
         system, above = self._opened()
         with suppress(FileNotFoundError):
             return bytes(system.cat_file(above + key))
@@ -164,7 +164,7 @@ def place_of(path: PathLike) -> StorePlace:
 
 @contextmanager
 def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
-    """Turn an error of disk or network in the block into a `StoreError`: "cannot be `verb`"."""
+    """Context manager: turn an error of disk or network into a `StoreError`, "cannot be `verb`"."""
     try:
         yield
     except Exception as error:
@@ -180,7 +180,7 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
 
 @contextmanager
 def read_errors(place: StorePlace, name: str) -> Iterator[None]:
-    """Turn an error in the block into a `DamagedError` for bad data, a `StoreError` for others."""
+    """Context manager: turn an error into a `DamagedError` for bad data, else a `StoreError`."""
     with io_errors(place):
         try:
             yield

@@ -19,7 +19,7 @@ from pipeline.sweep.variants import Variant
 class FailedPoint:
     """A point that failed or is damaged: load [N], velocity [m/s], reason and variant.
 
-    `place` is the point in words, with entries in the user's units.
+    `place` describes the point in words, with entries in the user's units.
     """
 
     load: float
@@ -35,7 +35,7 @@ class FailedPoint:
 @shown
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Progress of a sweep: number of points by state, failed points, and the process at work."""
+    """Progress of a sweep: number of points by state, failed points, and the writing process."""
 
     #: Name and title of the scene.
     name: str

@@ -111,10 +111,11 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:
-    """Root document with the dataset's axes, and the number of the stored point at each place.
+    """Root document with the dataset's axes, and which stored point is where on these axes.
 
-    The points of a boundary search are placed in the plane of all their loads and velocities; −1 is
-    a place without a point. A store of a whole plane is returned unchanged, with None.
+    A boundary search stores single points. The dataset has all their loads and velocities as axes;
+    the returned array has the number of the stored point, or −1 without a point. Other stores are
+    returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None
@@ -167,7 +168,7 @@ class _Masked(BackendArray):
 
 
 def _spread(values: Any, rows: Indices | None) -> Any:
-    """Place values of stored points in the plane of loads and velocities; 0 without a point."""
+    """Put values of stored points on the grid of loads and velocities; 0 without a point."""
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
@@ -177,14 +178,14 @@ def _select(values: Any, key: tuple[Any, ...]) -> Any:
 
 
 class Keeper:
-    """Cache in a store for results of commands that take long to compute from its dataset."""
+    """Cache in a store for results that take long to compute from its dataset."""
 
     def __init__(self, place: StorePlace) -> None:
         self.place = place
         self.may_keep = False  # True only within a run, which writes anyway
 
     def kept(self, name: str) -> bytes | None:
-        """Read the content that is cached under a name; None without one."""
+        """Read the content that is cached under a name; None if there is no such content."""
         with suppress(OSError):
             return self.place.read(KEPT + name)
         return None

@@ -116,8 +116,8 @@ class Root:
     def documents(self) -> dict[str, bytes]:
         """JSON documents of all groups by key; the last is the root document, with all metadata.
 
-        They are made here since Zarr would write the root in two steps. The other documents repeat
-        parts of it, for programs that consolidate the metadata anew.
+        They are made here, since Zarr would write the root document in two steps. The other
+        documents repeat parts of it, for programs that consolidate the metadata again.
         """
         values = (FORMAT, self.axes, self.block, self.history, self._inputs, self.text, self.ids)
         facts = dict(zip(_FACTS, values, strict=True))
@@ -139,13 +139,13 @@ def _group(attributes: Document) -> Document:
 
 
 def with_others(found: Any, new: Document) -> Document:
-    """The document `new` with the attributes that users have added to `found`, its old version."""
+    """Add to document `new` the attributes that users have added to its old version, `found`."""
     others = found.get("attributes") if isinstance(found, dict) else None
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
 def _digest(facts: Document, arrays: Document) -> str:
-    """SHA-256 of a root document without texts for people and additions of users."""
+    """SHA-256 of a root document, without texts for people and without additions by users."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], numbers
@@ -225,7 +225,10 @@ def read_metadata(place: StorePlace) -> dict[str, Document]:
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
-    """Read from a store the arrays that its scene's files contain, by SHA-256, as `sizes`."""
+    """Read the contents of the scene's files from a store, as arrays by SHA-256.
+
+    `sizes` has the number of values in each array.
+    """
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}
@@ -235,7 +238,7 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
-    """Raise a `StoreMismatchError` unless a sweep can continue a store of this root document."""
+    """Raise a `StoreMismatchError` unless a sweep can continue the store with a root document."""
     if differing := [*misfits(root.sweep, sweep)]:
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(

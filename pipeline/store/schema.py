@@ -130,7 +130,7 @@ AT_END = FIELDS | BULK_FIELDS
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:
-    """Attributes of a variable as the dataset has them: meaning, units and others."""
+    """Attributes of a variable in the dataset: meaning, units and further ones."""
     units = {} if variable.units is None else {"units": variable.units}
     return {"long_name": variable.long_name, **units, **variable.attributes}
 
@@ -143,12 +143,12 @@ def path_of(name: str) -> str:
 
 
 def is_coordinate(name: str) -> bool:
-    """True for a variable without results: a dimension, a coordinate of steps, an input array."""
+    """True for a variable without results: a dimension, a coordinate of steps, input arrays."""
     return name in COORDINATES or name in MADE or name not in VARIABLES
 
 
 def is_of_points(dim: str) -> bool:
-    """True for a dimension along which points lie; False for one within a point, such as step."""
+    """True for a dimension along which points lie; False for a dimension in a point, as step."""
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
@@ -204,7 +204,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of variants on which the coordinate `name` (time, load or distance) depends."""
+    """Which dimensions the coordinate `name` (time, load or distance) depends on, of variants."""
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

@@ -17,7 +17,7 @@ from pipeline.sweep.station_choice import choose_stations
 def take_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
-    Points are equal if scene, load and velocity are equal, whatever their variants are called.
+    A point is the same if scene, load and velocity are the same; names of variants do not matter.
     Points with a wrong checksum are not copied.
     """
     data = store.arrays.keys() & {*STEPPED, *AT_END, *OF_POINT}

@@ -86,7 +86,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 def mend_store(path: PathLike, sweep: Sweep) -> int:
     """Mark damaged points of a store as pending, and repair files that points share.
 
-    Returns the number of damaged points and files; does nothing on an object store. Raises as
+    Returns the number of damaged points and files. On an object store nothing is done. Raises as
     `writing` does.
     """
     place = place_of(path)
@@ -105,7 +105,7 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
 
 class _Damage(NamedTuple):
-    """Damaged points, and damaged files that several points share, with their right content."""
+    """Damaged points, and damaged files that several points share, with their correct content."""
 
     points: dict[Index, FailedPoint]
     files: dict[str, tuple[str, Any, Any]]  # by key: variable, slices of the chunk, right values
@@ -197,7 +197,7 @@ def stored_entries(
 
 
 def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
-    """Tell what is wrong with a point's stored values, `entries` by variable; empty if nothing."""
+    """Describe the fault in a point's stored values, `entries` by variable; empty without fault."""
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed
@@ -208,9 +208,9 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Yield name, and part to write, of coordinates that differ from the root document.
+    """Yield name, and correct data to write, of coordinates that differ from the root document.
 
-    Such values matter to plain xarray. They arise if a run is killed while the store grows.
+    They differ if a run was killed while the store grew, and matter to plain xarray.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

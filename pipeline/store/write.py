@@ -55,8 +55,8 @@ class Store:
     """An open store; it may be written if this process holds its lock.
 
     `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
-    `flags` has the status of each point, and `asked` is 1 for each point that the last run asked
-    for. If `is_damaged`, both are 0, and not read.
+    `flags` has the status of each point, and `asked` is 1 for each point that the last run was to
+    compute. If `is_damaged`, both are 0, and not read.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class Store:
         return tuple(i % n for i, n in zip(index, self.block, strict=True))
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at some indices, which `where` has for each dimension of points."""
+        """Points at the indices that `where` has for each dimension of points."""
         return points_at(self.sweep, self.axes, self.root.variables, where)
 
     def in_words(self, point: Point) -> str:
@@ -102,7 +102,8 @@ class Store:
     def key(self, name: str, numbers: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `numbers` are the chunk's index along the dimensions of points; a point lies in one chunk.
+        `numbers` are the chunk's indices along the dimensions of points. All values of a point are
+        in one chunk.
         """
         within = [0] * (self.arrays[name].ndim - len(numbers))
         return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
@@ -125,13 +126,13 @@ class Store:
         return columns
 
     def pending(self) -> list[Point]:
-        """Points that the last run asked for, and that are neither done nor failed."""
+        """Points that the last run was to compute, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
 
     # Writing: every method raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
-        """Write the records of points: data first and statuses last, so that done means safe."""
+        """Write the records of points: data first, then statuses, so that done points have data."""
         values, statuses = {}, {}
         for record in records:
             record = packed(record, self.sweep)
@@ -148,7 +149,7 @@ class Store:
         self.write({}, {self.index(point): PENDING for point in points})
 
     def ask(self, sweep: Sweep) -> None:
-        """Write to the store which points the present run asks for."""
+        """Write to the store which points the present run is to compute."""
         wanted = np.zeros_like(self.asked)
         for point in points_of(sweep):
             wanted[self.index(point)] = 1
@@ -159,7 +160,7 @@ class Store:
     def write(
         self, values: Mapping[Index, Mapping[str, Any]], statuses: Mapping[Index, int]
     ) -> None:
-        """Write the values of points by variable, and once they are safe, the points' statuses."""
+        """Write the values of points by variable, and once these are on the disk, the statuses."""
         chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
         for index, of_point in values.items():
             chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
@@ -177,7 +178,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Part for `Encoder`: a variable's values in a chunk, with new values at some points."""
+        """Part for `Encoder`: values of a variable in a chunk, with new values at some points."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
@@ -197,7 +198,7 @@ class Store:
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        """Check that the lock is held before and after the block, which writes."""
+        """Context manager: check that the lock is held before and after writing."""
         self._require_lock()
         with io_errors(self.place, "written"):
             yield
@@ -232,7 +233,7 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 class Writer:
     """Writes records to a store about once a second, in a thread.
 
-    An error of the thread is raised by `written` and `flush`.
+    Errors of the thread are raised by `written` and `flush`.
     """
 
     def __init__(self, store: Store) -> None:
@@ -251,11 +252,11 @@ class Writer:
             self.flush()
 
     def add(self, records: Iterable[PointRecord]) -> None:
-        """Add records to those that wait to be written."""
+        """Add records to the queue of records to write."""
         self._waiting += records
 
     def written(self, at_once: bool = False) -> list[PointRecord]:
-        """Return records written since the last call; begin to write others if due or `at_once`."""
+        """Return records written since the last call; begin to write more if due or `at_once`."""
         records = []
         if self._writing and self._writing.done():
             records, self._writing = self._writing.result(), None
@@ -266,7 +267,7 @@ class Writer:
         return records
 
     def flush(self) -> list[PointRecord]:
-        """Write all records; return those that have been written since the last call."""
+        """Write all waiting records; return the records written since the last call."""
         records = []
         while self._writing or self._waiting:
             records += self.written(at_once=True)

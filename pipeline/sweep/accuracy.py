@@ -18,7 +18,7 @@ _FEW = 0.05  # failing share below which the deciding temperature counts as the 
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest relative error of the boundary velocity, as measured or promised; None if unknown."""
+    """Largest relative error of the boundary velocity, measured or of a preset; None if unknown."""
     if selection := sweep.selection:
         return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions
@@ -29,7 +29,7 @@ def velocity_error(sweep: Sweep) -> float | None:
 
 
 def has_unknown_error(sweep: Sweep) -> bool:
-    """True if a sweep has a boundary, whose error is neither promised nor measured."""
+    """True if a sweep has a boundary whose error is neither measured nor known for its preset."""
     is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
     return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
 
@@ -46,5 +46,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, else the finest that all its choices match or exceed; None without any."""
+    """Preset of a sweep, else the finest preset that its choices match or exceed; else None."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

@@ -31,14 +31,15 @@ class ArealRoughness:
     slopes : tuple of float
         Slopes of the form along x and y in the middle.
     radii : tuple of float
-        Radii of its curvature along x and y [m], positive where the surface is a hill; infinite
-        where the curvature does not stand out from the roughness, and is not removed.
+        Radii of curvature along x and y [m], positive for a hill. Infinite if the curvature is
+        small beside the roughness, and was not removed.
     sal : float
-        Shortest distance over which the autocorrelation falls, Sal [m], here to 1/e and not 0.2.
+        Sal, the shortest distance over which the autocorrelation falls [m], here to 1/e instead of
+        0.2.
     aspect : float
-        Str, the shortest over the longest such distance; 0 if the longest is beyond the area.
+        Str, the shortest such distance divided by the longest; 0 if the longest is beyond the area.
     lay : float or None
-        Direction of the lay, from x towards y, from −90 to 90 [°]; None without one.
+        Direction of the lay, from x towards y, from −90 to 90 [°]; None without a lay.
     """
 
     ra: float
@@ -68,17 +69,15 @@ def remove_form(
     Returns
     -------
     ndarray, shape (nx, ny)
-        Heights above the least-squares form; NaN stays NaN.
+        Heights above the fitted plane or curved surface; NaN stays NaN.
     tuple of float
         Slopes of the form along x and y in the middle.
     tuple of float
-        Radii of curvature along x and y [m]; infinite where it was not removed.
+        Radii of curvature along x and y [m]; infinite if the curvature was not removed.
 
-    Notes
-    -----
-    The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). It is taken for curved if from
-    the middle to an edge it rises or falls by more than the root mean square height above it;
-    else the plane alone is taken off. So at most 4 % of that height is form.
+    Notes ----- The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). Its curvature is
+    removed only if, from the middle to an edge, the form rises or falls by more than the root mean
+    square height above it. So at most 4 % of that height is due to curvature left in.
 
     Raises
     ------
@@ -102,7 +101,7 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Fit the first `count` terms of the form; return heights above it, and the factors."""
+        """Fit a surface of the first `count` terms; return heights above it, and coefficients."""
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

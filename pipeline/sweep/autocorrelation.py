@@ -30,9 +30,9 @@ def autocorrelation_lengths(
     Returns
     -------
     tuple of float
-        The shortest and the longest distance [m], infinite where the autocorrelation stays above
-        1/e over half the side; and the direction of the longest, from x towards y, from −90 to 90
-        [°].
+        The shortest and the longest distance [m], infinite if the autocorrelation stays above 1/e
+        over half the side; and the direction of the longest distance, from x towards y, from −90 to
+        90 [°].
 
     Notes
     -----

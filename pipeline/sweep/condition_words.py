@@ -10,9 +10,9 @@ from pipeline.sweep.shown import Line
 
 
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
-    """Pairs of subject and text that tell when wear is severe, for a table.
+    """Yield pairs (subject, text) that say when wear is severe, for a table.
 
-    Entries whose paths are in `drawn` read "of each sample".
+    Entries whose paths are in `drawn` have the text "of each sample".
     """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
@@ -28,9 +28,9 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """One line that tells when wear is severe under several conditions, without repetitions.
+    """One line that says when wear is severe under several conditions, without repeats.
 
-    Entries whose paths are in `drawn` read "of each sample".
+    Entries whose paths are in `drawn` have the text "of each sample".
     """
     each = [
         (
@@ -45,7 +45,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Tell above which temperature wear is severe; paths in `drawn` read "of each sample"."""
+    """Say above which temperature wear is severe; for paths in `drawn`, "of each sample"."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"
@@ -58,6 +58,6 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 
 
 def critical_in_words(value: float, sd: float | None) -> str:
-    """Tell a critical temperature [K] and its standard deviation [K], if it has one."""
+    """Write a critical temperature [K] as text, with its standard deviation [K] if known."""
     doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
     return f"the critical temperature is {display(value, '°C', 4)}{doubt}"

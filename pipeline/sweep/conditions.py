@@ -36,7 +36,7 @@ UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
 
 @dataclass(frozen=True, slots=True)
 class Conditions(Judging):
-    """Conditions of points: those of `tribo.Conditions`, with its criterion by name and share.
+    """Conditions that judge points: like `tribo.Conditions`, but the criterion has name and share.
 
     Attributes
     ----------
@@ -44,12 +44,12 @@ class Conditions(Judging):
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (Blok's criterion, the maximum temperature) to below 1.
     criterion : str
-        Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
-        Or the name of a rule.
+        Kind of criterion, one of `tribo.CRITERIA`, or the name of a rule. Only the kind "share"
+        uses the failing share.
     rule : Rule, Law or None
-        A criterion of your own; a `Law` if it comes from a store, which has its name alone.
+        A criterion of your own; a `Law` if it comes from a store, which has only its name.
     critical_sd : float or None
-        Standard deviation of the critical temperature [K]; None if that is taken as exact.
+        Standard deviation of the critical temperature [K]; None if the latter is taken as exact.
 
     Raises
     ------
@@ -97,7 +97,7 @@ class Conditions(Judging):
         return Criterion(self.criterion, self.failing_share, self.rule)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data; of a rule the name alone."""
+        """Return all values as plain data; a rule becomes its name."""
         plain = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "rule"}
         plain["corrections"] = self.corrections and self.corrections.as_dict()
         rare = ("disk_temperature", "critical_sd", "corrections")
@@ -118,14 +118,14 @@ class Conditions(Judging):
         return factor
 
     def replace_friction(self, friction: float | None) -> Conditions:
-        """The conditions with a friction measured at one point; unchanged if there is none."""
+        """The conditions with a friction measured at one point; unchanged if it is None."""
         if friction is None:
             return self
         corrections = self.corrections and replace(self.corrections, friction=Friction())
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
-        """The conditions with the values that a row of a table has in their place.
+        """The conditions, replaced by the values that a row of a table has.
 
         A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies and a
         ``critical_temperature`` [K].
@@ -142,7 +142,7 @@ class Conditions(Judging):
         return self if corrections == self.corrections else replace(self, corrections=corrections)
 
     def known_critical_temperature(self) -> float:
-        """Critical temperature [K]; an `InputError` if it is not known."""
+        """Critical temperature [K]; raises an `InputError` if it is not known."""
         if self.critical_temperature is None:
             raise InputError(
                 "temperature.critical is missing, and this needs it; add one to the scene, such as "
@@ -152,7 +152,7 @@ class Conditions(Judging):
         return self.critical_temperature
 
     def changed(self, **changes: Any) -> Conditions:
-        """The conditions with some of them replaced; keywords are those of `changes_of`."""
+        """The conditions with some of them replaced; see `changes_of` for the keywords."""
         return replace(self, **changes_of(**changes))
 
 
@@ -180,7 +180,7 @@ def changes_of(
 
 
 def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
-    """Fields of `Conditions` for one bulk temperature [K], or for one of pin and one of disk."""
+    """Fields of `Conditions` for one bulk temperature [K], or for temperatures of pin and disk."""
     if not isinstance(bulks, Mapping):
         return {"bulk_temperature": bulks, "disk_temperature": None}
     if set(bulks) != {"pin", "disk"}:

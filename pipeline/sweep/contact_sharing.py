@@ -13,7 +13,7 @@ _DIGITS = 12  # digits of a wear number that are compared: equal ones differ by 
 
 
 class ContactSource(NamedTuple):
-    """The variant whose contact solutions another variant reuses, and at which velocity."""
+    """The variant whose contact solutions another variant reuses, and at which velocities."""
 
     variant: Variant
     ratio: float = 1.0  # velocity of the source over that of the variant, at the same wear number
@@ -22,7 +22,7 @@ class ContactSource(NamedTuple):
     def velocity_at(self, velocity: float) -> float | None:
         """Velocity of the source with the same contacts as the variant at `velocity` [m/s].
 
-        None if the source has no such point.
+        The result is None if the source has no such point.
         """
         if self.places:
             own, shared = self.places
@@ -42,8 +42,8 @@ def contact_sources(
 ) -> Mapping[Variant, ContactSource]:
     """Find for each variant the first variant with the same contacts, whose solutions it reuses.
 
-    `places` are the velocities of variants that have a single one [m/s], else None. `velocities`
-    are those of all others.
+    `places` has the velocity of each variant with a single velocity [m/s], else None. `velocities`
+    are the velocities of all other variants.
     """
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
     sources = {}
@@ -69,9 +69,10 @@ def contact_sources(
 def contact_sources_of_samples(
     samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
 ) -> Mapping[Variant, ContactSource]:
-    """Find for each sample the first sample with the same contact; `size` samples share each.
+    """Find for each sample the first sample with the same contact; `size` samples share a contact.
 
-    `samples` are (name, name of its scene in `scenes`, row). For speed their entries are not read.
+    `samples` are (name, name of the scene in `scenes`, row). For speed the entries of samples are
+    not read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}

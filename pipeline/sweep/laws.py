@@ -55,16 +55,16 @@ class MissingSurface(UnknownHeights):
 
 @dataclass(frozen=True)
 class Law(UnknownHeights):
-    """What a store keeps of a law, surface, criterion or pin that was given in Python.
+    """Record in a store of a law, surface, criterion or pin that was given in Python.
 
     Attributes
     ----------
     name : str
-        Module and name of its class; of a criterion, those of its function.
+        Module and name of the law's class, or of the criterion's function.
     parameters : tuple
-        Names and values of its fields and of attributes that answers use, arrays by their digests.
+        Names and values of the law's fields, and of attributes that answers use; arrays as digests.
     source_sha256 : str
-        SHA-256 of the file of its module; of its source where there is no file.
+        SHA-256 of the file of the law's module, or of its source if there is no file.
     """
 
     name: str
@@ -79,11 +79,11 @@ class Law(UnknownHeights):
         return known[name]
 
     def over(self, begin: float, end: float) -> Any:
-        """Raise a `LawError`: the wear law is known by name alone."""
+        """Raise a `LawError`: only the name of the wear law is known."""
         raise self._lost()
 
     def heights(self, pixels: Any) -> Any:
-        """Raise a `LawError`: the surface is known by name alone."""
+        """Raise a `LawError`: only the name of the surface is known."""
         raise self._lost()
 
     def _lost(self) -> LawError:
@@ -97,7 +97,7 @@ class Law(UnknownHeights):
 
 
 def is_user_law(part: Any) -> bool:
-    """True if a part of a scene is a law of the user's own, or the `Law` stored for one."""
+    """True if a part of a scene is a law by the user, or the `Law` stored for such a law."""
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
@@ -130,18 +130,18 @@ def name_of(law: Any) -> str:
 
 
 def code_of(law: Any) -> Any:
-    """Class of a law; of a criterion its function, or the class of a callable object."""
+    """Class of a law; for a criterion its function, or the class of a callable object."""
     called = law.rise if isinstance(law, Rule) else type(law)
     return called if hasattr(called, "__qualname__") else type(called)
 
 
 def given_laws(scene: Scene) -> list[Any]:
-    """Parts of a scene that are laws of the user's own."""
+    """Parts of a scene that are laws by the user."""
     return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 
 def _storable(value: Any) -> Any:
-    """Convert a parameter of a law for a store: an array to text with its SHA-256."""
+    """Convert a parameter of a law for a store: an array becomes text with its SHA-256."""
     if not isinstance(value, np.ndarray):
         return value
     sha256 = hashlib.sha256(value.tobytes()).hexdigest()  # numbers may be of any type
@@ -149,10 +149,10 @@ def _storable(value: Any) -> Any:
 
 
 def _source_sha256(code: Any) -> str:
-    """SHA-256 of the file that defines a class or function; of its source if there is no file.
+    """SHA-256 of the file that defines a class or function, or of its source without a file.
 
-    The hash is kept as an attribute of the class, and goes to workers with it. If the file is
-    edited later, the hash stays that of the code that runs.
+    The hash is kept as an attribute of the class, and goes to workers with the class. So it belongs
+    to the code that runs, even if the file is edited later.
     """
     try:
         if _KEPT not in vars(code):

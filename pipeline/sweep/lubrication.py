@@ -15,7 +15,7 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Lubrication:
-    """The film of an oil between the smooth bodies of a scene before any wear, and its Λ.
+    """Oil film between the smooth, unworn bodies of a scene, and its film parameter Λ.
 
     Examples
     --------
@@ -46,7 +46,7 @@ class Lubrication:
         return self.scene.pin.film_thickness(oil, load, modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ at loads [N] and velocities [m/s] that broadcast; NaN without a load.
+        """Film parameter Λ at loads [N] and velocities [m/s], which broadcast; NaN without a load.
 
         `temperature` is that of the oil at the inlet [K].
         """

@@ -34,7 +34,7 @@ class Measurement:
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Name the test's oil as seen from `oil`: None for this oil, else a name.
+        """Copy of the test for a sweep with `oil`: its oil is None if it is this oil, else a name.
 
         The test is unchanged if `oil` is None.
         """
@@ -44,7 +44,7 @@ class Measurement:
         return replace(self, oil=None if name == oil else name)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the fields as plain data; those that are None are left out, but the friction."""
+        """Return the fields as plain data, without those that are None (except friction)."""
         always = ("normal_load", "velocity", "friction")
         return {k: v for k, v in asdict(self).items() if v is not None or k in always}
 
@@ -55,6 +55,6 @@ def oils_of(names: Iterable[str | None]) -> list[str]:
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    """Tests that name no oil. If all name one, the tests of the oil that comes first by name."""
+    """Tests that name no oil; if all name an oil, the tests of the first oil by name."""
     first, *_ = [*oils_of(test.oil for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)

@@ -37,7 +37,7 @@ class Point(NamedTuple):
 
 
 def variant_words(variant: Variant) -> list[str]:
-    """Texts for the values that name a variant, such as "surface 3"."""
+    """Describe the values that identify a variant, each as text such as "surface 3"."""
     return [
         f"{'surface' if name == 'realization' else name} "
         + (f"{value:g}" if isinstance(value, float) else f"{value}")
@@ -47,7 +47,7 @@ def variant_words(variant: Variant) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Scene, conditions, tests and oil, as they are made from the entries of a scene file."""
+    """Scene, conditions, tests and oil, made from the entries of a scene file."""
 
     declared: Any  # the file, read into its declared classes
     scene: Scene
@@ -72,7 +72,7 @@ class Sweep:
     name : str
         Name of the file, without its ending.
     written : mapping
-        Entries as the file has them, in tables.
+        Entries as in the file, in tables.
     reader : SceneReader
         Reader of the entries, `pipeline.scene.reading.SceneReader`.
     variants : Variants
@@ -82,11 +82,11 @@ class Sweep:
     sources : tuple of FromLibrary
         Numbers from the library.
     selection : Selection or None
-        How the fidelity was picked for its accuracy.
+        How the fidelity was chosen for its accuracy.
     chosen : collection of Point or None
         The points to simulate, if not all of the plane.
     stations : Stations or None
-        Stations of a store that has been begun.
+        Stations that an existing store has.
     judged : mapping
         Conditions that replace those of all rows, by the fields of `Conditions`.
     oil : str or None
@@ -115,7 +115,7 @@ class Sweep:
     oil: str | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """State to pickle: the fields alone; another process reads the entries again."""
+        """State to pickle: only the fields; another process reads the entries again."""
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __eq__(self, other: object) -> bool:
@@ -165,7 +165,7 @@ class Sweep:
 
     @property
     def title(self) -> str:
-        """Title of the scene, with the oil whose tests count."""
+        """Title of the scene, with the name of the oil whose tests count."""
         title = self.declared.title or self.name
         return title if self.oil is None else f"{title}, oil {self.oil}"
 
@@ -186,33 +186,33 @@ class Sweep:
 
     @property
     def lubricant(self) -> Oil | None:
-        """The oil between the bodies, which enters no simulation; None without `[oil]`."""
+        """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
         return self.parts.oil
 
     @property
     def preset(self) -> str | None:
-        """Preset whose numerical choices the fidelity has; None if they differ from all presets."""
+        """Preset with the numerical choices of the fidelity; None if no preset has them."""
         return self.parts.preset
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """All that acts on verdicts beside simulation and conditions, such as tests and oil."""
+        """Everything else that affects verdicts, besides simulation and conditions."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
     @cached_property
     def entries(self) -> dict[str, Any]:
-        """Entries, with all defaults, values of the library and choices of the preset filled in."""
+        """All entries, completed by defaults, values of the library and choices of the preset."""
         entries: dict[str, Any] = self.reader.complete(self.written, self.parts)
         return entries
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Rows of the table of variants: the values that name each, and the entries it replaces."""
+        """Rows of the table of variants: values that identify a row, and entries it replaces."""
         return self.variants.rows
 
     def changed(self, path: str, value: Any) -> Self:
-        """The sweep with another value of an entry, as in a scene file; None leaves it out.
+        """The sweep with another value of an entry, as in a scene file; None removes the entry.
 
         Raises
         ------
@@ -229,12 +229,12 @@ class Sweep:
         return changed
 
     def description(self) -> tuple[str, dict[str, Any]]:
-        """Title and entries of the sweep, with the number of variants, as it prints itself."""
+        """Title and entries of the sweep, and the number of variants, for printing it."""
         return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
     @property
     def ramps(self) -> int:
-        """Number of simulated ramps; a ramp passes all loads at one velocity."""
+        """Number of ramps to simulate; a ramp passes through all loads at one velocity."""
         has_own = self.variants.labels("velocity") is not None
         return len(self.variants) * (1 if has_own else len(self.plane.velocities))
 
@@ -243,7 +243,7 @@ class Sweep:
         return {}
 
     def variant(self, name: Variant = ()) -> Self:
-        """The sweep of one variant alone; of the scene itself, without variants, by default."""
+        """The sweep of one variant alone; by default of the scene itself, without variants."""
         if not name and not self.variants.columns:
             return self
         if name not in self._alone:
@@ -288,7 +288,7 @@ class Sweep:
         return point[1:] if source is None or velocity is None else (velocity, source.variant)
 
     def require_search(self) -> None:
-        """Raise an `InputError` if a boundary cannot be sought: variants have one velocity each."""
+        """Raise an `InputError` if no boundary can be found: variants have one velocity each."""
         if any(map(self.variants.labels, PLACE_UNITS)):
             raise InputError(
                 "each row has its own velocity, as samples have, and answers need all rows; leave "
@@ -305,7 +305,7 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
-        """The sweep on a single random surface, that of a seed; the sweep itself if None."""
+        """The sweep on the random surface of a seed alone; the sweep itself if None."""
         if seed is None:
             return self
         if not isinstance(self.scene.roughness, SelfAffineRoughness):
@@ -316,7 +316,7 @@ class Sweep:
         return replace(self.changed(SEED, seed), variants=Variants())
 
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
-        """The sweep of one load [N] and velocity [m/s], and of its tests unless `alone`.
+        """The sweep of one load [N] and velocity [m/s], and of the tests unless `alone`.
 
         `pipeline.margin` at that place, in a store of this sweep, is the verdict of ``irg point``.
         """

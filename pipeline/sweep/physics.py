@@ -11,7 +11,7 @@ from tribo import Corrections, Track
 
 
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
-    """Tracks of rolling bodies whose warming by earlier turns is left out.
+    """Tracks of rolling bodies whose warming by earlier turns the scene leaves out.
 
     Keys are the names of the tracks in `Corrections`.
     """
@@ -27,9 +27,9 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of earlier turns is left out; None if it is not.
+    """Caveat that heat of earlier turns is left out; None if it is included.
 
-    `severe` tells where wear is severe with that heat, if it is known.
+    `severe` states, if known, where wear is severe with that heat.
     """
     if not cold_tracks(sweep):
         return None
@@ -38,7 +38,7 @@ def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
 
 
 def note_on_turns(sweep: Sweep) -> str | None:
-    """Note that heat of earlier turns is left out, and how to include it; None if it is not."""
+    """Note that heat of earlier turns is left out, and how to include it; None if included."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None

@@ -72,8 +72,8 @@ class PointResult:
     def fields(self) -> dict[str, Array]:
         """Pressure [Pa], rise per unit friction [K] and wear depth [m] at the end, shape (nx, ny).
 
-        With unequal bulk temperatures also the response to their difference. Values are means over
-        the scene's elements, if the point was computed on smaller ones.
+        With unequal bulk temperatures there is also the response to their difference. Values are
+        means over the scene's elements if the point was computed on smaller elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)
@@ -91,7 +91,7 @@ class PointResult:
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
     def record(self, with_fields: bool) -> PointRecord:
-        """Return the record of the point for a store, with fields at its end if wanted."""
+        """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,
@@ -138,19 +138,19 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a variant: its own single one, else the sweep's `usual` ones."""
+    """Loads or velocities of a variant: a single value of its own, else the sweep's (`usual`)."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
 class Task(NamedTuple):
-    """Points that are computed from one contact, and the loading ramp that leads to it."""
+    """Points that are computed from one contact, and the loading ramp that leads to the contact."""
 
     points: tuple[Point, ...]
     ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Group points `todo` that share a contact into tasks, by ramp and ascending load."""
+    """Group the points `todo` into tasks that share a contact, by ramp and ascending load."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)

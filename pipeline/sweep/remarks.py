@@ -10,7 +10,7 @@ _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
-    """A note or warning beside a result; `place` is the path of the entry that it is about.
+    """A note or warning on a result; `place` is the path of the entry that it is about.
 
     `place` is empty if the remark is about no single entry.
     """
@@ -29,12 +29,12 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Write `words` as lines such as "note: text"; empty ones are left out."""
+    """Write `words` as lines such as "note: text"; empty words are left out."""
     return (str(Remark("", grade, one)) for one in words if one)
 
 
 def join_notes(notes: Iterable[str]) -> str | None:
-    """Join notes, each once, to the text of one cell of a table; None without notes."""
+    """Join notes, each once, to the text of one table cell; None without notes."""
     return _SEPARATOR.join(dict.fromkeys(notes)) or None
 
 

@@ -38,7 +38,7 @@ _FINER = {
 
 
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Finest preset that all numerical choices of a fidelity match or exceed; None without one."""
+    """Finest preset that all numerical choices of a fidelity match or exceed; else None."""
     names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
 
@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields of a fidelity by name; the 0 that has a special meaning in two is replaced by it."""
+    """Fields of a fidelity by name; where 0 has a special meaning, the meant value replaces it."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,
@@ -82,7 +82,7 @@ class Choice:
 @shown
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A fidelity that was picked for an accuracy, or the scene's own, and its measured error."""
+    """A fidelity that was chosen for an accuracy, or the scene's own, and its measured error."""
 
     #: Largest relative error of the boundary velocity that was asked for; None: the scene's own.
     accuracy: float | None

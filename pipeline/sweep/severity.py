@@ -76,11 +76,11 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
-    """Rise per unit friction that decides on severe wear, at the worst moment of each point [K].
+    """Rise per unit friction [K] that decides on severe wear, at the worst moment of each point.
 
-    It is NaN where there is no result. `columns` are those of `rises_above_colder`,
-    ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are
-    `tribo.QUANTILES`; `load` has the shape (..., 1) [N].
+    It is NaN for a point without a result. `columns` has the columns from `rises_above_colder`,
+    ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are `tribo.QUANTILES`.
+    `load` [N] has the shape (..., 1).
     """
     rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -101,7 +101,7 @@ def verdict(
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary velocity if the rise there is `rise`, and not `expected`.
+    """Relative error of the boundary velocity if the rise on the boundary is not `expected`.
 
     `exponent` is d ln(rise)/d ln(velocity).
     """
@@ -109,7 +109,7 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
 
 
 def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Correct rises, and convert them to rises above the colder body per `rise_factor` [K].
+    """Correct rises, and convert them to rises above the colder body, per `rise_factor` [K].
 
     `columns` are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above
     the pin's bulk at friction 1 [K], and `columns_needed`. The result has the same columns, with
@@ -128,12 +128,12 @@ def columns_needed(conditions: Conditions) -> tuple[str, ...]:
 
 
 def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Columns whose rises, with those for unequal bulks, have the corrections of conditions."""
+    """Correct all rises in `columns`, also for unequal bulk temperatures, as conditions say."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
-    """Raise an `InputError` if bulk temperatures are unequal, and `columns` are for equal ones."""
+    """Raise an `InputError` if bulk temperatures are unequal, but `columns` are for equal ones."""
     kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
     if conditions.disk_temperature is None or kept:
         return

@@ -19,7 +19,7 @@ _MOST = 6  # values that are listed, at most
 
 
 def shown(cls: type[T]) -> type[T]:
-    """Class decorator: print a dataclass as a line for each field, or row of ``description()``.
+    """Class decorator: print a dataclass as one line for each field or row of ``description()``.
 
     Examples
     --------
@@ -46,7 +46,7 @@ def _text(answer: Any) -> str:
 
 
 def _html(answer: Any) -> str:
-    """HTML table of an answer's values, and below it the data frames among them."""
+    """HTML table of an answer's values, followed by its data frames."""
     title, rows = _titled_rows(answer)
     cells = "".join(
         f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows

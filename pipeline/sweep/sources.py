@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class FromLibrary(NamedTuple):
-    """A value that a scene takes from the library: key path, value with unit, and its source."""
+    """A value that a scene takes from the library: key path, value with unit, and source."""
 
     key: str
     value: str

@@ -15,7 +15,7 @@ _SOON = 2.0  # [s] before which no time is predicted
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of a long computation: a message in `words`, else how much is done."""
+    """Progress of a long computation: a message in `words`, or how much is done."""
 
     words: str = ""  #: The stage that begins, or a note.
     #: Number of parts done, and of all parts; of a sweep its points, earlier runs included.
@@ -53,7 +53,7 @@ def staged(
     name: Callable[[T], str] = str,
     weight: Callable[[T], float] = lambda item: 1.0,
 ) -> Iterator[T]:
-    """Yield items; report before each its name, its number and the estimated time to go.
+    """Yield items; before each, report its name, its number and the estimated time left.
 
     `weight` estimates the relative duration of an item.
     """

@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Choose the stations (moments of the loading) to store: as in the store, else by the scene."""
+    """Choose which stations (moments of the loading) to store: as in the store, if it exists."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
@@ -18,7 +18,7 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _usual(sweep: Sweep) -> Steps:
-    """Default of ``sweep.steps``: "course" if pins wear on unshared ramps, else "end"."""
+    """Default of ``sweep.steps``: "course" if pins wear and share no contacts, else "end"."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
@@ -29,7 +29,7 @@ def _usual(sweep: Sweep) -> Steps:
 
 
 def _warms_in_hold(sweep: Sweep) -> bool:
-    """True if the load is held, and a body gets warmer meanwhile in some variant."""
+    """True if, in some variant, a body gets warmer while the load is held."""
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False

@@ -24,9 +24,9 @@ class Stations:
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of the steps to a load [N] whose temperature is computed on the scene's own grid.
+        """Indices of the steps to a load [N] whose temperature is computed on the finest grid.
 
-        The steps that reach the load and end the loading have a temperature in any case.
+        The step that reaches the load and the last step always have a temperature.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]
@@ -57,6 +57,6 @@ class Stations:
 
 
 def ramp_of(scene: Scene) -> Hashable:
-    """Key that is the same for scenes whose loadings have the same steps."""
+    """Key that is equal for scenes whose loadings have the same steps."""
     memory = scene.remembers_steps, scene.remembers_heat
     return scene.loading, scene.fidelity.increments, scene.fidelity.hold_increments, *memory

@@ -100,9 +100,9 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 
 
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
-    """Lubrication of a scene; None if its oil or its roughness is missing or not fully known.
+    """Lubrication of a scene; None if oil or roughness are missing or not fully known.
 
-    A surface or a pin of the user's own is not known if the scene comes from a store.
+    A surface or a pin by the user is not known if the scene comes from a store.
     """
     scene, oil = sweep.scene, sweep.lubricant
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))

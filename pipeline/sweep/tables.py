@@ -37,9 +37,9 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
 
 
 def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Pairs of path and value of nested tables.
+    """Yield pairs (path, value) of nested tables.
 
-    A table that is empty, or has a key of `ends`, counts as a value. Paths begin with `above`.
+    A table that is empty, or has a key in `ends`, counts as a value. Paths begin with `above`.
     """
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
@@ -50,7 +50,7 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 
 
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Paths at which the nested tables differ, each with its value in `after`, or None."""
+    """Yield paths at which nested tables differ, each with its value in `after`, or None."""
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
         path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}
@@ -65,7 +65,7 @@ def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
     """Return tables with several entries set, by their paths.
 
     A new coefficient of friction also scales the friction by velocity and by temperature, unless
-    these are set, too.
+    they are also in `values`.
     """
     values = dict(values)
     old, new = entry_at(tables, FRICTION), values.get(FRICTION)

@@ -14,8 +14,8 @@ from pipeline.sweep.plan import Task
 class TaskQueue:
     """Waiting tasks by loading ramp, and the ramps that each worker has cached.
 
-    A worker gets the next load of a ramp that it has cached; else the lowest load of a ramp that
-    nobody has begun; else the next load of the ramp with most points left.
+    A worker gets the next load of a ramp that it has cached; else the lowest load of a ramp that no
+    worker has begun; else the next load of the ramp with most points left.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
@@ -64,9 +64,10 @@ class TaskQueue:
 def makespan(
     tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
 ) -> tuple[float, float]:
-    """Simulate the queue: time until some workers have done all tasks, and sum of task times [s].
+    """Simulate the queue; return the time until all tasks are done, and the sum of task times [s].
 
-    `cost` returns the time of a task [s]. It may read and change a dictionary, one a worker.
+    `cost` returns the time of a task [s]. It may read and change a dictionary, which each worker
+    has.
     """
     waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

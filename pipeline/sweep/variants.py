@@ -30,7 +30,7 @@ SEED = "disk.roughness.seed"
 
 
 class Row(NamedTuple):
-    """One variant of a scene: its labels (values by column) [SI], and the entries it replaces.
+    """One variant of a scene: its labels (values by column) [SI], and the entries that it replaces.
 
     If a column is named by the path of an entry that `values` lacks, the label is its value.
     """
@@ -52,12 +52,12 @@ class Column:
 
     @property
     def key(self) -> str:
-        """Path of the entry that the column sets: its `entry` or, without one, its name."""
+        """Path of the scene entry that the column sets: `entry`, or the column's name."""
         return self.entry or self.name
 
 
 class Sampling(NamedTuple):
-    """How samples were drawn at random, as the extra that draws them reports."""
+    """How samples were drawn at random, as reported by the optional part that draws them."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
     movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
@@ -68,9 +68,9 @@ class Sampling(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """The table of the variants of a scene: a row for each combination of labels of its dimensions.
+    """Table of the variants of a scene: a row for each combination of labels of the dimensions.
 
-    Rows with a label for velocity or load are simulated there alone, others at all loads and
+    A row with a label for velocity or load is simulated only there, other rows at all loads and
     velocities of the sweep.
     """
 
@@ -86,7 +86,7 @@ class Variants:
         return len(self.rows)
 
     def __mul__(self, other: Variants) -> Variants:
-        """Combine every row with every row of `other`, whose entries override."""
+        """Combine every row with every row of `other`, whose entries take precedence."""
         pairs = itertools.product(self.rows, other.rows)
         rows = (Row({**a.labels, **b.labels}, {**a.values, **b.values}) for a, b in pairs)
         return Variants(self.columns + other.columns, tuple(rows), self.draw or other.draw)
@@ -113,7 +113,7 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """For each column that a dimension determines, its value for each of the labels there."""
+        """Columns that depend on a dimension, each with its value for each label."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -122,7 +122,7 @@ class Variants:
 
     @property
     def chosen(self) -> tuple[Column, ...]:
-        """Dimensions whose labels the user chose, and that are no random draws."""
+        """Dimensions whose labels the user chose, not random draws."""
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
@@ -136,18 +136,18 @@ class Variants:
 
     @cached_property
     def rule(self) -> Sampling:
-        """How samples were drawn at random; empty if there are none."""
+        """How samples were drawn at random; empty without samples."""
         return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
-        """Label of each row in a column; None without such a column."""
+        """Label of each row in a column; None if there is no such column."""
         is_there = any(one.name == name for one in self.columns)
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
         """Entries that a row replaces, by path.
 
-        A name without the labels of draws gives the entries that are not drawn at random.
+        For a name without the labels of draws, only entries that are not drawn at random.
         """
         if name in self.by_name:
             labels, values = self.by_name[name]
@@ -174,14 +174,14 @@ class Variants:
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def samples_of(self, name: Variant) -> Variants:
-        """Table of the rows that were drawn for one variant; a single row if none were."""
+        """Table of the rows that were drawn for one variant; a single row if no rows were drawn."""
         columns = self._drawn
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
         return Variants(columns, tuple(rows), self.draw) if columns else Variants()
 
     def union(self, other: Variants) -> Variants:
-        """Join two tables of the same dimensions; a row in both is taken from `other`.
+        """Join two tables with the same dimensions; a row that both have is taken from `other`.
 
         Raises
         ------
@@ -224,7 +224,7 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Table of variants numbered from 0, with the rule `draw`, if any, that drew its rows."""
+    """Table of variants numbered from 0; `draw` is the rule by which rows were drawn, if any."""
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
@@ -236,8 +236,8 @@ def labelled_rows(
 ) -> Variants:
     """Table of variants by label; each replaces some entries, and may have one load or velocity.
 
-    `changes` has the entries by label. `places` are loads [N] or velocities [m/s], one for each
-    variant.
+    `changes` has the entries by label. `places` are loads [N] or velocities [m/s], one value for
+    each variant.
     """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")

@@ -24,7 +24,8 @@ def choose_accuracy(
 ) -> Sweep:
     """Sweep with the cheapest fidelity whose error is within `accuracy`.
 
-    An existing store keeps its fidelity; raises a `StoreMismatchError` if this does not fit.
+    An existing store keeps its fidelity. Raises a `StoreMismatchError` if this fidelity is less
+    accurate, or was not chosen for an accuracy.
     """
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)
@@ -46,7 +47,7 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """Sweep with the measured error of its own fidelity, from the store if it is known there."""
+    """Measure the error of a sweep's own fidelity, or read it from the store; return the sweep."""
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)
@@ -68,14 +69,14 @@ def choose_fidelity(
         Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``. None keeps the
         scene's own fidelity, and measures its error.
     progress : callable, optional
-        Called with a `Progress` that says what is measured next.
+        Called with a `Progress` before each measurement.
 
     Raises
     ------
     InputError
         If the accuracy is not between 0 and 1, or there is no friction heat.
     ConvergenceError
-        If the reference does not converge, or, without `accuracy`, the scene's own fidelity.
+        If the reference does not converge; or, if `accuracy` is None, the scene's own fidelity.
 
     Examples
     --------

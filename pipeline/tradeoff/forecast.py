@@ -104,7 +104,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _Work:
-    """Estimate of the time of a sweep's tasks; it counts contacts and heat partitions to solve."""
+    """Estimates the time of a sweep's tasks, by counting contacts and heat partitions to solve."""
 
     sweep: Sweep
     contact_time: float  # [s]
@@ -115,7 +115,7 @@ class _Work:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task [s] on a worker; `has` is what the worker keeps from earlier tasks."""
+        """Time of a task on a worker [s]; `has` lists what the worker keeps from earlier tasks."""
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
             self._steps[load] = _steps(self.sweep, load)
@@ -139,7 +139,7 @@ class _Work:
 
 
 def worker_bytes(sweep: Sweep) -> float:
-    """Memory of a worker, including a ramp that it keeps for reuse [B]."""
+    """Memory that a worker needs [B], including a ramp that it keeps for reuse."""
     scene = as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
     of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements
@@ -148,9 +148,9 @@ def worker_bytes(sweep: Sweep) -> float:
 
 
 def as_computed(sweep: Sweep) -> Scene:
-    """Scene with the elements that a simulation chooses at the sweep's lowest load.
+    """Scene with the elements that a simulation would choose at the sweep's lowest load.
 
-    If pixels are very many, elements are single pixels instead.
+    If there are very many pixels, elements are single pixels instead.
     """
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
@@ -160,7 +160,7 @@ def as_computed(sweep: Sweep) -> Scene:
 
 
 def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Run some steps: mean CPU time of a contact and of a heat solution [s], and the last state."""
+    """Time some steps; return the CPU time of a contact and of a heat solution [s], and a state."""
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
@@ -181,7 +181,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of steps up to a load [N]: shared with higher loads, own, and with temperatures."""
+    """Numbers of steps to a load [N]: shared with higher loads, not shared, with temperatures."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(
@@ -197,7 +197,7 @@ def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
 
 
 def _point_bytes(sweep: Sweep, state: State) -> float:
-    """Size of a point in the store [B], compressed."""
+    """Compressed size of a point in the store [B]."""
     stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
     fields = 3 + sweep.scene.unequal_bulks if sweep.plane.fields else 0

@@ -21,7 +21,7 @@ from tribo.simulation import Trunks, forget_contacts
 
 
 class Target(NamedTuple):
-    """Load [N] and variant of the scene at which the boundary is sought."""
+    """Load [N] and variant of the scene for which the boundary is searched."""
 
     load: float
     variant: Variant = ()
@@ -33,7 +33,7 @@ _STEP = 0.05  # step of ln(velocity) to either side, to find the exponent
 
 
 class Probe(NamedTuple):
-    """Cost of simulating points with a fidelity, and their temperature rises."""
+    """Cost of simulating points with a fidelity, and the points' temperature rises."""
 
     fidelity: Fidelity
     rises: tuple[float, ...]  # decisive rise at friction 1, by point [K]
@@ -42,7 +42,7 @@ class Probe(NamedTuple):
 
 
 def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
-    """Time the simulation of points with another fidelity; points at one velocity share a ramp."""
+    """Simulate points with another fidelity, and time this; points at one velocity share a ramp."""
     scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
     # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
@@ -72,14 +72,14 @@ def _run(
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """`fidelity` with the largest allowed elements that divide the scene's pixels evenly."""
+    """Reduce the elements of `fidelity` until they divide the scene's pixels evenly."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     return replace(fidelity, pixels_per_element=next(fits))
 
 
 def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
-    """Up to `number` targets: loads spread evenly over the sweep, its variants taking turns."""
+    """Up to `number` targets, with loads spread evenly over the sweep, and variants in turn."""
     loads, variants = sweep.plane.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
@@ -90,12 +90,12 @@ def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
 def points_near_boundary(
     sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Points near the boundary by the preset ``standard``, and d ln(rise)/d ln(velocity) at each.
+    """Points near the boundary, and d ln(rise)/d ln(velocity) at each, by the preset ``standard``.
 
-    There is one at the load and variant of each of `places`.
+    There is a point for each target in `places`.
 
     Velocities from half the lowest to twice the highest are searched. Without a transition the
-    nearer end is taken.
+    point is at the nearer end.
     """
     scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
     points, exponents = [], []
@@ -121,7 +121,8 @@ def critical_velocity(
 ) -> float:
     """Velocity [m/s] at which a rise [K] reaches a limit, or the nearer end of the range.
 
-    Secant steps in logarithms, with bisection where a secant returns to an earlier velocity.
+    It is found by secant steps in logarithms, with bisection if a secant returns to an earlier
+    velocity.
     """
     low, high = math.log(lowest), math.log(highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT

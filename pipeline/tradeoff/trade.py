@@ -84,7 +84,7 @@ class Trade:
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """Fidelity of least work with at most `error` at any load; else the reference."""
+        """Cheapest fidelity whose error is at most `error` at each load; else the reference."""
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
     @property
@@ -119,8 +119,8 @@ def trade(
 ) -> Trade:
     """Measure speed against accuracy on the boundary of a scene.
 
-    Errors are measured at four loads from the lowest to the highest, or, with several variants, at
-    six places.
+    Errors are measured at four loads from the lowest to the highest; with several variants, at six
+    loads and variants.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def trade(
 
 
 def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Approximate work of simulating up to the targets `places`: steps × elements per pixel."""
+    """Approximate work of simulating the targets `places`: steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -187,8 +187,8 @@ def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
     """Fidelities to measure, by name, without repeats; the reference first.
 
-    They are `presets` and the sweep's own. The scene's heat model is kept. Heat with history needs
-    every step on one grid.
+    They are `presets` and the sweep's own. The scene's heat model is kept; "history" needs every
+    step on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}

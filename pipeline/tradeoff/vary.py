@@ -70,9 +70,9 @@ def vary(
 ) -> Variations:
     """Find the boundary of a scene, and of the same scene with single entries changed.
 
-    Scenes that differ only in friction or temperatures share their points. Scenes that differ in
-    wear rate or thermal constants share contacts where wear rate × velocity is the same. All are
-    computed on Dask, as by `pipeline.run_sweep`: in a script, call it under ``if __name__ ==
+    Scenes that differ only in friction or temperatures share all points. Scenes that differ in wear
+    rate or thermal constants share contacts at equal wear rate × velocity. Points are computed on
+    Dask as in `pipeline.run_sweep`: in a script, call this function under ``if __name__ ==
     "__main__":``.
 
     Parameters
@@ -81,9 +81,9 @@ def vary(
         Scene file, or name of a shipped scene. The boundary is searched at its loads, between its
         lowest and highest velocity.
     over : mapping
-        Values to try, by the key path of their entry. A value is written as in a scene file, or
-        as a change of the scene's value, such as ``"+20%"``. A coefficient of friction scales
-        friction by velocity, too.
+        Values to try, by the key path of their entry. A value is written as in a scene file, or as
+        a change of the scene's value, such as ``"+20%"``. A coefficient of friction also scales
+        friction by velocity.
     preset, overrides, laws : optional
         See `pipeline.load_scene`.
     tolerance : float
@@ -91,7 +91,7 @@ def vary(
     out : path, optional
         Store of the points, resumed if it exists. By default a temporary one is used.
     workers, client, progress : optional
-        See `pipeline.run_sweep`; progress also notes if the scene has several values of an entry.
+        See `pipeline.run_sweep`. A note is reported if the scene has several values of an entry.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
     """One sweep with a variant for each of `scenes`, labelled by `variations`.
 
-    A variant has the entries in which its scene differs.
+    Each variant has the entries in which its scene differs.
     """
     words = (" = ".join(filter(None, variation)) for variation in variations)
     reader: Any = sweep.reader
@@ -168,7 +168,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Yield values of the entry `key`; ``"+20%"`` becomes the scene's value and 20 % more."""
+    """Yield values of the entry `key`; ``"+20%"`` becomes 1.2 times the scene's value."""
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
         if relative is None:

@@ -43,7 +43,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Answer of ``irg infer`` for a scene without samples.
+    """Result of ``irg infer`` for a scene without samples.
 
     It is the wear rate from a contact width, else the critical temperature from tests.
     """
@@ -87,7 +87,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 def _bounds_result(
     at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
 ) -> Result:
-    """Bounds of the critical temperature from the `outcomes` of tests, "mild" or "severe"."""
+    """Result with bounds of the critical temperature, from `outcomes` "mild" or "severe"."""
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
@@ -133,7 +133,7 @@ def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Answer for ``--contact-width``: the specific wear rate that makes the contact so wide."""
+    """Result for ``--contact-width``: the specific wear rate that gives this contact width."""
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs a load and a velocity; give --load and --velocity")
     sweep = _hold_for(sweep, options.load, options.duration)

@@ -69,7 +69,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 
 
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
-    """Frame of the tests, with the 5, 50 and 95 % quantiles of the critical velocity at each."""
+    """Frame of tests, each with the 5, 50 and 95 % quantiles of the critical velocity."""
     ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
     heads = "test", "oil", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
@@ -88,7 +88,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_contrast(one: Contrast) -> str:
-    """Line of text on the difference between two oils."""
+    """Line of text on the difference of a quantity between two oils."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])

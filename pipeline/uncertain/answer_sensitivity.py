@@ -54,7 +54,7 @@ def _indices(indices: Sensitivity) -> pd.DataFrame:
 
 
 def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """Yield the table of indices, then notes on missing total indices and large emulator errors."""
+    """Yield the table of Sobol' indices, then notes on missing indices and emulator errors."""
     yield short(frame)
     if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"

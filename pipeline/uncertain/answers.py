@@ -24,11 +24,11 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
-    """Find where the excess ln(rise/limit) (..., m) first rises through 0 along an axis.
+    """Find where `excess`, ln(rise/limit) (..., m), first rises through 0 along an axis.
 
     The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
-    a power law. Returns the logarithm of that velocity or load, the slope of the excess over the
-    logarithm of the axis, and the index of the next axis value, each (...).
+    a power law. Returns ln(velocity or load) of the crossing, the slope of the excess over
+    ln(axis), and the index of the next axis value, each of shape (...).
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)
@@ -43,8 +43,8 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
     """Find changes of wear on each line (n, m) of excess over nodes `x` (m,).
 
-    Returns, for each interval (n, m - 1), 1 if wear turns severe, −1 if mild, 0 if it does not
-    change; and where it changes.
+    Returns two arrays (n, m - 1), for each interval: 1 if wear turns severe, −1 if it turns mild,
+    else 0; and the place of the change.
     """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]

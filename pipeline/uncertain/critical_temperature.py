@@ -41,7 +41,7 @@ class Transition(NamedTuple):
 @shown
 @dataclass(frozen=True, slots=True)
 class CriticalTemperatures:
-    """Critical temperatures [K], one for each measured transition and random surface."""
+    """Critical temperatures [K] for each measured transition and random surface."""
 
     transitions: tuple[Transition, ...]  #: Measured transitions, each with its friction.
     #: Seeds of the surfaces; None for a surface that is not random.
@@ -67,7 +67,7 @@ class CriticalTemperatures:
 
     @property
     def spread(self) -> float | None:
-        """Standard deviation of critical temperatures between transitions [K]; None for one."""
+        """Standard deviation of critical temperatures between transitions [K]; None if only one."""
         return _spread(self.means)
 
     def as_dict(self) -> dict[str, Any]:
@@ -94,17 +94,18 @@ def critical_temperatures(
     client: Client | None = None,
     progress: Report | None = None,
 ) -> CriticalTemperatures:
-    """Find the temperature that the failing share of the contact exceeds at transitions.
+    """Find the critical temperature of a lubricant from measured transitions.
 
-    A good model gives the same temperature at all transitions: the critical temperature of the
-    lubricant, which no rig can measure (Bosman & de Rooij, Table 6).
+    It is the temperature that the failing share of the contact exceeds at a transition. A good
+    model gives the same temperature at all transitions. No rig can measure it (Bosman & de Rooij,
+    Table 6).
 
     Parameters
     ----------
     sweep : Sweep, str or path
-        Scene with measured transitions, or its path or name. It is simulated on each of its
-        realizations if it has any. If tests are of several oils, only the first oil counts. A
-        transition without friction, bulk temperature or hold takes the scene's value.
+        Scene with measured transitions, or its path or name. Each of its random surfaces is
+        simulated. If tests are of several oils, only the first oil counts. A transition without
+        friction, bulk temperature or hold takes the scene's value.
     out : path, optional
         Store of the simulated points, resumed if it exists. By default a temporary one is used.
     workers, client, progress : optional
@@ -162,7 +163,7 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Sweep with only the first oil's tests at `key`, which become its measured transitions."""
+    """Sweep whose measured transitions are the tests in the list `key`, of the first oil only."""
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [

@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Rule that draws the samples; rules that differ only in correlations or units are equal."""
+    """Rule by which samples were drawn, without correlations and units, so that rules compare."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
@@ -63,7 +63,10 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
 
 
 def describe_samples(data: Any, count: int) -> list[Line]:
-    """Table rows on the unknown inputs, and on `count` samples; `data` is that of a `Draw`."""
+    """Table rows on the unknown inputs, and on `count` samples.
+
+    `data` is the plain data of a `Draw`.
+    """
     draw = Draw.of(data)
     design = draw.design
     simulated = {one.path for one in design.inputs}

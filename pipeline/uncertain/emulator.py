@@ -68,10 +68,10 @@ class Emulator:
     check: LeftOut
 
     def __call__(self, features: Array, between: Array) -> tuple[Array, Array]:
-        """Predict weighted sums of outputs, and their standard error against a simulation, (n, m).
+        """Predict sums of outputs weighted by `between`, and their standard errors, both (n, m).
 
         `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between
-        outputs.
+        outputs. Errors are against a simulation.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T
@@ -99,7 +99,7 @@ class LeftOut(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Standard error of the estimate `held`, if in truth 90 % of samples are in their bands."""
+        """Standard error of the share `held`, if the true share is 90 %."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
@@ -109,16 +109,17 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if the share `held` is known and, as printed, 85 to 95 %."""
+        """True if the share `held` is known and, in whole percent, from 85 to 95 %."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 
 def fit_emulator(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, keeper: Keeper | None
 ) -> Emulator:
-    """Fit a Gaussian process to outputs (n, n_output); a fit kept by `keeper` is read instead.
+    """Fit a Gaussian process to outputs (n, n_output), or read a fit that `keeper` has stored.
 
-    See `Emulator` for `features` and `dimensions`. `contacts` has the number of each row's contact.
+    See `Emulator` for `features` and `dimensions`. `contacts` has the number of the contact of each
+    row.
     """
     mean = outputs.mean(axis=0)
     groups, parts = _folds(features[:, 0], contacts)
@@ -205,7 +206,7 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
     """Fit the kernel's constants: maximum of the posterior density under a weak prior.
 
-    The parameters are those of `fit_emulator`, with outputs about their mean.
+    See `fit_emulator` for the parameters; the mean is subtracted from `outputs`.
     """
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
@@ -242,10 +243,10 @@ def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, output
 def band_factor(scores: Array, count: int) -> float:
     """Factor on standard errors that makes 90 % bands hold 90 % of new samples.
 
-    `scores` are errors of samples over their predicted errors, in `count` independent groups. The
+    `scores` are errors of samples divided by predicted errors, in `count` independent groups. The
     factor is the quantile that the next group stays below with 90 % probability (Dunn, Wasserman &
-    Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). With too few groups for a quantile it is the
-    largest score, and at least 1.
+    Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). With too few groups for a quantile, the factor is
+    the largest score, and at least 1.
     """
     if count < 1:
         return 1.0
@@ -255,7 +256,7 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def end_weight(along: Array) -> Array:
-    """Weight of the ends of a range of ln(velocity): 1 at both ends, 0 in the middle.
+    """Weight that is 1 at both ends of a range of ln(velocity), and 0 in the middle.
 
     `along` is the position in the range, from 0 to 1.
     """
@@ -265,7 +266,8 @@ def end_weight(along: Array) -> Array:
 def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     """Group of each row (its contact), and masks of rows to leave out in cross-validation.
 
-    The masks are folds of groups, then the rows at the lowest and at the highest velocities.
+    There is a mask for each fold of groups, then for the rows at the lowest, and at the highest
+    velocities.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
@@ -278,9 +280,10 @@ def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
 def _cross_validate(
     groups: Groups, parts: Sequence[Mask], solutions: Iterable[tuple[Array, Array]]
 ) -> LeftOut:
-    """Result of cross-validation, from the kernel equations solved without each part.
+    """Summarise cross-validation: errors of rows that were predicted from the other rows.
 
-    See `_folds` for `groups` and `parts`, `_solve_kernel` for `solutions`.
+    `groups` and `parts` are from `_folds`. `solutions` has the result of `_solve_kernel` without
+    each part.
     """
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
@@ -313,7 +316,7 @@ def _factors(scores: Array, count: int) -> Array:
 
 
 def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
-    """Errors of rows left out together, divided by predicted errors, (n_row, n_output).
+    """Errors of rows that are left out together, divided by predicted errors, (n_row, n_output).
 
     With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
     (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y.
@@ -327,7 +330,7 @@ _BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights (n_load,) that interpolate ln(rise) to `load` [N], and the interpolation error."""
+    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the interpolation error."""
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:
         return np.ones(1), 0.0
@@ -347,7 +350,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of values (n, n_load) about lines between the next loads, over `x`."""
+    """Standard deviation of values (n, n_load) from lines through the two neighbours in `x`."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]
@@ -358,7 +361,7 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights (n,) of the values at nodes `x` that give the value at `place` of a spline."""
+    """Weights (n,) of values at nodes `x` whose sum is the value of a spline at `place`."""
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
@@ -368,7 +371,7 @@ _RULE = b"2"  # change this whenever the computation of the numbers changes
 def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers that `find` computes from `data`; read from the store if they are kept there."""
+    """Numbers that `find` computes from `data`, or that the store has kept from an earlier call."""
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
@@ -381,7 +384,7 @@ def load_or_compute(
 
 
 def load_numbers(keeper: Keeper, name: str) -> Any:
-    """Numbers kept in the store as `name`; None if there are none, or the file is damaged."""
+    """Numbers kept in the store as `name`; None if they are missing, or the file is damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
@@ -396,9 +399,9 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Variables without steps later than `hold` [s] after full load is reached.
+    """Leave out steps later than `hold` [s] after full load is reached, from variables by name.
 
-    Returns None if a point that is `done` lacks a step with a temperature that ends there.
+    Returns None if a `done` point has no step with a temperature at the end of the hold.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
@@ -413,7 +416,7 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Deciding rises [K] (n_sample, n_load) from variables by name and each sample's conditions."""
+    """Deciding rises [K] (n_sample, n_load), from `columns` and the conditions of each sample."""
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)

@@ -61,7 +61,7 @@ _FEWEST = 12  # samples that an emulator needs
 
 
 class Excess(NamedTuple):
-    """Logarithm of rise over limit, (n, n_load, n_velocity). Wear is severe above 0.
+    """ln(rise/limit) of n draws, (n, n_load, n_velocity); wear is severe above 0.
 
     A load or velocity given as a single number has no axis.
     """
@@ -70,7 +70,7 @@ class Excess(NamedTuple):
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_error(self, seed: int) -> Array:
-        """`values` plus a random emulator error: `error` times one normal number for each draw."""
+        """Add a random emulator error to `values`: `error` times a normal number for each draw."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 
@@ -181,10 +181,10 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble under conditions of a table's row; see `Conditions.row_conditions`.
+        """The ensemble judged under conditions of a table's row; see `Conditions.row_conditions`.
 
-        They replace the scene's conditions and the drawn ones. Raises an `InputError` if the
-        emulated rises themselves depend on them.
+        These conditions replace the scene's conditions and drawn ones. Raises an `InputError` if
+        the emulated rises depend on them.
         """
         if not own:
             return self
@@ -216,7 +216,7 @@ class Ensemble:
         return self.design.velocities
 
     def excess(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
-        """ln(rise/limit), where wear is severe above the limit; see `Excess`.
+        """ln(rise/limit) at loads and velocities; wear is severe above 0. See `Excess`.
 
         `draws` (n, n_unknown) are values of the unknown inputs [SI]. Raises an `InputError` at a
         load [N] or velocity [m/s] outside the sweep, or if no critical temperature is known.
@@ -233,7 +233,7 @@ class Ensemble:
             raise InputError(f"no input of the samples is unknown: {values}; leave one open")
 
     def values(self, path: str, draws: Array) -> Array:
-        """Values [SI] of the input at `path`, shape (n,): drawn, else fixed, else the scene's."""
+        """Values [SI] of an input for n draws (n,): drawn, or fixed, or the scene's value."""
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
         values |= {one.unknown.path: one.value for one in self.fixed}
         if path in values:
@@ -275,7 +275,7 @@ class Ensemble:
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """Ensembles by hold [s]: this one, and one for each test with a shorter hold."""
+        """Ensembles by hold [s]: this ensemble, and one for each test with a shorter hold."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()
@@ -323,7 +323,7 @@ class Ensemble:
 
     @property
     def left_out(self) -> LeftOut:
-        """Cross-validation of the emulator: how it predicts samples left out from the others."""
+        """Cross-validation of the emulator: how well it predicts samples that were left out."""
         return self._rise.check
 
     def require_within(self, loads: Axis, velocities: Axis) -> None:
@@ -357,7 +357,7 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of the samples numbered `rows`, with own drawn corrections and failing share."""
+    """Conditions of the samples `rows`, each with its own drawn corrections and failing share."""
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:

@@ -123,7 +123,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
 def _inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
-    """Unknown inputs, and inputs at the paths `fixed`, where a value replaces the distribution."""
+    """Unknown inputs, and inputs at the paths `fixed`, whose distribution a value replaces."""
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
@@ -138,7 +138,7 @@ def _inputs(
 def _correlated(
     unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
 ) -> tuple[Unknown, ...]:
-    """Unknown inputs with correlations to inputs before them, from the `table` ``[unknown]``."""
+    """Add correlations with earlier inputs to each unknown input, from the table ``[unknown]``."""
     order = {one.path: number for number, one in enumerate(unknown)}
     varying = {one.path: None if one.kind == "list" else one.varies for one in unknown}
     # Correlation and key of each pair, by the numbers of its inputs, the later one first.
@@ -172,9 +172,9 @@ def _correlated(
 
 
 def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
-    """Design of the samples: their inputs, velocities, seed and how many share a contact.
+    """Design of the samples: inputs, velocities, seed, and number of samples that share a contact.
 
-    `layers` name the part of a simulation that each input affects first.
+    `layers` has the first part of a simulation that each input affects.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:
@@ -199,7 +199,7 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
 
 
 def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
-    """The sweep with `count` samples for each variant; raises if one is not a valid scene."""
+    """The sweep with `count` samples for each variant; raises if a sample is not a valid scene."""
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
         for name in made.variants.names[:_CHECKED_AT_ONCE]:
@@ -238,7 +238,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
 
 
 def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
-    """Part of a simulation that an input affects, found by trying extreme values of the input."""
+    """First part of a simulation that an input affects, found by trying extreme values."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True
     for value in _values_to_try(one):
@@ -268,7 +268,7 @@ def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
 
 
 def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
-    """Sweep with another value at `path` but the same friction curves; raises if it is invalid."""
+    """Sweep with another value at `path`, but unchanged friction curves; raises if invalid."""
     kept = {curve: entry_at(sweep.written, curve) for curve in CURVES}
     written = replace_values(sweep.written, kept | {path: value})
     other = replace(sweep, written=written, variants=Variants())
@@ -277,6 +277,6 @@ def _with_value(sweep: Sweep, path: str, value: Any) -> Sweep:
 
 
 def _values_to_try(one: Unknown) -> list[float]:
-    """Values [SI] at which an input is tried: all of a list, else median and extreme samples."""
+    """Values [SI] to try for an input: all values of a list, else median and extreme values."""
     shares = scipy.special.ndtr(np.array([0.0, -REACH, REACH]))
     return [*one.parameters] if one.kind == "list" else one.quantile(shares).tolist()

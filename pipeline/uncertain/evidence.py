@@ -37,7 +37,7 @@ _NODES, _FINE = 9, 65  # velocities at which rises are computed; more with a fri
 
 
 class Distances(NamedTuple):
-    """Distance in ln(velocity) of each test from the boundary of each draw, (n_test, n)."""
+    """Distance in ln(velocity) of each test from the boundary of each draw (n_test, n)."""
 
     #: ln(V/V_c) of the test's velocity V and the nearest change V_c of wear, positive on its
     #: severe side.
@@ -64,7 +64,7 @@ def require_possible(ensemble: Ensemble) -> None:
 
 
 class Truths(NamedTuple):
-    """Draws of all unknown quantities on which tests depend; each array has a row for each draw."""
+    """Draws of all unknown quantities that affect tests; arrays have a row for each draw."""
 
     inputs: Array  # unknown inputs of the scene [SI], (n, n_unknown)
     rig: Array | None = None  # friction coefficient of the rig, and its scatter, (n, 2)
@@ -72,7 +72,7 @@ class Truths(NamedTuple):
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of tests from the boundary, for tests as long as the samples of `ensemble`."""
+    """Distances of tests from the boundary, for tests with the hold of the samples."""
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
@@ -113,10 +113,11 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths
 
 
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
-    """Distance in ln(velocity) of one test from the nearest change of wear, and its sign, by draw.
+    """Distance in ln(velocity) of a test from the nearest change of wear, and the change's sign.
 
-    `excess` (n, m) is ln(rise/limit) at `velocities` (m,) [m/s]. For a measured transition only
-    changes to severe wear count. See `values` and `signs` of `Distances`.
+    Both have a value for each draw; see `values` and `signs` of `Distances`. `excess` (n, m) is
+    ln(rise/limit) at `velocities` (m,) [m/s]. For a measured transition only changes to severe wear
+    count.
     """
     log_velocity = math.log(test["velocity"])
     critical, *_ = log_crossings(velocities, excess)
@@ -140,10 +141,10 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
 
 
 class Runs(NamedTuple):
-    """Bounds and likelihoods of runs for each draw and scatter, each (n_run, n, n_scatter).
+    """Bounds and likelihoods of runs by draw and scatter, arrays of shape (n_run, n, n_scatter).
 
-    The tests of a run bound the deviation of its specimen, in standard deviations of the scatter:
-    it is above `low` and below `high`. At a transition the two are equal.
+    The tests of a run give bounds of the specimen's deviation, in standard deviations of the
+    scatter: it is between `low` and `high`. At a transition the bounds are equal.
     """
 
     low: Array
@@ -152,10 +153,10 @@ class Runs(NamedTuple):
 
 
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
-    """Tests that the other tests of their run do not imply.
+    """Tests whose outcome does not follow from other tests of the same run.
 
-    These are its hardest mild and its easiest severe ones. With `by_load` only tests at the same
-    velocity are compared, because wear may turn mild at a higher velocity.
+    These are the hardest mild and the easiest severe tests of the run. With `by_load` only tests at
+    the same velocity are compared, because wear may turn mild at a higher velocity.
     """
     places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
@@ -180,7 +181,7 @@ def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
 def log_between(low: Array, high: Array) -> Array:
     """ln(Φ(high) − Φ(low)) with the normal distribution function Φ, accurate also in the tails.
 
-    For an empty interval it is a very low number.
+    For an empty interval the result is a very low number.
     """
     is_above = low > 0  # Φ(−low) − Φ(−high) is the same without cancellation
     low, high = np.where(is_above, -high, low), np.where(is_above, -low, high)
@@ -217,7 +218,7 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """Unknown inputs of a sweep, its rig and its oils together, with the tests that inform them."""
+    """All unknown inputs, of a sweep, its rig and its oils, and the tests that depend on them."""
 
     ensemble: Ensemble
     unknown: tuple[Unknown, ...]  # inputs of the sweep, then those of oils and rig
@@ -227,7 +228,7 @@ class Joint:
 
     @classmethod
     def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
-        """Collect inputs and tests of a sweep; raises an `InputError` if a test is outside it.
+        """Collect inputs and tests of a sweep; raises an `InputError` if a test is out of range.
 
         `scatter` is the assumed relative scatter of measured velocities.
         """
@@ -243,7 +244,7 @@ class Joint:
 
     @functools.cached_property
     def runs(self) -> list[list[int]]:
-        """Indices in `tests` of each run's tests; a test without a run is a run of its own."""
+        """Indices in `tests` of the tests of each run; a test without a run counts as a run."""
         runs = dict[Any, list[int]]()
         for number, test in enumerate(self.tests):
             runs.setdefault(test.get("run", number), []).append(number)
@@ -297,7 +298,7 @@ class Joint:
     def _distances(self, inputs: Array) -> Distances:
         """Distances of the tests in ln(velocity) for draws of the inputs; see `Distances`.
 
-        `inputs` (n, n_all) has the unknown inputs, then what was joined to them: rig and oils.
+        `inputs` (n, n_all) has the unknown inputs of the scene, then the inputs of oils and rig.
         """
         truths = Truths(
             inputs[:, : len(self.ensemble.unknown)],

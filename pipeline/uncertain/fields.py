@@ -85,7 +85,7 @@ class SampleField:
 
     @property
     def scatter(self) -> Scatter | None:
-        """Scatter of runs about the model, inferred from the tests; None without tests."""
+        """Scatter of runs around the model, inferred from the tests; None without tests."""
         if self.posterior is None or self.draws.scatters is None or self.draws.by_scatter is None:
             return None
         low, middle, high = (100 * one for one in self.posterior.inferred_scatter)
@@ -94,7 +94,7 @@ class SampleField:
 
     @property
     def given_draws(self) -> Draws | None:
-        """Draws of the posterior; None for the scene's own distributions."""
+        """Draws of the posterior; None if the scene's own distributions are used."""
         return self.posterior.draws if self.posterior else None
 
     @property
@@ -240,8 +240,8 @@ class SampleField:
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
         """ln(velocity) (m,), and ln(rise/limit) of the next run at a load [N], by draw (n, m).
 
-        With `beyond` they reach this far beyond the samples' ln(velocity). The rise without
-        friction by velocity is then extrapolated as a power law.
+        With `beyond` both are extended by this much at each end of ln(velocity). The rise, divided
+        by friction, is extrapolated as a power law.
         """
         if load not in self._cached:
             self._cache_lines([load])
@@ -291,7 +291,7 @@ class SampleField:
 
 
 def _friction_nodes(conditions: Conditions, x: Array) -> Array:
-    """Logarithms of velocities in the range of `x`, dense enough for ln(friction) to be linear."""
+    """Values of ln(velocity) in the range of `x`, between which ln(friction) is about linear."""
     nodes = np.log([velocity for velocity, _ in conditions.friction_law.by_velocity])
     nodes = np.array([nodes[0] - math.log(2), *nodes, nodes[-1] + math.log(2)])
     parts = max(1, round(_FINE / len(nodes)))
@@ -325,7 +325,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """State in words how many samples are inside their 90 % bands when left out."""
+    """Say how many samples are inside their 90 % bands if predicted without themselves."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     held = (
         f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "

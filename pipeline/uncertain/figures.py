@@ -126,7 +126,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
 
 @style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
-    """Draw each input before and after the tests, and computed against measured velocities."""
+    """Draw the distribution of each input before and after the tests, and velocities of tests."""
     unknown = posterior.unknown
     transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)
@@ -169,7 +169,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
     """Plot computed over measured velocities of transitions, with 90 % intervals.
 
-    `inferred` is the relative scatter of measured velocities that state none.
+    `inferred` is the relative scatter of measured velocities whose scatter is not stated.
     """
     tests = [judged.test for judged in transitions]
     measured = np.array([test["velocity"] for test in tests])

@@ -16,7 +16,7 @@ MOST_SAMPLES = 100_000  # reading each as a scene takes 1 ms
 
 
 class Shape(NamedTuple):
-    """Distribution of an input as a scene file states it."""
+    """Distribution of an input, as stated in a scene file."""
 
     form: str  # kind of distribution, or "list"
     parameters: tuple[Any, ...]  # of the distribution, with units; the values of a list
@@ -33,7 +33,7 @@ class Distribution(Kind):
 
     @property
     def leaf_keys(self) -> set[str]:
-        """Keys that a table may have, in any of the forms of a distribution."""
+        """Keys that the table of a distribution may have, in any form."""
         return {key for table in self.forms for key in table.keys}
 
     def __str__(self) -> str:

@@ -58,7 +58,7 @@ class Draws:
         return math.sqrt(float(self.mean((values - self.mean(values)) ** 2)))
 
     def quantile(self, values: Array, share: float) -> float:
-        """Value that the draws' `values` (n,) stay below with probability `share`."""
+        """Weighted quantile of `values` (n,), one for each draw, at the probability `share`."""
         return float(quantile(values, self.weights, share))
 
     def interval(self, values: Array) -> tuple[float, float, float]:

@@ -27,7 +27,8 @@ _HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 def shown_test(tests: Sequence[Test]) -> int:
     """Index of the test that represents a run.
 
-    It is the severe test of least load × velocity; without a severe one, the mild test of greatest.
+    It is the severe test with the least load × velocity. Without a severe test it is the mild test
+    with the greatest.
     """
 
     def severity(number: int) -> tuple[bool, float]:
@@ -39,7 +40,7 @@ def shown_test(tests: Sequence[Test]) -> int:
 
 
 class Judged(NamedTuple):
-    """A run of tests, compared with the model given all other runs, and given all runs."""
+    """A run of tests, compared with predictions from all other runs, and from all runs."""
 
     tests: tuple[Test, ...]
     #: 5, 50 and 95 % quantiles of the critical velocity at the run's test, given all tests [m/s].
@@ -56,7 +57,7 @@ class Judged(NamedTuple):
 
     @property
     def since(self) -> Test | None:
-        """Hardest mild test (load × velocity) of a run that turned severe; None for other runs."""
+        """Mild test of highest load × velocity in a run that turned severe; None for other runs."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 
@@ -72,7 +73,7 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if the other runs make this outcome improbable, and the model fits them."""
+        """True if this outcome is improbable given the other runs, and the model fits those."""
         return self.is_blamed and self.probability < self.limit
 
 
@@ -120,7 +121,7 @@ class Posterior:
     def summary(self) -> Iterator[dict[str, Any]]:
         """Yield mean, standard deviation and 90 % interval [SI] by input, before and after tests.
 
-        An input with a list of values has the probability of each value instead.
+        For an input with a list of values, the probability of each value is yielded instead.
         """
         for number, quantity in enumerate(self.unknown):
             row: dict[str, Any] = {"path": quantity.path, "unit": quantity.unit}
@@ -142,7 +143,7 @@ class Posterior:
 
     @property
     def scatter_words(self) -> str:
-        """Scatter of the velocities in words, as stated and as inferred."""
+        """Scatter of measured velocities in words, as stated and as inferred."""
         low, middle, high = (100 * value for value in self.inferred_scatter)
         said = f"scatter of the velocities as stated: {100 * self.scatter:g} %"
         if not self.judged:
@@ -152,7 +153,7 @@ class Posterior:
     def in_words(self) -> Iterator[tuple[str, ...]]:
         """Yield a table row for each input: path, mean ± sd before and after tests, 90 % interval.
 
-        An input with a list of values shows its likeliest value instead.
+        For an input with a list of values, the likeliest value is shown instead.
         """
         for row, unknown in zip(self.summary(), self.unknown, strict=True):
             after, spread = row["posterior"], unknown.spread
@@ -250,7 +251,7 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits all runs but one; `draws` and `inferred` were found without it.
+    """True if the model fits all runs but one; `draws` and `inferred` were found without that run.
 
     `scatter` is the assumed relative scatter of velocities; `inferred` has its 5, 50 and 95 %
     quantiles.
@@ -260,7 +261,7 @@ def explains(
 
 
 def _is_outer(unknown: Unknown, column: Array) -> Array:
-    """1 for values (`column`) near or beyond the ends of an input's range, else 0, shape (n,)."""
+    """1 for each value of `column` near or beyond the ends of the input's range, else 0 (n,)."""
     if unknown.kind == "list":
         return np.zeros(len(column))
     if unknown.kind == "uniform":

@@ -30,10 +30,10 @@ _ROUNDED = 0.005  # least relative error of a measured friction: logs have two o
 
 
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
-    """ln(friction) that acted in a test by draw, its variance, and ln(likelihood).
+    """ln(friction) in a test, its variance, and ln(likelihood), for each draw.
 
-    The likelihood is that of the measured friction. `rig` (n, 2) holds draws of the rig's friction
-    and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the test.
+    The likelihood is of the measured friction. `rig` (n, 2) has draws of the rig's friction and of
+    its scatter. `change` (n,) is the change of ln(friction) at the velocity of the test.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2
@@ -50,9 +50,9 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Inputs with the rig's friction and scatter added, and the columns of both.
+    """Add the rig's friction and scatter to the inputs; return inputs, and the columns of both.
 
-    They are added to `unknown` only if tests measured friction; else there are no columns.
+    Nothing is added, and there are no columns, if no test measured friction.
     """
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
@@ -67,7 +67,7 @@ def join_rig(
 
 
 def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
-    """Inputs with the critical temperatures of other oils added, and their columns by oil."""
+    """Add critical temperatures of other oils to the inputs; return inputs, and columns by oil."""
     unknown = ensemble.unknown
     others = oils_of(test.get("oil") for test in ensemble.tests)[1:]
     if not others:

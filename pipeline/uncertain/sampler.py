@@ -32,7 +32,7 @@ _LEAST = 0.005  # share of the whole covariance added to each component's
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> tuple[Array, Array]:
-    """Draw `count` inputs from prior × likelihood; `log_likelihood` gives its logarithm (n,).
+    """Draw `count` inputs from prior × likelihood; `log_likelihood` returns ln(likelihood) (n,).
 
     Returns draws (n, n_unknown) [SI] and the logarithms of their weights (n,). The mean of the
     weights is the evidence.
@@ -59,7 +59,7 @@ def sample(
 
 
 def effective_share(log_weights: Array) -> float:
-    """Effective sample size over the number of draws, from logarithms of weights (n,)."""
+    """Effective sample size, divided by the number of draws, from logarithms of weights (n,)."""
     total = 2 * logsumexp(log_weights) - logsumexp(2 * log_weights)
     return float(np.exp(total)) / len(log_weights)
 
@@ -67,7 +67,8 @@ def effective_share(log_weights: Array) -> float:
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
     """Next exponent of the likelihood, from `power` up to 1.
 
-    It is the largest that leaves enough effective draws. `over` is ln(prior/proposal) of the draws.
+    It is the largest exponent that leaves enough effective draws. `over` is ln(prior/proposal) of
+    the draws.
     """
 
     def excess(other: float) -> float:
@@ -79,7 +80,7 @@ def _next_power(likelihood: Array, over: Array, power: float) -> float:
 
 
 class Mixture(NamedTuple):
-    """Mixture of Student's t distributions of normal scores of the inputs."""
+    """Mixture of Student's t distributions for the normal scores of the inputs."""
 
     shares: Array  # (n_part,)
     centres: Array  # (n_part, n_unknown)
@@ -107,7 +108,7 @@ class Mixture(NamedTuple):
         return parts._replace(factors=_WIDER * parts.factors)
 
     def draw(self, points: Array) -> Array:
-        """Draws (n, n_unknown) from the mixture, made of uniform points (n, n_unknown + 2)."""
+        """Convert uniform points (n, n_unknown + 2) to draws (n, n_unknown) from the mixture."""
         part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
         wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))
         steps = np.einsum("nij,nj->ni", self.factors[part], ndtri(points[:, :-2]))

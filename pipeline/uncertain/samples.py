@@ -40,9 +40,10 @@ JUDGED = 32
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a simulated contact, by what their inputs affect (`layers`).
+    """Number of samples that share a simulated contact; depends on what their inputs affect.
 
-    Contacts can be shared if the scene is `separable`. `wears` is True if the pin does.
+    `layers` has the part of a simulation that each input affects. Contacts can be shared if the
+    scene is `separable`. `wears` is True if the pin wears.
     """
     if not separable:
         return 1
@@ -63,7 +64,7 @@ class Design:
 
     @property
     def sufficient(self) -> int | None:
-        """Number of samples beyond which more add nothing; None if there is none."""
+        """Number of samples above which more add nothing; None if more always help."""
         if self.per_contact == 1:
             return None
         of_contact = [
@@ -80,8 +81,8 @@ class Design:
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs of the samples [SI], shape (count, n_input), and velocities [m/s], (count,).
 
-        A longer draw begins with the shorter one. The first and most even dimension of the Sobol'
-        sequence gives the velocities.
+        The first samples are the same for any `count`. The velocities come from the first dimension
+        of the Sobol' sequence, which is the most even one.
         """
         group = self.per_contact
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
@@ -138,13 +139,13 @@ class Draw:
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Inputs, by path, that can be fixed at a value: unknown ones, and some fixed ones."""
+        """Inputs, by path, that can be fixed at a value: unknown inputs, and some fixed ones."""
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """Copy with the inputs named in `values` fixed at these values [SI]."""
+        """Copy of the draw with the inputs in `values` fixed at these values [SI]."""
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new
@@ -170,7 +171,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
-    """Quantiles at `shares` of the sum of two uniform numbers, from 0 to `one` and 0 to `other`."""
+    """Quantiles of the sum of two uniform numbers, from 0 to `one` and from 0 to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2
@@ -180,7 +181,7 @@ def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Move uniform numbers outwards, so that samples reach further into the tails of an input."""
+    """Move uniform numbers outwards, so that samples reach further into an input's tails."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares
     scores: Array = scipy.special.ndtr(

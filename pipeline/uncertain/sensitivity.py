@@ -64,8 +64,8 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
     ensemble : Ensemble, Dataset, str or path
         Samples of a sweep, its dataset or the path of its store.
     posterior : Draws, optional
-        Draws of a posterior, which replace the scene's distributions. There are no total indices
-        then, nor if the scene correlates inputs.
+        Draws of a posterior, which replace the scene's distributions. With a posterior, or if the
+        scene correlates inputs, there are no total indices.
 
     Raises
     ------
@@ -119,8 +119,8 @@ def indices(
 ) -> tuple[Array, Array]:
     """First and total Sobol' indices of independent inputs (2, n_output, n_unknown).
 
-    The second array has half the width of their 90 % intervals. `function` gives the outputs
-    (n, n_output) of n draws. `count` is the size of the base sample, random from `seed`.
+    The second array has half the width of their 90 % intervals. `function` returns the outputs (n,
+    n_output) of n draws. `count` is the size of the base sample, drawn with `seed`.
     """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
@@ -141,8 +141,8 @@ def indices(
 def _first_order_indices(draws: Draws, values: Array) -> Array:
     """First Sobol' indices (n_output, n_unknown), also of correlated inputs.
 
-    The index is the variance of means over parts of an input's range, less what chance alone gives,
-    over the whole variance. `values` are the outputs of the draws, (n, n_output).
+    The index is the variance of means over parts of an input's range, minus the part due to chance,
+    divided by the whole variance. `values` are the outputs of the draws, (n, n_output).
     """
     weights = draws.weights
     y = values - draws.mean(values)
@@ -162,7 +162,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
 
 
 def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
-    """Bin (n,) that each draw of an input, a `column` of draws, is in; bins are equally probable.
+    """Bin number of each draw (n,) of an input, the `column`; bins are equally probable.
 
     An input of few values has a bin for each value.
     """

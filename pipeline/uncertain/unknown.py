@@ -34,7 +34,7 @@ class Unknown:
 
     Its parameters [SI] depend on its kind: mean and standard deviation (normal); median and factor,
     within which two thirds lie (log-normal); lowest and highest value (uniform); or equally likely
-    values (list). Correlations are between normal scores, with inputs before it. `written` is for
+    values (list). Correlations are between normal scores, with earlier inputs. `written` is for
     display only.
     """
 
@@ -104,7 +104,7 @@ class Unknown:
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
-        """The fields as plain data, without those left empty."""
+        """The fields as plain data, without empty ones."""
         rare = ("written", "correlated", "varies")
         return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
@@ -134,7 +134,7 @@ class Fixed:
 
 
 def without(unknown: Sequence[Unknown], paths: Collection[str]) -> tuple[Unknown, ...]:
-    """`unknown` without the inputs at `paths`, and without correlations with them."""
+    """Remove the inputs at `paths` from `unknown`, and correlations with them."""
     return tuple(
         replace(one, correlated=tuple(pair for pair in one.correlated if pair[0] not in paths))
         for one in unknown

@@ -43,11 +43,12 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     Parameters
     ----------
     ensemble : Ensemble, Dataset, str or path
-        Samples of a sweep, its dataset or the path of its store. Each oil of the tests has its own
-        critical temperature, with the same prior.
+        Samples of a sweep, its dataset or the path of its store. Each oil in the tests has its own
+        critical temperature, all with the same prior.
     scatter : float
-        Relative standard deviation of measured velocities whose scatter is not stated. The true
-        scatter is inferred with the inputs; two thirds of its prior is within a factor of 3.
+        Relative standard deviation of measured velocities whose scatter is not stated. The scatter
+        is inferred together with the inputs; two thirds of its prior are within a factor of 3 of
+        this value.
 
     Raises
     ------
@@ -138,16 +139,17 @@ def _seed(model: Joint) -> int:
 
 
 def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
-    """5, 50 and 95 % quantiles of the scatter (n_scatter,), by weights (n, n_scatter)."""
+    """5, 50 and 95 % quantiles of `scatters` (n_scatter,), weighted by (n, n_scatter)."""
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
     return low, middle, high
 
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
-    """Probability of a run's outcome, or of a more extreme one, by weights (n, n_scatter).
+    """Probability of a run's outcome, or of a more extreme outcome, from weighted draws.
 
-    The outcome is a deviation between `low` and `high`, in standard deviations, for each weight.
+    The outcome is a deviation between `low` and `high`, in standard deviations; they and `weights`
+    have the shape (n, n_scatter).
 
     Some single runs are further off than a normal scatter allows. So the tails are those of
     Student's t with 4 degrees of freedom and the same standard deviation.
@@ -170,7 +172,7 @@ def _student_share(z: Array) -> Array:
 
 
 def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """Posterior given the scene's tests if `pipeline.at` asked for it; None if it did not."""
+    """Posterior given the scene's tests, if `pipeline.at` asked to weigh by tests; else None."""
     scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None
