@@ -26,7 +26,7 @@ from tribo.types import Array
 
 
 class TriboError(Exception):
-    """Base of every exception that this project raises on purpose.
+    """Base class of all exceptions that this project raises on purpose.
 
     Examples
     --------
@@ -74,12 +74,12 @@ class ConvergenceError(TriboError, RuntimeError):
         self.solution = solution
 
     def __reduce__(self) -> tuple[type[ConvergenceError], tuple[str, Any]]:
-        """Pickle both arguments, since the error crosses process borders."""
+        """Pickle both arguments of the error, as it is sent between processes."""
         return type(self), (str(self), self.solution)
 
 
 class InvariantError(TriboError):
-    """A result that breaks a law which every result must obey: a defect, not a wrong input.
+    """A result that violates a law of physics: a defect of the program, not a wrong input.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class InvariantError(TriboError):
 
 
 class RangeError(TriboError, ArithmeticError):
-    """Numbers too large or too small for double precision on the way to a result.
+    """An intermediate number is too large or too small for double precision.
 
     Examples
     --------
@@ -100,7 +100,7 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def law_errors(name: str) -> Iterator[None]:
-    """Context manager: turn any error of a user's own law into an `InputError` that names it."""
+    """Context manager: turn any error in a user's own law into an `InputError` with its name."""
     try:
         yield
     except TriboError:
@@ -124,7 +124,7 @@ def require_integer(lowest: int, **values: float) -> None:
 
 
 def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return `field` as a float64 array; `InputError` unless real, finite and of this shape."""
+    """Convert `field` to a float64 array; `InputError` unless it is real, finite and of `shape`."""
     try:
         array = np.asarray(field)
     except ValueError as error:
@@ -144,5 +144,5 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def shortened(reason: str) -> str:
-    """Return `reason`, cut after 80 characters, since it may quote a whole row of a file."""
+    """Cut `reason` after 80 characters, since it may quote a whole row of a file."""
     return reason if len(reason) <= 80 else f"{reason[:80]}…"

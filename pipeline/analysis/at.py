@@ -160,7 +160,7 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Copy of a dataset that is judged with its samples weighed by the scene's laboratory tests.
+    """Copy of a dataset whose samples are weighed by the scene's laboratory tests when judged.
 
     `scatter` is the relative scatter of measured velocities; None for the default. Raises an
     `InputError` without `given_measured`, without samples, or if `others` names conditions to
@@ -295,7 +295,7 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Error message: the sweep cannot be judged at another value of this entry, and what to run."""
+    """Error message: another value of the entry at `path` needs a new run, and which run."""
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of one will do
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""

@@ -109,7 +109,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """Boundary of one scene that has a point at every pair of its loads and velocities."""
+    """Boundary of one scene, with a point at every pair of loads and velocities."""
     data.require_lists(*PLANE)
     found = point_field(data)
     data = found.source
@@ -136,7 +136,7 @@ def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
 
 
 def axis_of(name: str, values: Array) -> xr.Variable:
-    """The values of the axis "load" [N] or "velocity" [m/s] as a variable of a dataset."""
+    """Values of the axis "load" [N] or "velocity" [m/s], as a variable of a dataset."""
     about = COORDINATES[name]
     return xr.Variable(about.dims, values, attributes_of(about))
 
@@ -220,7 +220,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
 
 
 def _samples_boundary(scene: Results) -> xr.Dataset:
-    """Velocities by load at which severe wear is 5, 50 and 95 % likely, and the error band."""
+    """Velocities at which severe wear is 5, 50 and 95 % likely, by load, and the error band."""
     (field,) = fields(scene)
     loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])

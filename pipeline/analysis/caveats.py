@@ -26,7 +26,7 @@ def caveats_of(data: Results) -> list[str]:
 
 
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
-    """Caveats, one line each, of answers on a scene under these conditions."""
+    """Caveats, one line each, for results of a scene under `conditions`."""
     sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
     exact = "inputs such as the steel's conductivity are taken as exact (irg help your-tests)"
     lines = [

@@ -29,8 +29,8 @@ LEAST_SLOPE = 0.05
 class Curve:
     """Monotone cubic curve through each row of points, in logarithms if they are all positive.
 
-    Abscissae ascend; ordinates that are not finite are unknown. Both have shape (..., n), with a
-    curve for each row, or (n,) for a single curve. Rows may share abscissae.
+    Abscissae ascend; ordinates that are not finite are unknown. Both have the shape (..., n), with
+    a curve for each row, or (n,) for a single curve. Rows may share abscissae.
     """
 
     def __init__(self, x: Array, y: Array) -> None:
@@ -60,7 +60,7 @@ class Curve:
         return np.zeros_like(self.count), np.maximum(self.count - 1, 0)
 
     def end(self, end: int) -> tuple[Array, Array]:
-        """Abscissae and ordinates of the first point (0) or of the last one (-1) of each curve."""
+        """Abscissae and ordinates of the first point (`end` 0) or last point (-1) of each curve."""
         return self._at(self.x, self.ends[end]), self._at(self.y, self.ends[end])
 
     def _scaled(self, values: Array) -> Array:
@@ -131,7 +131,7 @@ class Curve:
 
     @np.errstate(divide="ignore", invalid="ignore")
     def end_exponent(self, end: int) -> Array:
-        """Exponent of the power law through the first two points (0), or the last two (-1)."""
+        """Exponent of the power law through the first two points (`end` 0) or last two (-1)."""
         number, (first, last) = self.ends[end], self.ends
         other = np.clip(number + (1 if end == 0 else -1), first, last)
         rise, run = (self._at(part, number) - self._at(part, other) for part in self._cubics[1::-1])

@@ -48,7 +48,7 @@ OIL = "oil"
 
 @dataclass(frozen=True)
 class Origin:
-    """Scene of a dataset as a key for caches: its text, and digests in place of its arrays."""
+    """Scene of a dataset as a key for caches: the scene's text, and digests of its arrays."""
 
     text: str
     digests: str
@@ -97,12 +97,12 @@ def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
-    """Sweep of a dataset as its scene file states it: values set by `pipeline.at` do not count."""
+    """Sweep of a dataset as stated in its scene file, without values set by `pipeline.at`."""
     return judged_sweep(Origin.of(ds), "{}")
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
-    """Whole sweep that a dataset was selected from, under the conditions of `pipeline.at`."""
+    """Whole sweep from which a dataset was selected, under the conditions of `pipeline.at`."""
     return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
 
 
@@ -123,7 +123,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
 
 
 def _label(labels: Sequence[Label], value: Any) -> Label:
-    """The label nearest to a coordinate's value, which may have lost its last digits."""
+    """Label nearest to a coordinate's value; the value may have lost its last digits."""
     if isinstance(labels[0], str):
         return str(value)
     return min(labels, key=lambda label: abs(float(label) - value))
@@ -178,7 +178,7 @@ def identified(ds: xr.Dataset) -> xr.Dataset:
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """Open the dataset of a store, or check a given one; load lazy data, except contact fields.
 
-    Time, load and distance of each step, which a store has once, are repeated for every point.
+    Time, load and distance of each step, which a store has only once, are repeated for every point.
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
@@ -196,7 +196,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def _require_axis(ds: xr.Dataset, name: str) -> None:
-    """Raise an `InputError` if a dataset lacks an axis, or has a value of it twice."""
+    """Raise an `InputError` if a dataset lacks the axis `name`, or has a value twice on it."""
     if name not in ds.coords:
         raise InputError(f"the dataset has no {name}; keep its coordinates, and their names")
     if not ds[name].size:
@@ -262,7 +262,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
 
 
 class Kind(Enum):
-    """Arrangement of a sweep's points: one plane, a load and velocity per row, or samples."""
+    """Arrangement of a sweep's points: a grid of loads and velocities, single rows, or samples."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
@@ -315,15 +315,15 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
 
 
 def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Names of random dimensions of a dataset: surfaces, and samples if there are any."""
+    """Names of random dimensions of a dataset: surfaces and samples."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """Dataset with a dimension ``step``, even if a single step was selected before.
 
-    Raises an `InputError` if the dataset lacks one of the variables `names`, or the end of each
-    point.
+    Raises an `InputError` if the dataset lacks one of the variables `names`, or the last step of
+    points.
     """
     if missing := [name for name in names if name not in ds.variables]:
         raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")

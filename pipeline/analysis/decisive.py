@@ -21,7 +21,7 @@ from tribo.types import Array
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
-    """Conditions by name as dataset attributes that netCDF can store; corrections as JSON."""
+    """Conditions by name as dataset attributes that netCDF can store; corrections become JSON."""
     plain = conditions.as_dict()
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])

@@ -87,7 +87,7 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 
 
 def _critical_velocities(data: Results) -> pd.DataFrame:
-    """Frame of critical velocity and outcome by load; median for several surfaces or samples."""
+    """Frame of critical velocity and outcome by load; medians for several surfaces or samples."""
     boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values

@@ -69,7 +69,7 @@ class Field(Protocol):
 
     @property
     def at_once(self) -> int:
-        """Number of pairs of load and velocity that fit into memory at once."""
+        """Number of pairs of load and velocity that memory allows in one call."""
 
     @property
     def misfit(self) -> str:
@@ -92,14 +92,14 @@ class Field(Protocol):
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along `axis` through each load and velocity, and where wear turns severe."""
+        """Outcome on the line along `axis` through each place, and where wear turns severe."""
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        `shift`, one value or one for each place, is added to ln(rise).
+        `shift` is added to ln(rise); it has one value, or a value for each pair.
         """
 
 
@@ -117,7 +117,7 @@ class Here(NamedTuple):
     reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` that says why a temperature is unknown, if one is."""
+        """Raise an `InputError` if a temperature is unknown, which says why."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
@@ -138,7 +138,7 @@ class PointField:
 
     @property
     def at_once(self) -> int:
-        """Number of pairs of load and velocity to judge at once, in some 200 MB of memory."""
+        """Number of pairs of load and velocity to judge in one call, with some 200 MB of memory."""
         width = 2 * _PLACES if self.conditions.has_friction_curve else len(self.velocities)
         return 1 + _POINTS // (width * len(self.planes))
 
@@ -149,7 +149,7 @@ class PointField:
 
     @property
     def limit(self) -> float:
-        """Rise [K], for friction coefficient 1, above which wear is severe."""
+        """Rise [K] at friction coefficient 1 above which wear is severe."""
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
@@ -285,7 +285,7 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome along `axis` through each load and velocity, and where wear turns severe."""
+        """Outcome on the line along `axis` through each place, and where wear turns severe."""
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
@@ -293,7 +293,7 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is the mean over surfaces. `shift` is added to ln(rise).
+        The probability is the mean over surfaces. `shift` is added to ln(rise).
         """
         loads, velocities = places_of(loads, velocities)
         # A row with a single point, on any surface, is filled from other rows.
@@ -433,7 +433,7 @@ def point_field(whole: Results, conditions: Conditions | None = None) -> PointFi
 def quantile(values: Array, weights: Array, share: float) -> Array:
     """Weighted quantile of values, over their first axis; `share` is 0.5 for the median.
 
-    It is infinite next to an infinite value, and NaN if any value is.
+    The quantile is infinite next to an infinite value, and NaN if any value is NaN.
     """
     if len(values) == 1:
         return np.asarray(values[0])

@@ -50,13 +50,13 @@ def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
 
 
 def ambiguous_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests name; empty if the user chose an oil, or a test names none."""
+    """Oils that the tests name; empty if the user chose an oil, or a test does not name its oil."""
     names = oils_of(test.oil for test in sweep.tests)
     return [] if "" in names or sweep.oil else names
 
 
 def require_one_oil(sweep: Sweep) -> None:
-    """Raise an `InputError` if the tests have several oils, and the user chose none of them."""
+    """Raise an `InputError` if the tests are of several oils, and the user has not chosen one."""
     names = ambiguous_oils(sweep)
     if len(names) > 1:
         raise InputError(
@@ -75,7 +75,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 
 
 def model_error(data: Results, field: Field) -> Scatter:
-    """Distribution of the model's own error, from the scene's tests; without tests the prior."""
+    """Distribution of the model's own error, from the scene's tests and a prior."""
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
     if scatter is not None:
@@ -109,7 +109,7 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
 
 
 def _updated(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
-    """The model's own error `plain`, updated by the compared tests `found`.
+    """Update the model's own error `plain` by tests compared with the model, `found`.
 
     Of each run only the transition farthest from the model counts, and on each side the wrong
     outcome farthest from it. If a transition was measured but none is computed, that is a wrong
@@ -127,7 +127,7 @@ def _updated(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]])
 
 
 class Comparison(NamedTuple):
-    """A test compared with the wear computed at its load, under its own conditions."""
+    """Comparison of a test with the wear that was computed at its load, under its conditions."""
 
     place: tuple[float, float]  # load [N], and velocity [m/s] moved into the computed range
     here: Here  # temperatures computed at that place
@@ -141,8 +141,8 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     """Compare a test with `own`, the field under the test's conditions.
 
     For a measured transition only changes to severe wear count. With several surfaces the median
-    counts. If wear does not change, its velocity is infinite (mild at all computed points) or
-    -infinite (severe).
+    counts. If wear does not change, the result's velocity is infinite (mild at all computed points)
+    or -infinite (severe).
 
     Beyond the computed velocities wear may turn severe with velocity. If friction depends on
     velocity, wear may change either way.
@@ -172,7 +172,7 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
 def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
     """Yield a description of each test near a load [N] and velocity [m/s], with its conditions.
 
-    Tests whose bulk temperature is above the critical one are left out.
+    Tests with a bulk temperature above the critical temperature are left out.
     """
     for test in laboratory_tests(data):
         pairs = (test.normal_load, load), (test.velocity, velocity)
@@ -222,7 +222,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 
 
 def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
-    """Yield the rows of the table of tests for one scene, a row for each test."""
+    """Yield rows of the table of tests, one for each test of a scene."""
     field = point_field(scene)
     under = functools.cache(field.under)
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)

@@ -92,17 +92,17 @@ class Margin:
 
     @property
     def velocity_factor(self) -> float:
-        """Critical velocity at this load, divided by the point's velocity; NaN if unknown."""
+        """Critical velocity at the point's load, divided by the velocity; NaN if unknown."""
         return self.critical_velocity / self.velocity
 
     @property
     def load_factor(self) -> float:
-        """Critical load at this velocity, divided by the point's load; NaN if unknown."""
+        """Critical load at the point's velocity, divided by the load; NaN if unknown."""
         return self.critical_load / self.load
 
     @property
     def decided_by(self) -> str | None:
-        """What would decide the verdict, in words; None if it is decided."""
+        """What would help to decide the verdict, in words; None if the verdict is decided."""
         if self.verdict != NOT_DECIDED:
             return None
         if self.misfit or verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
@@ -155,7 +155,7 @@ def percent(probability: float) -> str:
 def answers(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
-    """Margin at each load [N] and velocity [m/s] (k,), or the reason why it is unknown.
+    """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown.
 
     `tested` has descriptions of the tests near each point.
     """
@@ -237,7 +237,7 @@ def probabilities(
 def verdict_plane(
     field: Field, loads: Array, velocities: Array, scatter: Scatter
 ) -> tuple[Array, Array]:
-    """Lowest and highest probability that the next run is severe, each (load, velocity).
+    """Lowest and highest probability that the next run is severe, two arrays (load, velocity).
 
     The two differ by the numerical error. Loads and velocities may be outside the sweep.
     """
@@ -253,7 +253,7 @@ def verdict_plane(
 
 
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
-    """Velocities [m/s] below which wear is mild, and above which it is severe, by load (k, 2).
+    """Velocities [m/s] below which wear is mild and above which it is severe, for k loads (k, 2).
 
     `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities, the
     first end is infinite and the second NaN; if severe at all, the first is NaN and the second 0.

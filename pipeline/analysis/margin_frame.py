@@ -104,7 +104,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 
 
 class Judged(NamedTuple):
-    """An operating point in one scene, with its margin or the reason why there is none."""
+    """An operating point in one scene, with its margin or the reason why it is unknown."""
 
     field: Field  # field under the conditions of the place
     place: Place
@@ -113,7 +113,7 @@ class Judged(NamedTuple):
     reason: str = ""
 
     def known(self) -> Margin:
-        """The margin; raises an `InputError` if there is none."""
+        """The margin; raises an `InputError` if it is unknown."""
         if self.margin is None:
             raise InputError(self.reason)
         return self.margin
@@ -122,7 +122,7 @@ class Judged(NamedTuple):
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """Yield the judged operating points of each scene.
 
-    If `points` is None, they are the loads and velocities of the sweep's own rows.
+    If `points` is None, the loads and velocities of the sweep's rows are judged.
     """
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
@@ -143,9 +143,9 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_places(
     field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge `places` (point, its own conditions by name) by a field, in the order given.
+    """Judge `places` by a field; a place is (point, conditions of the point by name).
 
-    Places with the same conditions are judged together.
+    The result is in the order of `places`. Places with the same conditions are judged together.
     """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
@@ -216,7 +216,7 @@ def _value(margin: Margin, name: str) -> Any:
 
 
 def _label_names(found: Sequence[Judged]) -> list[str]:
-    """Names of the coordinates that identify the rows of `found`; the row number if no others."""
+    """Names of the coordinates that identify the rows of `found`, if need be the row number."""
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 

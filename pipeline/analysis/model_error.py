@@ -31,7 +31,7 @@ WORTH = 4  # the prior weighs as much as this number of tests
 
 
 class Scatter(Protocol):
-    """Distribution of the next run's deviation from the model, in ln(velocity)."""
+    """Interface: distribution of the next run's deviation from the model, in ln(velocity)."""
 
     @property
     def text(self) -> str:
@@ -58,7 +58,7 @@ class ModelError:
 
     @property
     def scales(self) -> tuple[float, float]:
-        """Scales in ln(velocity) of runs below the computed critical velocity, and above it."""
+        """Scales of Student's t in ln(velocity), below and above the computed critical velocity."""
         known = WORTH * self.usual**2 + sum(r * r for r in self.residuals)
         low, high = (
             sorted((r * r for r in self.wrong if r * side > 0), reverse=True) for side in (-1, 1)

@@ -119,7 +119,7 @@ class Results:
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] if there is a single pair of them; None for a plane."""
+        """Load [N] and velocity [m/s] if there is only one pair; None for a grid of both."""
         is_row = self.kind is Kind.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None
@@ -132,7 +132,7 @@ class Results:
 
     @property
     def entries(self) -> dict[str, Any]:
-        """Values of the selected entries by path, as a scene file writes them."""
+        """Values of the selected entries by path, as in a scene file."""
         return self.stored.variants.written(self.name)
 
     @functools.cached_property
@@ -145,7 +145,7 @@ class Results:
 
     @functools.cached_property
     def conditions(self) -> Conditions:
-        """Conditions that judge wear; raises an `InputError` if the sweep lacks their data."""
+        """Conditions to judge wear by; raises an `InputError` if the sweep lacks their data."""
         _ = self.sweep.conditions.decisive  # raises if the user's own rule is not loaded
         return self._require_computed(self.sweep.conditions)
 
@@ -158,11 +158,11 @@ class Results:
 
     @property
     def plain_conditions(self) -> Conditions:
-        """Conditions with the criterion "share", which needs no code of the user."""
+        """Conditions with the criterion "share", which does not need code of the user."""
         return self._require_computed(replace(self.sweep.conditions, criterion="share"))
 
     def _require_computed(self, conditions: Conditions) -> Conditions:
-        """Return `conditions`; raise an `InputError` if the sweep lacks variables for them."""
+        """Return `conditions`; raise an `InputError` if the sweep cannot be judged by them."""
         require_bulks(self.columns, conditions)
         if conditions.friction and not self.sweep.scene.friction_heat:
             raise InputError(
@@ -208,22 +208,22 @@ class Results:
         return self.take({"realization": seeds.index(seed)})
 
     def require_plane(self) -> None:
-        """Raise an `InputError` unless this is one scene on a plane, with all variables to draw."""
+        """Raise an `InputError` unless this is one scene on a grid, with the variables to draw."""
         require_kind(self.kind, Kind.PLANE)
         require_one_scene(self.entry_dims)
         self.require_lists(*PLANE)
         self.require("normal_load", "rise_quantile")
 
     def take_row(self, seed: int | None) -> Results:
-        """Plane of one scene on the surface with this seed; on the first surface if None."""
+        """Results of one scene on the surface with this seed; on the first surface if None."""
         self.require_plane()
         row = self.take_surface(seed)
         return row.take(dict.fromkeys(row.front, 0))
 
     def take_moving(self) -> Results:
-        """Results at velocities above 0; unchanged if there are none.
+        """Results at velocities above 0; all results if there are no such velocities.
 
-        At rest there is no heat, and the rise is no power of the velocity.
+        At velocity 0 there is no heat, and the rise cannot be a power of the velocity.
         """
         slides = self.velocities > 0
         if slides.all() or not slides.any():
@@ -234,7 +234,7 @@ class Results:
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
     def point(self, load: int, velocity: int) -> Point:
-        """Load, velocity and surface of the point at these indices; for results of a single row."""
+        """Point at the indices `load` and `velocity`, for results with a single row."""
         if self.kind is Kind.SAMPLES:
             return Point(float(self.loads[load]), float(self.rows["velocity"]))
         return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)

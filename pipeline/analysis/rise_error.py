@@ -98,7 +98,7 @@ class RiseError:
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """Error from its four parts (4,), where NaN is an unknown part."""
+        """Make an error from its four parts (4,), with NaN for an unknown part."""
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
@@ -146,12 +146,12 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """True for k places (load, velocity) if friction was solved at all points around them."""
+        """Mask of k places (load, velocity): True if friction was solved at all points around."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """True for pairs of load and velocity (k,) that are computed points."""
+        """Mask of k pairs (load, velocity): True for computed points."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
         done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
@@ -161,10 +161,10 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Indices of loads (k, 2) and velocities (k, 2, 2) of the points around each place.
+        """Indices of the points around k places: of loads (k, 2), and of velocities (k, 2, 2).
 
-        For a computed point they are all the indices of the point itself. An index is -1 if there
-        is no such point.
+        If a place is a computed point, all its indices are those of this point. An index is -1 if
+        there is no point.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]
@@ -190,7 +190,7 @@ class RisePlane:
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """`RisePlane` of each surface, with rises divided by the friction factor of their velocity."""
+    """`RisePlane` of each surface, with rises divided by the friction factor at their velocity."""
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
@@ -206,7 +206,7 @@ def rise_errors(
 ) -> Array:
     """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
-    The last part is 0.
+    The last part of each error is 0.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -215,7 +215,7 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot numbers of places on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
+    """Number the places on an axis by slots: 2 i + 1 at point i, 2 i between points i − 1 and i."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
@@ -247,11 +247,11 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Indices of two done points for each slot (r, 2 n + 1, 2), from masks (r, n); see `_slots`.
+    """Indices of two done points for each slot, (r, 2 n + 1, 2), from masks (r, n) of done points.
 
-    For a slot at a point it is that point twice. For a slot between points they are its neighbours,
-    and beyond the ends the last two points. A row with a single point has that point twice; an
-    empty row has -1.
+    See `_slots`. A slot at a done point has this point twice, a slot between points has its
+    neighbours, and a slot beyond the ends has the nearest two points. A row with a single point has
+    this point twice; an empty row has -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]

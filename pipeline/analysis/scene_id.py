@@ -58,10 +58,9 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Scene ids of the dataset's rows, picked from the `ids` of all rows of the sweep's `table`.
+    """Scene ids of the rows of a dataset, picked from `ids` of all rows of the sweep's `table`.
 
-    An entry of the table that the dataset has no coordinate for stays a dimension with all its
-    values.
+    A dimension of the table that the dataset lacks is kept, with all its values.
     """
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
@@ -75,7 +74,7 @@ def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable
 
 
 def _numbers(values: Sequence[Label], labels: Any) -> Array:
-    """Index of the value nearest to each label, which may have lost its last digits."""
+    """Index of the value nearest to each label; labels may have lost their last digits."""
     index, flat = pd.Index(values), np.ravel(labels)
     if index.dtype.kind in "if":
         order = index.argsort()

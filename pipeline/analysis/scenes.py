@@ -62,7 +62,7 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit to show a coordinate in: the unit of the entry's example, else a usual unit."""
+    """Unit to show a coordinate in: the unit of the entry's example, else a default unit."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 
@@ -79,7 +79,7 @@ def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:
-    """A value of an entry as text with a usual unit."""
+    """Write a value of an entry as text with a unit."""
     if isinstance(value, str):
         return value
     return display(value, _usual_unit(axis)).removesuffix(" 1").strip()

@@ -50,7 +50,7 @@ def short(frame: pd.DataFrame, without: Iterable[str] = ()) -> pd.DataFrame:
 
 
 def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
-    """At most `most` rows of a frame, evenly spaced, with the first and the last."""
+    """Pick at most `most` rows of a frame, evenly spaced, with the first and the last row."""
     return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
 
 
@@ -64,8 +64,8 @@ def upright(frame: pd.DataFrame) -> pd.DataFrame:
 def lines_of(frame: pd.DataFrame) -> list[str]:
     """Lines of text with aligned columns, headings first.
 
-    Headings and cells of the last column are broken between words, and columns move closer, to keep
-    lines to 100 letters.
+    To keep lines to 100 letters, headings and cells of the last column are broken between words,
+    and columns move closer.
     """
     heads = [
         textwrap.wrap(str(head), _HEAD_LETTERS, break_long_words=False, break_on_hyphens=False)
@@ -156,7 +156,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 
 def _parts(head: str) -> tuple[str, str]:
-    """Split a heading into name and unit; an unknown unit stays in the name, the unit is empty."""
+    """Split a heading into name and unit; an unknown unit stays in the name."""
     match = _HEAD.fullmatch(head)
     return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")
 
@@ -167,7 +167,7 @@ def write_text(text: str, out: Path) -> Path:
 
 
 def write_bytes(content: bytes, out: Path) -> Path:
-    """Write a file `out` completely, or leave the old one and raise an `InputError`."""
+    """Write a file `out` completely, or keep the old file and raise an `InputError`."""
     try:
         file = Path(os.path.realpath(out))  # keeps a symbolic link in place
         replace_files(file.parent, {file.name: content})
@@ -191,7 +191,7 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes in a frame of operating points, each once; a note of some points names them.
+    """Notes in a frame of operating points, each once, with its points unless all have it.
 
     Notes in `said` were printed before, and are left out.
     """

@@ -23,7 +23,7 @@ CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
 
 @functools.cache
 def outcomes(axis: str) -> Mapping[int, str]:
-    """Outcome in words by code, along ``"velocity"`` or ``"load"``."""
+    """Texts for the codes of outcomes along ``"velocity"`` or ``"load"``."""
     return {
         CROSSES: "crosses",
         MILD: "mild throughout",
@@ -37,7 +37,7 @@ def outcomes(axis: str) -> Mapping[int, str]:
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Rise along velocity at one load, or along load at one velocity, and where wear changes.
+    """Rise along velocity at a load, or along load at a velocity, and where wear changes.
 
     Arrays may have leading axes: a curve for each member and place of a field. With `rows` a curve
     is compared with several limits.
@@ -65,7 +65,7 @@ class Line:
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest computed velocity or load of each line; NaN if there is none."""
+        """Lowest and highest computed velocity or load of each line; NaN if nothing is computed."""
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property
@@ -85,8 +85,8 @@ class Line:
     def first(self) -> Array:
         """Lowest velocity [m/s] or load [N] at which wear turns severe.
 
-        It is -infinite if wear is severe at the line's beginning, infinite if wear is mild on the
-        whole line, and NaN if unknown.
+        The result is -infinite if wear is severe at the line's beginning, infinite if wear is mild
+        on the whole line, and NaN if unknown.
         """
         place = np.fmin.reduce(self.places, axis=-1)
         place = np.where(np.isnan(place), math.inf, place)
@@ -111,10 +111,10 @@ class Line:
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """Velocity or load at which wear changes, nearest to `here` by ratio; else `first`.
+        """Velocity or load at which wear changes, nearest to `here` by ratio, or else `first`.
 
-        With `to_severe` only changes to severe wear count. If `continued`, changes beyond the ends
-        of a line count if it has none within.
+        With `to_severe` only changes to severe wear count. With `continued` a line without a change
+        is extrapolated.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)

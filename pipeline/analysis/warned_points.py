@@ -36,7 +36,7 @@ class Warned:
     example: str = ""  #: The first of these points, with its warning.
 
     def lines(self) -> Iterator[str]:
-        """Lines for the user; none if no point carries a warning."""
+        """Yield lines for the user; nothing if no point carries a warning."""
         if not self.points:
             return
         kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())
@@ -87,7 +87,7 @@ def _is_molten(scene: Results) -> Mask:
 
 
 def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Mask of all points, joined from `mark` of each scene; all False if the sweep has no plane."""
+    """Mask of all points, from `mark` called for each scene; False if the points are no grid."""
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
@@ -124,7 +124,7 @@ def _rises_slowly(scene: Results) -> Mask:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart; else NaN."""
+    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart, or NaN."""
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])

@@ -19,18 +19,18 @@ ONSET = "the median is not the onset: the hottest patch under the pin scuffs fir
 
 
 def model_error_line(errors: Iterable[str]) -> str:
-    """Line that states the model's own error in the first scene, and how many others differ."""
+    """Line of text on the model's own error in the first scene; says how many scenes differ."""
     first, *others = dict.fromkeys(errors)
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 
 
 def missing_lines(missing: int) -> list[str]:
-    """Line with the number `missing` of points pending or failed; empty if all are done."""
+    """Line of text with the number of points that are `missing`; empty list if all are done."""
     return [f"{missing} points are pending or failed and were left out"] * bool(missing)
 
 
 def boundary_lines(boundaries: xr.Dataset) -> list[str]:
-    """Lines of text below a boundary: model's own error, note on the median, missing points."""
+    """Lines of text to print below a boundary: model's own error, median, missing points."""
     return [
         model_error_line(attribute_values(boundaries, "model_error")),
         *([ONSET] if "realization" in boundaries.dims else []),

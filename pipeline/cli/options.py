@@ -42,7 +42,8 @@ class Command(NamedTuple):
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
     """Option with a value.
 
-    `words` has its names and the value's name, `use` is the help, and `read` converts the text.
+    `words` has the option's names and the value's name, `use` is the help, and `read` converts the
+    text.
     """
     *names, metavar = words.split()
     return Option(*names, metavar=metavar, type=read, help=use, **more)
@@ -61,7 +62,7 @@ def flag(name: str, use: str, *short: str) -> Option:
 def quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit; its help is `use` and the example `like`.
 
-    It may be negative if `is_signed`. `metavar` names the value in the help.
+    The quantity may be negative if `is_signed`. `metavar` names the value in the help.
     """
     return value(f"{name} {metavar}", f'{use}, like "{like}"', values.quantity(like, is_signed))
 

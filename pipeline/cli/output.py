@@ -97,7 +97,7 @@ def wrapped(lines: Iterable[str]) -> list[str]:
 
 
 def counted(number: int, one: str, several: str) -> str:
-    """Number and noun, such as "1 load" or "3 loads", from the nouns for `one` and `several`."""
+    """Number with its noun, such as "1 load" or "3 loads"; `one` and `several` are the nouns."""
     return f"{number} {one if number == 1 else several}"
 
 

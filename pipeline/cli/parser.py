@@ -102,7 +102,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        """Print one line: the fault, a suggestion, and how to list the options."""
+        """Print one line, with the fault, a suggestion, and how to list the options; then exit."""
         if wrong := re.fullmatch(r"argument (.*): invalid choice: '(.*?)' \((choose.*)\)", message):
             near = get_close_matches(wrong[2], re.findall(r"[\w-]+", wrong[3]), 1)
             meant = f"; did you mean {near[0]!r}?" if near else f" ({wrong[3]})"
@@ -111,7 +111,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Version(argparse.Action):
-    """Action of --version: print the version, which is looked up only now, and exit."""
+    """Action of --version: look up the version, print it, and exit."""
 
     def __call__(self, parser: Any, *_: Any) -> None:
         from importlib.metadata import PackageNotFoundError, version
@@ -190,7 +190,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
-    """Function of a command; its module is imported only now."""
+    """Function of a command; imports the command's module."""
     is_whole = "." in options.command  # a command of an extra
     name = options.command if is_whole else f"pipeline.cli.{options.command}"
     function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(name)

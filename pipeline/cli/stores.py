@@ -64,7 +64,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _listed(path: Path, name: str) -> list[object]:
-    """Cells of a store in the table of a folder, even if the store cannot be read."""
+    """Row for a store in the table of stores in a folder, even if the store cannot be read."""
     try:
         store = opened(path)
         return _row(name, summary_of(store), store.sweep.preset)
@@ -74,7 +74,7 @@ def _listed(path: Path, name: str) -> list[object]:
 
 
 def _row(name: str, state: Summary, preset: str | None) -> list[object]:
-    """Cells of a store in the table of stores: name, state, numbers of points, preset, title."""
+    """Row for a store in the table of stores: name, state, numbers of points, preset, title."""
     words = "running now, " * bool(state.running)
     words += "done" if state.done == state.total else _counts(state)
     counts = state.total, state.done, len(state.failed), state.pending
@@ -99,7 +99,7 @@ def verify(options: argparse.Namespace) -> Result:
 
 
 def diff(options: argparse.Namespace) -> Result:
-    """Answer ``irg diff``: differences between two stores in entries, boundaries and points."""
+    """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
     stores = [dataset_in(options, path) for path in (options.store, options.other)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points

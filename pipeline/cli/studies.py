@@ -14,7 +14,7 @@ from tribo import InputError
 
 
 def vary(options: argparse.Namespace) -> Result:
-    """Answer ``irg vary``: the boundary for each value of some entries."""
+    """Answer ``irg vary``: find the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)
@@ -32,6 +32,6 @@ def vary(options: argparse.Namespace) -> Result:
 
 
 def trade(options: argparse.Namespace) -> Result:
-    """Answer ``irg trade``: speed against accuracy on a scene."""
+    """Answer ``irg trade``: measure speed and accuracy of presets on a scene."""
     found = pipeline.trade(given.scene_in(options), progress=tell)
     return Result(text=[str(found)], frames=[found.table], draw=partial(pipeline.plot, found))

@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> Result:
 
 
 def check(options: argparse.Namespace) -> Result:
-    """Answer ``irg check``: the meaning of a scene, and the cost of its sweep."""
+    """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
     require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
     require_free_names(sweep)

@@ -37,7 +37,7 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
 
 
 def bulk(text: str) -> str | dict[str, str]:
-    """Read a bulk temperature as text, or those of pin and disk as a dictionary."""
+    """Read a bulk temperature as text, or temperatures of pin and disk as a dictionary."""
     if "=" not in text:
         return text
     return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
@@ -77,13 +77,16 @@ def share(text: str) -> float:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE`` to a key and its values, each as in `setting`."""
+    """Read ``KEY=VALUE,VALUE`` to a key and a list of values; see `setting`."""
     key, values = pair(text, like="friction.coefficient=0.08,0.12")
     return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
 
 
 def setting(text: str) -> tuple[str, Any]:
-    """Read ``KEY=VALUE``, the value as in a scene file, to a pair; text needs no quotes."""
+    """Read ``KEY=VALUE`` to a pair.
+
+    The value is written as in a scene file, but text needs no quotes.
+    """
     key, value = pair(text, like="increments=50")
     try:
         return key, tomllib.loads(f"value = {value}")["value"]

@@ -30,7 +30,7 @@ _MOST_ROWS = 8  # rows of a boundary printed; --all, --json and files have all
 
 
 def margin(options: argparse.Namespace) -> Result:
-    """Answer ``irg margin``: the verdict on one operating point, or on each row of a table."""
+    """Answer ``irg margin``: judge one operating point, or each row of a table."""
     is_one = bool(values_in(options, "load", "velocity"))
     points = operating_points_in(options)
     data = pipeline.results(dataset_in(options))
@@ -55,7 +55,8 @@ def margin(options: argparse.Namespace) -> Result:
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
     """Lines with the verdict on an operating point in each scene.
 
-    `found` has a verdict for each scene. Raises if there is only one scene, without a verdict.
+    `found` has a verdict for each scene. Raises an `InputError` if there is only one scene, and no
+    verdict on it.
     """
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
@@ -70,7 +71,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 
 
 def boundary(options: argparse.Namespace) -> Result:
-    """Answer ``irg boundary``: critical velocities or loads with error bands, or the tests."""
+    """Answer ``irg boundary``: show critical velocities or loads, or tests and the model."""
     data = pipeline.results(dataset_in(options))
     tests = compared(data)
     if options.by == "test":

@@ -50,8 +50,8 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     """Draw the transition diagram; for samples, the probability of severe wear.
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
-    the boundary is that of the median surface, in a band from the 10 % to the 90 % quantile, or
-    that of the surface `realization`. `log` makes both axes logarithmic.
+    the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`
+    chooses a single surface. `log` makes both axes logarithmic.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
@@ -80,7 +80,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
 
 
 def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw one scene, with the boundary of its median surface; return legend and caption."""
+    """Draw one scene, with the median boundary over its surfaces; return legend and caption."""
     field = point_field(data)
     caption, legend = judged_by([field.conditions]), list[Artist]()
     if min(len(data.loads), len(data.velocities)) > 1:
@@ -124,14 +124,14 @@ _INSIDE = 1e-4  # distance from a point, over the interval: at points the error 
 
 
 def _refine_axis(points: Array, least: int) -> Array:
-    """Values of an axis at which to draw: about `least` or more, some just beside each point."""
+    """Refine an axis to about `least` values or more, some of them just beside each point."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding minus critical temperature [K] at velocities x, loads y (surface, y, x), or NaN."""
+    """Deciding minus critical temperature [K] at velocities x and loads y, (surface, y, x)."""
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
     return np.reshape(here.values - here.critical, (-1, len(y), len(x)))
@@ -179,7 +179,7 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
 
 
 def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
-    """Draw the boundaries at the lowest and highest measured friction, on velocities x, loads y."""
+    """Draw boundaries at the lowest and highest measured friction, at velocities x, loads y."""
     band = field.source.sweep.declared.friction.band
     if not band or min(band) == max(band):
         return []
@@ -223,5 +223,5 @@ def _mark_points(axes: Axes, data: Results) -> list[Artist]:
 
 
 def _any_surface(holds: Mask) -> Mask:
-    """Mask (load, velocity) that is True where `holds` is true on at least one surface."""
+    """Mask (load, velocity) that is True where `holds` is True on at least one surface."""
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))

@@ -41,7 +41,7 @@ def ramp(
 
     `load` and `velocity` choose the points, `realization` the surface.
 
-    Steps on the coarse grid of the ramp are not joined to steps on the point's own grid.
+    Steps on the ramp's coarse grid are not joined by lines to steps on the point's own grid.
     """
     data = data.take_row(realization)
     conditions = data.shown_conditions
@@ -90,7 +90,7 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw values (load, velocity, step) of some points over time, with marks at their ends.
+    """Draw `values` (load, velocity, step) of some points over time, with marks at the last steps.
 
     `look` has properties of Matplotlib's lines by name.
     """
@@ -103,7 +103,7 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 
 
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
-    """Draw highest and deciding temperatures of points over time, and the critical one."""
+    """Draw highest and deciding temperatures of points over time, and the critical temperature."""
     handles = []
     for judged, look in _judged_looks(conditions):
         rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
@@ -125,7 +125,7 @@ def _judged_looks(conditions: Conditions) -> list[tuple[Conditions, dict[str, An
 
 
 def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
-    """Draw the critical temperature if there is one; return its legend entry."""
+    """Draw a line at the critical temperature, if known; return its legend entry."""
     if conditions.critical_temperature is None:
         return []
     critical = shown_in(conditions.critical_temperature, "°C")

@@ -109,7 +109,7 @@ def svg_of(figure: Figure) -> str:
 
 
 def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
-    """New figure of a size [in] with a single pair of axes."""
+    """New figure of a `size` [in], with a single set of axes."""
     figure = Picture(size)
     return figure, figure.add_subplot()
 
@@ -146,7 +146,7 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
-    """Write a legend in as many columns as fit the width of `owner`, at most `ncols`."""
+    """Write a legend in as many columns as fit into the width of `owner`, at most `ncols`."""
     for columns in range(ncols, 0, -1):
         legend: Legend = owner.legend(ncols=columns, **options)
         if legend.get_window_extent().width <= owner.get_window_extent().width or columns == 1:
@@ -169,7 +169,7 @@ def heating(conditions: Conditions) -> str:
 
 
 def plain_numbers(axes: Axes) -> None:
-    """Label logarithmic axes with plain numbers at enough ticks."""
+    """Label logarithmic axes with plain numbers, at enough ticks."""
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)

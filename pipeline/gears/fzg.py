@@ -26,7 +26,7 @@ _BEYOND_ALL = 1500.0  # critical temperature [K] so high that nothing is severe
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
-    """Duty of the test gears in a load stage, with the bulk temperature of ISO/TR 13989-2."""
+    """Duty of FZG's test gears in a load stage, with the bulk temperature of ISO/TR 13989-2."""
     bulk = stage_bulk(stage, pair.file.friction.lubricant_factor)
     return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
 

@@ -24,7 +24,7 @@ _MISFIT = 0.1  # largest error of the centre distance against the profile shifts
 
 
 class Path(NamedTuple):
-    """Places on the path of contact [m]: ends A and E, and single contact from B to D."""
+    """Places on the path of contact [m]: ends A and E; one pair of teeth touches from B to D."""
 
     a: float
     b: float
@@ -148,7 +148,7 @@ class Involutes:
 
     @property
     def path(self) -> Path:
-        """Places where contact begins (A) and ends (E), with single contact from B to D [m]."""
+        """Places [m] where contact begins (A) and ends (E); one pair touches from B to D."""
         (rb1, rb2), (da1, da2) = self.base_radii, self.tip_diameters
         first, second = self.tangents
         e = math.sqrt(da1**2 / 4 - rb1**2) - first
@@ -174,8 +174,8 @@ class Involutes:
     def radii(self, place: float) -> tuple[float, float]:
         """Radii of curvature of both flanks at a place, normal to the line of contact [m].
 
-        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to a line of
-        contact inclined by βb they are larger by 1/cos βb.
+        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to the line
+        of contact, which is inclined by βb, they are larger by 1/cos βb.
         """
         first, second = self.tangents
         cosine = math.cos(self.base_helix_angle)

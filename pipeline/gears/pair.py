@@ -42,7 +42,7 @@ class Duty:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """A pair of gears as `read_pair` returns it, the pinion first in each tuple."""
+    """A pair of gears, as returned by `read_pair`; tuples have the pinion first."""
 
     title: str
     file: PairFile  #: Tables of its file in SI.

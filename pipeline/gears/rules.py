@@ -26,7 +26,7 @@ _ROUNDS = 10  # iterations; friction and bulk temperature converge within 1e-9 K
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """Integral temperatures by ISO/TR 13989-2 [K], and the friction that they rest on."""
+    """Integral temperatures by ISO/TR 13989-2 [K], and the coefficient of friction used."""
 
     friction: float  #: Mean coefficient of friction, Eq. (1).
     tip_flash: float  #: Flash temperature if the pinion's tip carried the whole load, Eq. (19).
@@ -50,8 +50,8 @@ def stage_torque(stage: int) -> float:
 def stage_bulk(stage: int, lubricant_factor: float = 1.0) -> float:
     """Bulk temperature of FZG's test gears in a load stage [K], ISO/TR 13989-2, Eq. (95).
 
-    It is 80 °C + 0.23 T1 XL with the torque T1 [N m] and the lubricant factor XL, 1 for mineral
-    oils.
+    The temperature is 80 °C + 0.23 T1 XL with the torque T1 [N m] and the lubricant factor XL, 1
+    for mineral oils.
 
     Examples
     --------
@@ -94,7 +94,7 @@ def scuffing_integral(
 
 
 def friction_coefficient(pair: Pair, duty: Duty) -> float:
-    """Mean coefficient of friction of a mesh: the file's, else by ISO/TR 13989-2, Eq. (1).
+    """Mean coefficient of friction of a mesh: from the file, else by ISO/TR 13989-2, Eq. (1).
 
     µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load per face width w [N/mm], at least
     150; the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point; the oil's
@@ -228,7 +228,7 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over the tip's.
+    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over that at the tip.
 
     `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
     """

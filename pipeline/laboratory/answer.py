@@ -53,7 +53,7 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Result for a log: its columns, tests, faults and scene lines; see `_log_toml` for `named`."""
+    """Result for a log file: columns, tests, faults, scene lines. See `_log_toml` for `named`."""
     found, faults = log.tests, log.sheet.faults
     if log.row_of is Test and not faults:  # faulty rows have no test
         faults += [
@@ -173,8 +173,8 @@ def _trace_toml(
 ) -> Iterator[str]:
     """Yield scene lines for the tests of a trace, with comments where a value is missing.
 
-    `missing` has the reason by name of the value. `scuff` is the rise of friction that counts as
-    scuffing, None if there is none.
+    `missing` has the reasons by the name of the value. `scuff` is the rise of friction that counts
+    as scuffing; None without scuffing.
     """
     for test in tests:
         is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}

@@ -23,7 +23,7 @@ _MOST_ROWS = 60  # rows searched for signs
 
 @dataclass(frozen=True)
 class Export:
-    """Format of the files that a machine exports: how to recognise it, and its columns."""
+    """Format of files that a test machine exports: how to recognise them, and their columns."""
 
     title: str = ""
     signs: tuple[str, ...] = ()  # patterns of cells that identify it
@@ -47,7 +47,7 @@ def exports() -> Mapping[str, Export]:
 
 
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
-    """Format of a file: the one `named`, else one recognised by the cells of its tables.
+    """Find the format of a file: the format `named`, else recognised by cells of its `tables`.
 
     Returns an empty format if no format matches.
     """
@@ -65,5 +65,5 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
 
 
 def has_cell(cells: Iterable[str], pattern: str) -> bool:
-    """True if any non-empty cell matches a pattern as a whole."""
+    """True if a pattern matches all of a cell, for any cell that is not empty."""
     return any(cell and re.fullmatch(pattern, cell, re.IGNORECASE) for cell in cells)

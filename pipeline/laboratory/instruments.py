@@ -34,7 +34,7 @@ _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights as in their file; pixel size and unit are None if the file does not state them."""
+    """Heights as in a file; pixel size and unit are None if the file does not state them."""
 
     heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
     pixel: tuple[float, float] | None = None  # sides [m]

@@ -35,7 +35,7 @@ _DISTINGUISHING = "number", "run", "friction"  # entries that tell a repeated te
 
 @functools.cache
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome that a word means in a column with this heading, such as "mild"; None if unknown."""
+    """Outcome, such as "mild", that a word means in a column with a heading; None if unknown."""
     listed = vocabulary()
     words = {name: {*listed[name].split()} for name in ("mild", "severe", "yes", "no")}
     if re.search(listed["asks_severe"], heading.lower()):
@@ -69,7 +69,7 @@ class Log:
 
     @property
     def renamed(self) -> dict[str, str]:
-        """Headings by entry of the scene, where the heading is not the name of the entry."""
+        """Headings by entry of the scene, if the heading is not the entry's name."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
         known = table_of(self.row_of).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
@@ -175,8 +175,8 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
 def _leave_out_repeats(sheet: Sheet) -> None:
     """Leave out rows that are copies of earlier rows.
 
-    A copy has the same cells throughout, and one of them is a cell that repeated tests would not
-    share, such as a number or the friction. Other equal rows are repeated tests, and count.
+    A copy has the same cells throughout, and among them a number or another cell that repeated
+    tests would not share. Other equal rows are repeated tests, and are kept.
     """
     used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
     distinguishing = {

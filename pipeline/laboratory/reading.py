@@ -81,7 +81,7 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
 
 
 def _join_units(sheet: Sheet) -> None:
-    """If a column holds units, append each unit to the number in the column before."""
+    """If a column contains units, append each unit to the number in the column before it."""
     for k, heading in enumerate(sheet.headings[1:], 1):
         if heading.title.lower() in ("unit", "units", "einheit"):
             sheet.sources.add(k)
@@ -108,7 +108,7 @@ def _count_time(sheet: Sheet, first: str) -> None:
 
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
-    """Set the unit of the column of quantity `name` if its heading states none."""
+    """Set the unit of the column of quantity `name`, if the heading does not state a unit."""
     if name in sheet.places and unit and not (heading := sheet.heading(name)).unit:
         text = f"{heading.text} [{unit}]"
         sheet.headings[sheet.places[name]] = Heading(text, heading.title, unit)
@@ -140,7 +140,7 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep (`is_kept`) or leave out rows with `values` in columns, by heading or quantity."""
+    """Keep (`is_kept`) or leave out rows that have `values` in columns, by heading or quantity."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:
@@ -211,7 +211,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
 
 
 def _read_beyond(sheet: Sheet, name: str) -> set[int]:
-    """Numbers of rows whose cell says "more than".
+    """Numbers of rows whose cell of quantity `name` says "more than".
 
     Such a cell becomes its number; a cell without digits becomes empty.
     """
@@ -240,7 +240,7 @@ def is_trace(sheet: Sheet) -> bool:
 
 
 def is_one_run(sheet: Sheet) -> bool:
-    """True if the table is a trace of one run: a record of friction whose time keeps rising."""
+    """True if the table is a trace of one run: a record of friction whose time never restarts."""
     before = len(sheet.faults)
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
     del sheet.faults[before:]  # a log needs no time

@@ -53,7 +53,7 @@ class Likeness(NamedTuple):
 @shown
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
-    """Roughness of a scan after its form is removed, from measured heights only."""
+    """Roughness of a scan, after removal of its form, from measured heights only."""
 
     file: str  #: File of the scan.
     shape: tuple[int, int]  #: Numbers of heights along x and y.
@@ -156,7 +156,7 @@ class SurfaceStatistics:
             yield f"no random surface is like it ({self.fault_of_fit}): use the scan itself"
 
     def _quantities(self) -> Iterator[tuple[str, str]]:
-        """Yield pairs of name and value of the scan's quantities, in words."""
+        """Yield pairs (name, value) of the scan's quantities, as text."""
         rough, curved = self.roughness, form_words(self.roughness.radii)
         yield "Ra", display(self.ra, "µm", 4)
         yield "Rq", display(self.rq, "µm", 4)
@@ -254,10 +254,10 @@ def surface_statistics(
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
-    """Compare a scan with random surfaces that have its fitted spectrum.
+    """Compare a scan with random surfaces that have the spectrum fitted to the scan.
 
-    `sides` are the pixel's [m]. Returns the fit, why the scan differs from random surfaces (empty
-    if it does not), and the compared quantities.
+    `sides` are the sides of a pixel [m]. Returns the fit, why the scan differs from random surfaces
+    (empty if it does not), and the compared quantities.
     """
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)

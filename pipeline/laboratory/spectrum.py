@@ -138,7 +138,7 @@ class _Periodogram:
     def misfit(self, parameters: Array) -> float:
         """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P with the best factor on S.
 
-        A constant is left out. The `parameters` are those of `spectrum`.
+        A constant is left out. See `spectrum` for the `parameters`.
         """
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)

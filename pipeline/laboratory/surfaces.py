@@ -28,7 +28,7 @@ _LONE = 30.0  # distance of an outlier from all other heights, in their standard
 
 
 def axis_note(transpose: bool) -> str:
-    """Sentence on the direction of sliding in the file; with `transpose` it is along columns."""
+    """Sentence on the direction of sliding in the file: along rows, or with `transpose` columns."""
     lines, name = ("row", "y") if transpose else ("column", "x")
     return f"x, the sliding direction, goes from {lines} to {lines} of the file, or is its {name}"
 
@@ -43,7 +43,7 @@ class MeasuredSurface:
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
     def replace_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
-        """Copy with other pixel sides [m], which must have the file's ratio."""
+        """Copy of the surface with other sides of a pixel [m], which must have the file's ratio."""
         own, notes = self.pixel_size or self.steps, self.notes
         if own and abs(own[0] / own[1] * sides[1] / sides[0] - 1) > _SAME:
             known = display_sides(own) if self.pixel_size else f"as {own[0]:.4g} to {own[1]:.4g}"
@@ -61,8 +61,8 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
 
     In every format x goes from column to column of the file, and a row has equal y. `height_unit`,
     the length of one unit of height [m], replaces the file's unit. Isolated outliers become holes.
-    Raises an `InputError` if the unit is missing, the file is a profile or no surface, or the extra
-    for its format is not installed.
+    Raises an `InputError` if the unit is missing, the file is not a surface, or the optional
+    packages for its format are not installed.
     """
     path = user_path(path)
     require_file(path)
@@ -148,7 +148,7 @@ def _refuse_profile(path: Path, heights: Array) -> None:
 def oriented(
     surface: MeasuredSurface, transpose: bool = False, flip: bool = False
 ) -> MeasuredSurface:
-    """The surface with x and y exchanged (`transpose`), then with heights reversed (`flip`)."""
+    """Exchange x and y of a surface (`transpose`), then reverse its heights (`flip`)."""
     heights, sides = surface.heights, surface.pixel_size
     if transpose:
         heights, sides = heights.T, sides and (sides[1], sides[0])
@@ -165,7 +165,7 @@ def form_words(radii: tuple[float, float]) -> str:
 
 
 def filled(heights: Array) -> Array:
-    """Heights [m] with holes filled by the harmonic function that continues their edges."""
+    """Fill holes in heights [m] by the harmonic function that continues the edges of holes."""
     from scipy import sparse  # takes 0.1 s, and few surfaces have holes
     from scipy.sparse.linalg import spsolve
 
@@ -237,10 +237,10 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Heights from the corner ``crop`` on, as many as the window has pixels.
+    """Crop heights from the corner ``crop`` on to the number of pixels of the window.
 
-    If the scan is to be repeated, there may be fewer. Returns None if a fault was reported. `table`
-    has the scene's entries on roughness.
+    There may be fewer heights if the scan is to be repeated. Returns None if a fault was reported.
+    `table` has the scene's entries on roughness.
     """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":

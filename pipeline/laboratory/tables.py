@@ -62,7 +62,7 @@ INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
 
 
 class Words(NamedTuple):
-    """SI unit of a quantity (None for text), and patterns of headings for it or not for it."""
+    """SI unit of a quantity (None for text), and patterns that headings must and must not match."""
 
     unit: str | None
     named: re.Pattern[str]

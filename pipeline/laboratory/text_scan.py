@@ -92,9 +92,10 @@ def _step(line: Array) -> float:
 
 
 def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Remove a first column and row with y and x; return heights, and steps of x and y or None.
+    """Remove a first column of y and a first row of x; return heights, and steps of x and y.
 
-    The row of x may also be the line `above` the table.
+    The row of x may also be the line `above` the table. Without such coordinates, the steps are
+    None.
     """
     if min(table.shape) < 5:
         return table, None
@@ -109,7 +110,7 @@ def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, floa
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Split text: header lines, table (NaN in holes), x from the row above, number of tables."""
+    """Split text into header, table (NaN in holes), x from the row above, number of tables."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -164,7 +165,7 @@ def _is_comment(line: str, row: list[float | None]) -> bool:
 
 
 def _number(cell: str) -> float | None:
-    """Number in a cell, with decimal point or comma; NaN for a hole, None for a word."""
+    """Read the number in a cell, with point or comma; NaN for a hole, None for a word."""
     try:
         return float(cell.replace(",", "."))
     except ValueError:

@@ -83,7 +83,7 @@ class Trace:
 
     @cached_property
     def candidates(self) -> list[Candidate]:
-        """Rises of friction up to and including the first that counts as scuffing."""
+        """Rises of friction, up to and including the first rise that counts as scuffing."""
         found, end, last = list[Candidate](), math.inf, None
         for number, stage in enumerate(self.stages, 1):
             friction, noise = self._smoothed_friction(stage.rows)
@@ -119,7 +119,7 @@ class Trace:
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
-        """Yield lines on each stage, and on each rise of friction: is it scuffing, and why."""
+        """Yield lines on each stage, and on each rise of friction and its cause."""
         spans = (
             _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
         )
@@ -143,8 +143,8 @@ class Trace:
     def tests(self) -> list[dict[str, str | float]]:
         """Tests found in the trace, as tables of a scene file.
 
-        Depending on the trace, they are: one table with the ends of a stepwise run, a table for
-        each stage, a single test, or a transition on a ramp.
+        A trace may give one table with the ends of a stepwise run, a table for each stage, a single
+        test, or a transition on a ramp.
         """
         severe = self.scuff
         number = severe.stage if severe else len(self.stages)
@@ -195,7 +195,7 @@ class Trace:
 
 
 def _span_text(name: str, levels: Sequence[float | None]) -> str:
-    """Lowest to highest of `levels`, loads or velocities, in words: "100 N to 600 N"."""
+    """Range of `levels`, which are loads or velocities, as text such as "100 N to 600 N"."""
     known = [level for level in levels if level is not None]
     ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
     return " to ".join(ends)
@@ -206,7 +206,10 @@ def _text(name: str, value: float) -> str:
 
 
 def _written_place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Load and velocity of a test as text by name, except `without`; "..." for None."""
+    """Write load and velocity of a test as text by name, without the name `without`.
+
+    A value of None becomes "...".
+    """
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
         for name in _COMMANDS
@@ -233,7 +236,7 @@ def _level(column: Array | None, rows: slice) -> float | None:
 
 
 def at_rest(column: Array) -> Array:
-    """Mask (n,) of the rows in which `column`, a load or velocity, is negligible."""
+    """Mask (n,) of the rows in which `column`, a load or velocity, is almost 0."""
     command = _setpoint(column)
     result: Array = command <= _REST * command.max()
     return result
@@ -242,7 +245,7 @@ def at_rest(column: Array) -> Array:
 def _setpoint(column: Array) -> Array:
     """Estimate the commanded load or velocity (n,) from the measured one.
 
-    It is a mean over many strokes if the signal oscillates, else a running median.
+    The estimate is a mean over many strokes if the signal oscillates, else a running median.
     """
     off = column / max(column.mean(), 1e-300) - 1
     crossings = np.count_nonzero(np.diff(np.sign(off[np.abs(off) > _SWING])))
@@ -262,7 +265,7 @@ def _setpoint(column: Array) -> Array:
 def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     """Cut a trace into stages; return the rows of each, and whether it is a ramp.
 
-    `commands` (n, n_command) are load and velocity over their maxima, at each `time` [s].
+    `commands` (n, n_command) are load and velocity at each `time` [s], divided by their maxima.
     """
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):
@@ -369,7 +372,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if `half` of a rise that begins at a row happens within a small share of the stage."""
+    """True if a rise from a row on reaches `half` of itself in a small share of the stage."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

@@ -21,7 +21,7 @@ def unpacked_size(path: Path) -> int:
 def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
     """Rows of each sheet of a workbook, or of the sheet `wanted`.
 
-    Formulas without a stored value stay text.
+    A formula without a stored value is read as text.
     """
     if path.suffix.lower() not in (".xlsx", ".xlsm"):
         what = f'has no sheet "{wanted}"' if wanted else "is no text"
@@ -37,7 +37,7 @@ def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
 
 
 def _open_book(path: Path) -> tuple[Any, Any]:
-    """The workbook opened twice, by openpyxl: with values, and with formulas."""
+    """Open a workbook twice, by openpyxl: with values, and with formulas."""
     try:
         import openpyxl  # here, as few tables are workbooks
 
@@ -65,7 +65,7 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
     """Rows of the sheet `name`, opened for `values` and for `formulas`.
 
-    A note lists sheets of the workbook, `names`, that are not read.
+    `names` are all sheets of the workbook; a note lists the sheets that are not read.
     """
     rows, widest = list[Row](), 0
     for sheet in (values, formulas):

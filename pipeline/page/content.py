@@ -104,7 +104,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
 
 
 def _page_facts(data: Results) -> dict[str, Any]:
-    """Facts for the page: name of the scene, range and values of its axes, surfaces."""
+    """Data for the page: name of the scene, values and ranges of its axes, surfaces."""
     sweep = data.sweep
     return {
         "name": sweep.name,
@@ -130,7 +130,7 @@ def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[d
     """Tests as dictionaries, each with its nearest grid node, friction and bulk temperature.
 
     `loads` [N] and `velocities` [m/s] belong to the nodes. Velocities before the index `first` are
-    below the sweep.
+    below the sweep's.
     """
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
@@ -210,7 +210,7 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 def _shares(data: Results, conditions: Conditions) -> list[float]:
     """Failing shares at which rises are tabulated; the page interpolates between them.
 
-    There is only one share if the criterion does not use it.
+    There is only one share if the criterion does not depend on it.
     """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
@@ -246,7 +246,7 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of deciding rises for the page: on a fine grid, and on lines that lack points.
+    """Tables of deciding rises for the page: on a fine grid, and on lines with missing points.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
     of the grid are far outside the sweep. A line belongs to one load or velocity of the sweep, and
@@ -320,7 +320,7 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 
 
 def _model_facts(data: Results) -> dict[str, Any]:
-    """Distribution of the model's own error, and the probabilities that decide a verdict.
+    """Distribution of the model's own error, and probabilities at which a verdict is decided.
 
     The standardised Student's t distribution is tabulated for each number of transitions.
     """
@@ -345,7 +345,7 @@ def _model_facts(data: Results) -> dict[str, Any]:
 
 
 def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Conditions as a dictionary, with the disk's bulk temperature if it may be different."""
+    """Conditions as a dictionary, with the bulk temperature of the disk if it may differ."""
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
     if "bulk_rise_quantile" in data.columns:
@@ -354,7 +354,7 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices of the points whose fields are shown: at most `most`, those nearest to the limit."""
+    """Indices of at most `most` points whose fields are shown: those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
@@ -417,10 +417,10 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 def rows_along(
     rises: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises [K] at each load on a finer grid of velocities, and these velocities [m/s].
+    """Rises [K] at each load on a finer grid of velocities; also returns these velocities [m/s].
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
-    the sweep. There rise/friction is extrapolated as a power law of the velocity.
+    the sweep. Outside the sweep, rise/friction is extrapolated as a power law of the velocity.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -439,9 +439,9 @@ def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     It is `COMPUTED`, `INTERPOLATED`, `EXTRAPOLATED`, or `BETWEEN` for a node between two loads of
     which only one has points on both sides.
 
-    `done` is the mask of computed points. `parts` are the numbers of parts of each interval of
-    loads and of velocities. `places` are node numbers along velocity, 0 at the sweep's first
-    velocity.
+    `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
+    divides intervals of load and of velocity. `places` are node numbers along velocity, 0 at the
+    sweep's first velocity.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

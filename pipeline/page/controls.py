@@ -17,7 +17,7 @@ from pipeline.sweep.conditions import Conditions
 class Control:
     """A condition that the reader sets by a slider or in a field.
 
-    They show ``factor`` × SI value + ``offset``.
+    Slider and field show ``factor`` × SI value + ``offset``.
     """
 
     name: str
@@ -96,7 +96,7 @@ def scene_choice(names: Sequence[str]) -> str:
 
 
 def _select(name: str, options: Mapping[str, str]) -> str:
-    """HTML element to select one of `options`, which has the shown text of each value."""
+    """HTML element to select one of `options`, a mapping from value to text."""
     listed = "".join(
         f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
     )

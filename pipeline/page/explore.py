@@ -216,5 +216,5 @@ def _json_text(held: dict[str, Any]) -> str:
 
 
 def _hash(text: str) -> str:
-    """Hash by which the page's content security policy allows a script or a style."""
+    """Hash of a script or a style, by which the page's content security policy allows it."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"

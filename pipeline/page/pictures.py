@@ -27,7 +27,7 @@ _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear
 def packed_fields(
     ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
 ) -> dict[str, Any]:
-    """Draw pressure, rise and wear depth of `chosen` points: indices (surface, load, velocity).
+    """Draw pressure, rise and wear depth of points `chosen` by (surface, load, velocity) index.
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
     the number of the point. Each point has the highest pressure [Pa], the lowest and highest rise

@@ -98,7 +98,7 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
 
 
 def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
-    """Laboratory tests compared with the model at their own conditions; empty without tests."""
+    """Table and notes on tests compared with the model at their own conditions; else empty."""
     table = compared(data)
     return () if table is None else test_parts(table)
 
@@ -127,7 +127,7 @@ def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
 
 
 def _key_of(path: str) -> str:
-    """Path of an entry as in the reference, with NAME for the name of a material."""
+    """Path of an entry as written in the reference, where NAME stands for a material's name."""
     return re.sub(r"^materials\.[^.]+|^(pin|disk)\.material(?=\.)", "materials.NAME", path)
 
 

@@ -35,7 +35,7 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Root(NamedTuple):
-    """Logarithm of an expected velocity at which the rise crosses the limit."""
+    """Expected velocity, as a logarithm, at which the rise crosses the limit."""
 
     place: float
     low: float = -math.inf  # nearest velocities whose rise is known, as logarithms; else infinite
@@ -63,8 +63,8 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
-        `tolerance` is the relative error allowed in velocity; see the class for `scale`.
-        Raises an `InputError` if the sweep has no two velocities, or no friction.
+        `tolerance` is the relative error allowed in velocity; see the class for `scale`. Raises an
+        `InputError` if the sweep has only one velocity, or no friction.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
@@ -83,7 +83,7 @@ class BoundarySearch:
     ) -> tuple[Point, ...]:
         """Points to compute next, given the known rises [K] and the points that failed.
 
-        Empty once the search is done.
+        There are no such points once the search is done.
         """
         past, chosen = {*rises, *failures}, set[Point]()
         roots = {load: self._roots(*row) for load in self.loads if (row := self._row(rises, load))}
@@ -97,7 +97,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """ln(velocity) and ln(rise/factor) at the known points of a load; None without any."""
+        """ln(velocity) and ln(rise/factor) at the known points of a load; None without points."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()

@@ -47,8 +47,8 @@ def start() -> None:
 def block_interrupts() -> Iterator[None]:
     """Delay a Ctrl-C to the end of the block; threads and processes begun in it never see one.
 
-    A terminal sends Ctrl-C to every process in the foreground. With this block it stops only the
-    driver, and no worker that is just starting.
+    A terminal sends Ctrl-C to every process in the foreground. Within the block it stops only the
+    driver, not a worker that is just starting.
     """
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -59,7 +59,7 @@ def block_interrupts() -> Iterator[None]:
 
 
 def end_if_imported() -> None:
-    """Exit silently if this process is a worker that runs its driver's script by importing it."""
+    """Exit silently if this process is a worker that imports, and so runs, the driver's script."""
     script = sys.modules.get("__mp_main__")  # a worker's name for it, before it has a parent
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # an exception would show a traceback for each worker

@@ -41,7 +41,7 @@ class Job:
 
 
 class Loss(Enum):
-    """Why a task has no result."""
+    """Reason why a task has no result."""
 
     KILLED = "its worker died"
     LEFT = "its worker left"
@@ -132,7 +132,7 @@ class Jobs:
         return lost
 
     def _loss(self, job: Job) -> Loss:
-        """Find out how a task was lost; `ExecutionError` if the run cannot go on."""
+        """Find the reason why a task was lost; `ExecutionError` if the run cannot go on."""
         error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker

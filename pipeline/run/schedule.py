@@ -27,7 +27,7 @@ _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
 def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
-    """Compute all tasks of a queue, and write each of their points as done or failed.
+    """Compute all tasks of a queue, and write their points to the store as done or failed.
 
     Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
     or no worker can compute.
@@ -109,7 +109,7 @@ class Losses:
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
         """Yield jobs that try a single suspected point on a free worker, least suspected first.
 
-        There are no such jobs while ordinary ones are `present`.
+        There are no such jobs while ordinary jobs are `present`.
         """
         if not all(job.is_alone for job in present):
             return

@@ -16,7 +16,7 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 
 class Tally:
-    """Counts points as they are written, and estimates the remaining time from the time a point."""
+    """Counts points as they are written, and estimates the remaining time from the mean time."""
 
     def __init__(self, store: Store, progress: Report) -> None:
         self.store = store  # replaced where a search of the boundary makes it grow
@@ -26,7 +26,7 @@ class Tally:
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Add points that were written, and report the progress; `workers` is their number."""
+        """Add points that were written, and report the progress of a run with so many `workers`."""
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)

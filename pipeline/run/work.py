@@ -51,7 +51,7 @@ CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
 
 
 class ExecutionError(TriboError):
-    """Workers that do not start, are lost, or run other code.
+    """Workers did not start, were lost, or run other code.
 
     Examples
     --------
@@ -105,9 +105,9 @@ _trunks = Trunks()
 
 
 def compute_points(name: str, points: Sequence[Point]) -> bytes:
-    """On a worker: compute points that share a contact, of the run with this name.
+    """On a worker: compute points that share a contact, for the run with a `name`.
 
-    Returns the pickled list of their records, which Dask sends as one piece.
+    Returns the pickled list of the points' records, which Dask sends as one piece.
     """
     worker = get_worker()
     run: Run = worker.plugins[name]

@@ -89,10 +89,10 @@ class OperatingPoints:
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        In a workbook the first sheet with such columns is read, unless `sheet_name` is given.
-        Units stand in the heading or in each cell; bare numbers of a mapping are in SI.
-        Rows at rest, or without a load or a velocity, are left out and counted.
-        `InputError` lists all faults, by row and column.
+        In a workbook the first sheet with load and velocity is read, unless `sheet_name` is given.
+        Units are in the heading or in each cell; bare numbers of a mapping are in SI. Rows at rest,
+        or without a load or a velocity, are left out and counted. An `InputError` lists all faults,
+        by row and column.
         """
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
@@ -157,7 +157,7 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Make the first row of ``sweep.along``, and all loads and velocities in it, the defaults.
+    """Make the first row of ``sweep.along``, and the loads and velocities of all rows, defaults.
 
     Returns the document and the function that adds the rows to a sweep; None without rows.
     """
@@ -193,7 +193,7 @@ def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
 
 
 def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
-    """The sweep with a variant for each row of ``sweep.along``; `InputError` if one is faulty."""
+    """The sweep with a variant for each row of ``sweep.along``; `InputError` if a row is faulty."""
     if entry_at(sweep.plane, "samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "

@@ -25,7 +25,7 @@ _CHECKS: list[tuple[tuple[str, ...], frozenset[str], Callable[[Any], Misfits]]] 
 
 
 def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], Misfits]]:
-    """Decorator: register a check of the entries at some paths; it runs if they have no fault."""
+    """Decorator: register a check of the entries at `paths`; it runs if they have no fault."""
 
     def add(find: Callable[[Any], Misfits]) -> Callable[[Any], Misfits]:
         _CHECKS.append((paths, frozenset(path.partition(".")[0] for path in paths), find))
@@ -35,14 +35,14 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 
 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
-    """Add a fault for each conflict of a table in `changed` with other tables of a scene."""
+    """Add a fault for each conflict between a table in `changed` and other tables of a scene."""
     for paths, names, find in _CHECKS:
         if not names.isdisjoint(changed) and not (faults and any(map(faults.touches, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))
 
 
 def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
-    """Reason why `name` is no known material; empty if it is in `materials`, or if not given."""
+    """Say that the material `name` is unknown; empty if it is in `materials`, or is None."""
     if not name or name in materials:
         return ""
     known = {**materials, **library()["materials"]}

@@ -58,11 +58,11 @@ def declared(table: type[_Class]) -> type[_Class]:
 
 
 class StoreOnly(NamedTuple):
-    """Annotation of an entry that only a store may have, and no scene file."""
+    """Annotation of an entry that only a store may have, not a scene file."""
 
 
 class Example(NamedTuple):
-    """Annotation of an entry: its value in a new scene file, if its kind has no example."""
+    """Annotation of an entry: its example value in a new scene file, if the kind has no example."""
 
     value: Any
 
@@ -184,8 +184,8 @@ class Range(Kind):
 class Either(Kind):
     """Kind of scene entry: one of several kinds, the first unless another fits the value better.
 
-    Of several tables, the one that has most of the value's keys is taken. Keys of the first table
-    do not count for this. The first table is taken if the value has only keys of it.
+    Of several tables, the table that has most of the value's keys is taken. Keys of the first table
+    do not count. The first table is taken if the value has no other keys.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:

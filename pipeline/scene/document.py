@@ -56,7 +56,7 @@ class Document(NamedTuple):
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def default(self, entries: Mapping[str, Any]) -> Document:
-        """The document with a further, last layer of defaults: `entries` by path."""
+        """Add a last layer of defaults to the document: `entries` by path."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:

@@ -54,7 +54,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def soft_or_hard(material: Any) -> str:
-    """Warning that hardness over elastic modulus of a material is unusual; empty if it is usual."""
+    """Warning that hardness/elastic modulus of a material is unusual; empty if it is usual."""
     share = material.hardness / material.elastic_modulus
     usual = USUAL_HARDNESS if math.isfinite(share) else None
     return unusual(share, usual, "times the elastic modulus")
@@ -83,7 +83,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
-    """Warning of the first test so far outside the sweep that its units are in doubt."""
+    """Warning of the first test that is so far outside the sweep that its units may be wrong."""
     loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
     for test in sweep.tests:
         places = (test.normal_load, loads), (test.velocity, velocities)

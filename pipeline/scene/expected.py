@@ -64,7 +64,7 @@ def _course(scene: Scene, load: float) -> tuple[float, float]:
 def _worn(
     scene: Scene, fastest: float, half_widths: Array, worn_volumes: Array
 ) -> tuple[Array, Array]:
-    """Width of the contact of a smooth, worn pin, and greatest depth of its wear [m].
+    """Width of the contact of a smooth, worn pin, and greatest wear depth [m].
 
     `half_widths` are half the widths of the unworn contact [m], `worn_volumes` are in m³. `fastest`
     is the highest sliding velocity [m/s].

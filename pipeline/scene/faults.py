@@ -59,7 +59,7 @@ class Faults(list[Fault]):
             self.refuse(key, " ".join(str(error).split()))
 
     def touches(self, path: str) -> bool:
-        """True if there is a fault at a path, within it, or in the table around it."""
+        """True if there is a fault in the entry at a path, within it, or in the table around it."""
         within = f"{path}.", f"{path}["
         return any(
             key == path or key.startswith(within) or path.startswith(f"{key}.") for key, *_ in self
@@ -100,7 +100,7 @@ class SceneFileError(TriboError):
 
 
 def fault_lines(name: str, faults: Sequence[str]) -> str:
-    """Join faults to a message that names the file; several faults are lines below each other."""
+    """Join faults to a message that names the file, with a line for each of several faults."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
     lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
@@ -122,7 +122,7 @@ def listed_faults(faults: Iterable[Fault]) -> list[str]:
 
 
 def row_text(numbers: Sequence[int]) -> str:
-    """Numbers of rows in words, such as "rows 2, 3 and 5"."""
+    """List row numbers in words, such as "rows 2, 3 and 5"."""
     if len(numbers) == 1:
         return f"row {numbers[0]}"
     shown = [str(number) for number in numbers[:_SHOWN_ROWS]]
@@ -131,7 +131,7 @@ def row_text(numbers: Sequence[int]) -> str:
 
 
 def quoted(value: object) -> str:
-    """Value on one line, roughly as written in the file."""
+    """Write a value on one line, roughly as in the scene file."""
     if isinstance(value, dict):
         text = "a table"
     elif isinstance(value, list):

@@ -61,7 +61,7 @@ def one_or_two(kind: Kind) -> Either:
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """Make a copy of a declared table with the entries of `others`, and with `entries`."""
+    """Make a copy of a declared table that also has the entries of `others`, and `entries`."""
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 

@@ -27,7 +27,7 @@ _MOST = 2**63 - 1  # largest whole number that a store keeps
 
 
 class UnfitError(Exception):
-    """A value that does not fit its kind; the message says why."""
+    """A value does not fit its kind; the message says why."""
 
 
 def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
@@ -40,7 +40,7 @@ def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
 
 
 class Kind(ABC):
-    """Base class of kinds of scene-file entry: reads a value, and states what is allowed."""
+    """Base class of kinds of scene entry: reads a value, and states what is allowed."""
 
     words: ClassVar[str] = ""
     holds: ClassVar[type | tuple[type, ...]] = ()
@@ -133,7 +133,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` if a value is outside the bounds, or its size is not credible."""
+        """Raise `UnfitError` if a value is outside the bounds, or its size outside a range."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:
@@ -179,7 +179,7 @@ class Scalar(Kind):
 class Quantity(Kind):
     """Kind of scene entry: a number with a unit, read in SI; its example fixes the dimension.
 
-    It must be above 0, or at least 0 if `zero` is true.
+    The number must be above 0, or at least 0 if `zero` is true.
     """
 
     example: str

@@ -38,7 +38,7 @@ _SOURCE = "source_sha256"
 
 
 def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
-    """The document without the entries that laws replace; `InputError` if a law does not fit."""
+    """Remove entries that laws replace from a document; `InputError` if a law does not fit."""
     for kind, law in laws.items():
         if kind not in _REPLACED:
             raise tribo.InputError(f"laws: {kind!r} is unknown; give {', '.join(_REPLACED)}")
@@ -149,7 +149,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """The law with other `values` of some fields; values that do not fit are added to `faults`."""
+    """Replace fields of a law by `values`; values that do not fit are added to `faults`."""
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

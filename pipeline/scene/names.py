@@ -58,7 +58,7 @@ class Heading(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Name of the quantity that is the heading's title, else the title in snake case."""
+        """Name of the quantity that the heading's title names, else the title in snake case."""
         name = self.title.lower().replace(" ", "_")
         return _EXACT.get(name, name)
 
@@ -67,7 +67,7 @@ class Heading(NamedTuple):
 class Names:
     """Quantities to look for in a table, with their SI units; None stands for text.
 
-    Their columns are found by the headings.
+    Columns are found by their headings.
     """
 
     units: Mapping[str, str | None]

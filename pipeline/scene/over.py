@@ -57,7 +57,7 @@ def _extend(sweep: Sweep) -> Sweep:
 
 
 def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """Variants of the entry at `path` by its values: quantities ascend, texts keep their order."""
+    """Variants for the values of the entry at `path`: quantities ascend, texts keep their order."""
     labels, unit = labels_of(values)
     pairs = [*zip(labels, values, strict=True)]
     if unit is not None:
@@ -68,14 +68,14 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Pairs (path, value) to set for a `value`; naming an oil removes its other entries."""
+    """Yield pairs (path, value) to set for a `value`; an oil's name removes its other entries."""
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Convert values to numbers in SI, and return their unit; else to texts, and return None."""
+    """Convert values to numbers in SI, with their unit; if that fails, to texts, with None."""
     first = values[0]
     try:
         if isinstance(first, str):

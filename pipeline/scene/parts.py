@@ -105,7 +105,7 @@ def loading_of(
 
 
 def _read_record(path: Path, faults: Faults) -> Array:
-    """Times [s] and loads [N] from a file with columns of both, shape (2, n)."""
+    """Times [s] and loads [N], shape (2, n), from a file with columns of time and load."""
     sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
     times, loads = (
         sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
@@ -184,7 +184,7 @@ def motion_of(table: Motion, pin: Body) -> tribo.Motion:
 
 
 def track_length(body: Body) -> float | None:
-    """Length of the track around a body [m]: the rim of a disc, or as given; None if unknown."""
+    """Length of the track around a body [m]: the rim of a disc, or the given value, or None."""
     return math.pi * body.diameter if body.diameter else body.track_length
 
 

@@ -72,7 +72,7 @@ class SceneReader:
         return parts
 
     def read_all(self, entries: Entries, faults: Faults) -> Parts | None:
-        """Convert entries to `Parts`; None if one is faulty, with all faults added to `faults`."""
+        """Convert entries to `Parts`; if an entry is faulty, add to `faults` and return None."""
         laws, tables = take_laws(self.laws, dict(entries), faults)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
@@ -124,7 +124,7 @@ class SceneReader:
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
         """Entries with all defaults, values of the library and choices of the preset written out.
 
-        With `like`, only the tables are returned in which `parts` differ from `like`.
+        With `like`, only tables in which `parts` differ from `like` are returned.
         """
         fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)
@@ -198,7 +198,7 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """Make the `Conditions` of a declared scene; `rule` is a criterion of the user's own."""
+    """Make the `Conditions` of a declared scene; `rule` is a criterion by the user."""
     temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,

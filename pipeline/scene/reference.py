@@ -24,14 +24,14 @@ from tribo import InputError
 
 
 class Section(NamedTuple):
-    """A table of the format of scenes: its path, empty for the file itself, and its entry."""
+    """A table of the scene format: its path (empty for the top of the file), and its entry."""
 
     path: str
     entry: Entry
 
     @property
     def is_list(self) -> bool:
-        """True if a file may have several of this table, each under double brackets."""
+        """True if a file may have several such tables, under double brackets."""
         return isinstance(self.entry.kind, List)
 
     @property
@@ -40,7 +40,7 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Entry of each key that holds a value, and a form of the table if not all have it."""
+        """Entry of each key that has a value, and its form of the table if not all have it."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:
@@ -51,7 +51,7 @@ class Section(NamedTuple):
         return keys
 
     def path_of(self, key: str) -> str:
-        """Path of a key of the table from the top of the file."""
+        """Path of a key of this table, from the top of the file."""
         return f"{self.path}.{key}" if self.path else key
 
 
@@ -98,7 +98,7 @@ def find_entry(path: str) -> Entry | None:
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:
-    """The kind of number in a kind, such as of a list's items; None if it has no numbers."""
+    """The kind of number within a kind, such as a list; None if there are no numbers."""
     match kind:
         case Quantity() | Number():
             return kind

@@ -18,8 +18,8 @@ from tribo import InputError, TriboError
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """The sweep of a store after another run: variants of both runs, other data from `sweep`.
 
-    Which steps and fields are stored, and how the fidelity was chosen, stays as `before`. If the
-    points were chosen singly, `chosen` is empty, since the store has them.
+    Which steps and fields are stored, and how the fidelity was chosen, stays as `before`. If single
+    points were chosen, `chosen` is empty, since the store has them.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -85,7 +85,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Yield, in words, the differences between entries that change the result of `part`."""
+    """Yield, in words, differences between entries that change the result of `part`."""
     present = digest(part(old))
     if present == digest(part(new)):
         return

@@ -105,14 +105,14 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Put the path of an entry before the message `words`, which begins with its name."""
+    """Put the path of an entry before the message `words`, which begins with the entry's name."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
 
 
 def _require_few_points(sweep: Sweep) -> None:
-    """Raise an `InputError` for more points than a sweep may have, before any is made."""
+    """Raise an `InputError` if a sweep has too many points, before they are made."""
     loads = len(sweep.plane.loads) if sweep.variants.labels("load") is None else 1
     if (count := sweep.ramps * loads) > MOST_POINTS:
         raise tribo.InputError(
@@ -133,7 +133,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides and `preset` by full key path, also for keys of ``[fidelity]`` given without it."""
+    """Overrides and `preset` by full key path, also for keys given without ``fidelity.``."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

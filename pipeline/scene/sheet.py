@@ -88,7 +88,7 @@ class Sheet:
 
     @property
     def remarks(self) -> list[str]:
-        """Columns and sheets that were not used, in words."""
+        """Notes on columns and sheets that were not used."""
         unused = ", ".join(self.unused)
         return [*filter(None, (unused and f"columns not used: {unused}", self.other_sheets))]
 
@@ -120,12 +120,12 @@ class Sheet:
             row.cells.append(cell)
 
     def leave_out(self, reasons: Mapping[int, str]) -> None:
-        """Leave out the rows with these numbers, each for its reason."""
+        """Leave out rows, with a reason for each row number."""
         self.left_out |= reasons
         self.rows = [row for row in self.rows if row.number not in reasons]
 
     def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
-        """Add a fault for each missing column of `needed`; leave out rows that are empty in one.
+        """Add a fault for each missing column; leave out rows in which a `needed` cell is empty.
 
         Rows in which a quantity of `moving` is 0 are left out, too.
         """
@@ -224,7 +224,7 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator of lines that gives most numbers, in rows as long as the headings."""
+    """Find the separator by which lines give most numbers, in rows as long as the headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
@@ -261,7 +261,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 
 
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
-    """Read row `k` as headings, with units from the rows below; also the number of rows used."""
+    """Read row `k` as headings, with units from rows below; return headings, and number of rows."""
     first, *others = rows[k].cells
     is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
     heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
@@ -291,7 +291,7 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
-    """Make a `Sheet` from the table, and the row of headings, that name most quantities.
+    """Make a `Sheet` from the table whose headings name most quantities.
 
     `decimal` is the decimal sign, "," or "."; found from the cells if None.
     """

@@ -25,7 +25,7 @@ def name_of(path: Path) -> str:
 
 
 def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
-    """File of a scene that is given by its path from a folder, or by its name if it is shipped."""
+    """File of a scene, given by its path from a folder, or by its name if it is shipped."""
     path, shipped = folder / user_path(scene), shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped
 
@@ -38,7 +38,7 @@ _READING_ORDER = (
 
 
 def shipped_pages() -> dict[str, Path]:
-    """File of each page that can be printed, by its name, in the order of reading."""
+    """File of each page that ``irg help`` prints, by name, in the order of reading."""
     named = {page_name(path): path for path in WORKFLOWS.glob("*.md")}
     return {name: named[name] for name in _READING_ORDER if name in named}
 

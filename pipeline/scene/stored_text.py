@@ -25,7 +25,7 @@ from tribo.types import Array
 
 
 class SweepTextError(InputError):
-    """A text in a store that does not describe a sweep."""
+    """A text in a store does not describe a sweep."""
 
 
 def sweep_text(sweep: Sweep) -> str:

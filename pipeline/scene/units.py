@@ -82,7 +82,7 @@ _OF_TABLES = {
 
 
 class UnitError(TriboError, ValueError):
-    """Text that is not a quantity of the dimension that is needed."""
+    """A text is not a quantity of the needed dimension."""
 
 
 _TRAPS = [InvalidOperation, DivisionByZero, Overflow]
@@ -108,7 +108,7 @@ class Unit(NamedTuple):
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a text such as ``"0.27 um"``, of the dimension of `like`, without rounding.
 
-    Hardness is a pressure.
+    Hardness numbers are converted to a pressure.
     """
     needed = si_unit(like)
     if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
@@ -170,7 +170,7 @@ def si_unit(text: str) -> str:
 
 
 def unit_of_table(unit: str) -> str:
-    """Rewrite the unit of a column, such as C as degC or kg as kgf; empty for a plain number."""
+    """Rewrite the unit of a column, such as C to degC or kg to kgf; empty for a plain number."""
     unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
     return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
 
@@ -315,7 +315,7 @@ _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 @functools.cache
 def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
-    """Hardness numbers of steel on the scales HRC and HB, each with the equal Vickers numbers."""
+    """Hardness numbers of steel by scale, HRC and HB, each list with equivalent Vickers numbers."""
     file = resources.files("pipeline.scene").joinpath("hardness.toml")
     vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
     return {"HR": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}
@@ -366,7 +366,7 @@ _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
 def typeset(text: str) -> str:
-    """A unit, or a quantity, with signs as in print: µm, °, ² and ³."""
+    """Write a unit, or a quantity, with signs as in print: µm, °, ² and ³."""
     for typed, sign in _SIGNS.items():
         text = text.replace(typed, sign)
     return text

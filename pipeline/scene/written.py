@@ -64,7 +64,7 @@ def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """The sweep with other numerical choices, `made`; `preset` is their name, if they have one."""
+    """Replace the numerical choices of a sweep by `made`, which are those of a `preset` or not."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 
@@ -72,7 +72,7 @@ def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None)
 def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
     """Entries of a sweep in words, by path, with the conditions by which it is judged.
 
-    The title is left out. `entries` may be another way to write the same scene.
+    The title is left out. `entries`, if given, are written instead of the sweep's.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}
@@ -105,7 +105,7 @@ def _judged(sweep: Sweep) -> dict[str, str]:
 
 
 def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
-    """Pairs of path and value in nested tables; the tables of a list are numbered from 1 on."""
+    """Yield pairs (path, value) of nested tables; the tables of a list are numbered from 1 on."""
     for path, value in flat(tables):
         if isinstance(value, list) and value and isinstance(value[0], dict):
             inner = {str(number): one for number, one in enumerate(value, 1)}
@@ -130,7 +130,7 @@ def in_words(value: Any) -> str:
 
 
 def form_of(kind: Either, value: Any) -> Kind:
-    """Which of the kinds in `kind` a value was read by."""
+    """Find by which of the kinds in `kind` a value was read."""
     for one in kind.kinds:
         is_table = isinstance(one, Table) and isinstance(value, one.make)  # type: ignore[arg-type]
         if is_table or (isinstance(one, List) and isinstance(value, tuple)):

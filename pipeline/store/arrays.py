@@ -59,7 +59,8 @@ def array_documents(
 ) -> dict[str, Document]:
     """Zarr metadata of the variables `wanted`, as JSON documents by name.
 
-    `sizes` are the lengths of dimensions, `block` is the number of points in a chunk along each.
+    `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each
+    dimension.
     """
     memory: dict[str, Any] = {}
     group = zarr.open_group(MemoryStore(memory), mode="w")
@@ -84,7 +85,7 @@ def array_documents(
 
 
 def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, Any]:
-    """Open the arrays of a Zarr store, whose metadata are `documents`, by name."""
+    """Open the arrays of a Zarr store, by name; `documents` has their metadata."""
     # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
     # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}

@@ -61,7 +61,7 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
 
 
 def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
-    """Open a store whose lock is held, with room for the sweep's points; raises as `writing`."""
+    """Open a store whose lock is held, with room for a sweep's points. Errors: see `writing`."""
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)

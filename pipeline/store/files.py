@@ -21,7 +21,7 @@ _NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems canno
 
 
 def _path_of(root: Path, key: str) -> Path:
-    """Path of the file `key` in the store `root`; `OSError` if a folder on the way is a link."""
+    """Path of the file `key` in the store `root`; `OSError` if a folder of the path is a link."""
     path = root / key
     for folder in reversed(path.parents[: key.count("/")]):
         _require_no_link(folder)
@@ -35,7 +35,7 @@ def _require_no_link(path: Path) -> None:
 
 
 def open_file(root: Path, key: str) -> int:
-    """Open the file `key` of a store, created if missing; return its file descriptor."""
+    """Open or create the file `key` of a store; return its file descriptor."""
     path = _path_of(root, key)
     _require_no_link(path)
     make_folder(path.parent)
@@ -77,7 +77,7 @@ def make_folder(folder: Path) -> None:
 
 
 def sync(folder: Path) -> None:
-    """Wait until the names of a folder's files are on the disk, if the file system can do that."""
+    """Wait until the names of a folder's files are on the disk, if the file system allows it."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -15,9 +15,9 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable that holds all input arrays of a scene, by name; {} without arrays.
+    """Variable for all input arrays of a scene, by its name; {} without arrays.
 
-    `sizes` are the numbers of values in each array, by its SHA-256.
+    `sizes` has the number of values of each array, by SHA-256.
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"

@@ -31,7 +31,7 @@ _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have
 
 
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Number of points in a chunk along each dimension: 1024 in all, fewer if points are large.
+    """Number of points in a chunk along each dimension: 1024 in total, fewer if points are large.
 
     `sizes` are the lengths of the dimensions. A chunk has all loads, since one ramp computes them,
     then neighbouring velocities, then surfaces or samples.
@@ -81,7 +81,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Sorted values along each dimension of variants, and values of columns that depend on one."""
+    """Values along each dimension of variants, sorted, and of columns that depend on them."""
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {
@@ -168,7 +168,7 @@ def made_coordinates(
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Yield index and slices of each chunk that has a point where `mask` is True.
+    """Yield index and slices of each chunk in which `mask` is True for a point.
 
     `sizes` are the numbers of points in a chunk along each dimension.
     """

@@ -63,7 +63,7 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
 
 
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
-    """Lock an open file, and return True; False if its file system has no locks.
+    """Lock an open file, and return True; return False if the file system has no locks.
 
     Raises a `StoreError` if another run has the lock.
     """
@@ -109,6 +109,6 @@ def holder_of(place: StorePlace) -> str | None:
 
 
 def _read_holder(descriptor: int) -> tuple[str, str | None]:
-    """Read the name of the process in a lock file, and its host; None for an unknown host."""
+    """Read the names of process and host in a lock file; the host is None if unknown."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

@@ -40,7 +40,7 @@ REMEDY = "irg run with its scene mends it; on an object store, write to another 
 
 
 class StoreError(TriboError):
-    """A store that is missing, not readable, not writable or in use.
+    """A store is missing, not readable, not writable or in use.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class StoreError(TriboError):
 
 
 class StoreMismatchError(StoreError):
-    """A store that belongs to another scene.
+    """A store belongs to another scene.
 
     Examples
     --------
@@ -69,7 +69,7 @@ class StoreMismatchError(StoreError):
 
 
 class DamagedError(StoreError):
-    """Data of a store that differ from what was written, such as a chunk that cannot be decoded."""
+    """Data of a store differ from what was written; for example, a chunk cannot be decoded."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ class Bucket:
         system.pipe({above + key: content for key, content in contents.items()})
 
     def keys(self) -> set[str]:
-        """Names of all objects."""
+        """Names of all objects of the store."""
         system, above = self._opened()
         return {name.removeprefix(above) for name in system.find(above)}
 

@@ -47,8 +47,8 @@ from tribo.types import Indices
 def open_store(path: PathLike) -> xr.Dataset:
     """Open a store as a dataset of its present state; data are read when they are used.
 
-    The store may be written to meanwhile. A copy that xarray wrote elsewhere is opened, too.
-    Raises a `StoreError` if there is no readable store, or done points lack chunks.
+    The store may still be in use by a run. A copy written by xarray is opened, too. Raises a
+    `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
     if (copy := _open_copy(place)) is not None:
@@ -75,7 +75,7 @@ class _Backend(BackendEntrypoint):
     """Backend of xarray that opens a store, with axes and metadata from its root document."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
-        """Open a store; no variable may be dropped."""
+        """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
         _require_chunks(store)
         root, rows = _plane(store.root)
@@ -111,11 +111,11 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane(root: Root) -> tuple[Root, Indices | None]:
-    """Root document with the dataset's axes, and which stored point is where on these axes.
+    """Give a store of single points the axes of a dataset; return its root document and an array.
 
-    A boundary search stores single points. The dataset has all their loads and velocities as axes;
-    the returned array has the number of the stored point, or −1 without a point. Other stores are
-    returned unchanged, with None.
+    A boundary search stores single points. The dataset has all their loads and velocities as axes.
+    The array has the number of the stored point at each place on these axes, or −1. The root
+    document of other stores is returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None
@@ -152,7 +152,7 @@ class _Masked(BackendArray):
         )
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        """Read a part of the variable by a `key`: an independent index for each dimension."""
+        """Read a part of the variable; `key` has an independent index for each dimension."""
         count = self._mask.ndim
         mask = _select(self._mask, key[:count])
         with read_errors(self._place, self._name):
@@ -168,12 +168,12 @@ class _Masked(BackendArray):
 
 
 def _spread(values: Any, rows: Indices | None) -> Any:
-    """Put values of stored points on the grid of loads and velocities; 0 without a point."""
+    """Put values of stored points on the grid of loads and velocities, with 0 elsewhere."""
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
 def _select(values: Any, key: tuple[Any, ...]) -> Any:
-    """Select values by a `key`: an independent index for each dimension."""
+    """Select values; `key` has an independent index for each dimension."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 

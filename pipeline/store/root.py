@@ -60,7 +60,7 @@ _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "i
 
 @dataclass(frozen=True, kw_only=True)
 class Root:
-    """Content of a store's root document, from which the metadata of all arrays follow."""
+    """Content of a store's root document, which determines the metadata of all arrays."""
 
     sweep: Sweep
     text: str  # of the sweep
@@ -110,13 +110,13 @@ class Root:
 
     @property
     def others(self) -> dict[str, Document]:
-        """Zarr metadata of all arrays and groups in the store, also those added by users."""
+        """Zarr metadata of all arrays and groups in the store, including those added by users."""
         return dict(self.found[CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
         """JSON documents of all groups by key; the last is the root document, with all metadata.
 
-        They are made here, since Zarr would write the root document in two steps. The other
+        Zarr does not make them, since it would write the root document in two steps. The other
         documents repeat parts of it, for programs that consolidate the metadata again.
         """
         values = (FORMAT, self.axes, self.block, self.history, self._inputs, self.text, self.ids)
@@ -153,7 +153,7 @@ def _digest(facts: Document, arrays: Document) -> str:
 
 
 def read_root(place: StorePlace) -> Root:
-    """Read a store's root document; `StoreError` if it is missing, damaged or of other version."""
+    """Read a store's root document; `StoreError` if missing, damaged or of another version."""
     if root := find_root(place):
         return root
     if holder := holder_of(place):
@@ -163,7 +163,7 @@ def read_root(place: StorePlace) -> Root:
 
 
 def find_root(place: StorePlace) -> Root | None:
-    """Read a store's root document; None if nothing is there, `StoreError` for anything else."""
+    """Read a store's root document; None for an empty place, `StoreError` for other content."""
     with io_errors(place):
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
@@ -176,13 +176,13 @@ def find_root(place: StorePlace) -> Root | None:
 
 
 def _is_beginning(key: str) -> bool:
-    """True if `key` is a file that an interrupted creation may leave, such as metadata."""
+    """True if `key` is a file that may remain if creating a store was interrupted."""
     name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Convert a file's JSON to a `Root`; `StoreError` if it is damaged or of another program."""
+    """Convert the JSON of a root document; `StoreError` if damaged or by another program."""
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:
@@ -247,6 +247,6 @@ def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
 
 
 def find_sweep(path: PathLike) -> Sweep | None:
-    """Read the sweep of a store; None if nothing is there, `StoreError` for anything else."""
+    """Read the sweep of a store; None for an empty place, `StoreError` for other content."""
     root = find_root(place_of(path))
     return root.sweep if root else None

@@ -148,12 +148,12 @@ def is_coordinate(name: str) -> bool:
 
 
 def is_of_points(dim: str) -> bool:
-    """True for a dimension along which points lie; False for a dimension in a point, as step."""
+    """True for a dimension of points; False for a dimension within points, such as step."""
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
 def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable for a column of the table of variants, with the type of its labels."""
+    """Variable for a column of the table of variants; its type depends on the `label`."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
     return Variable(dims, column.unit, column.meaning, kinds[type(label)])
@@ -204,7 +204,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Which dimensions the coordinate `name` (time, load or distance) depends on, of variants."""
+    """Dimensions of variants that affect the coordinate `name`: time, load or distance."""
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

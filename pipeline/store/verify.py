@@ -86,8 +86,8 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 def mend_store(path: PathLike, sweep: Sweep) -> int:
     """Mark damaged points of a store as pending, and repair files that points share.
 
-    Returns the number of damaged points and files. On an object store nothing is done. Raises as
-    `writing` does.
+    Returns the number of damaged points and files. On an object store nothing is done. See
+    `writing` for errors.
     """
     place = place_of(path)
     if isinstance(place, Bucket) or not find_root(place):
@@ -112,7 +112,7 @@ class _Damage(NamedTuple):
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Read all of a store to find damage, and set its `flags` and `asked`; nothing is written."""
+    """Read all data of a store to find damage, and set its `flags` and `asked`; write nothing."""
     damage = _Damage({}, {})
     with io_errors(store.place):
         keys = store.place.keys()
@@ -150,12 +150,12 @@ def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) ->
 
 
 def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
-    """Add a damaged chunk to `damage`, to be replaced by fill values."""
+    """Add a damaged chunk to `damage`, so that fill values replace it."""
     damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Read the values of a variable in a chunk; fill values if it is missing, None if damaged.
+    """Read a chunk of a variable; fill values if the chunk is missing, None if damaged.
 
     `block` is the chunk's index in the array.
     """
@@ -165,7 +165,10 @@ def _read(store: Store, name: str, block: Any) -> Any:
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Read a chunk of points: values by variable, None if damaged; no ``status`` or ``asked``."""
+    """Read values by variable for a chunk of points, without ``status`` and ``asked``.
+
+    A damaged variable is None.
+    """
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
         read = threads.map(lambda name: _read(store, name, block), names)
@@ -177,7 +180,7 @@ def stored_entries(
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
     """Yield index, point and values by variable of each point in a chunk that is not pending.
 
-    `values` are those of the chunk, from `read_block`. A value that is damaged is None.
+    `values` are from `read_block`. A damaged value is None.
     """
     indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
     places = map(tuple, indices.tolist())
@@ -210,7 +213,7 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
     """Yield name, and correct data to write, of coordinates that differ from the root document.
 
-    They differ if a run was killed while the store grew, and matter to plain xarray.
+    Coordinates differ if a run was killed while the store grew. Plain xarray reads them.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

@@ -111,7 +111,7 @@ class Store:
     # Reading
 
     def read(self, name: str, key: Any) -> Any:
-        """Read the part of a variable at the index `key`; `StoreError` if a chunk is damaged."""
+        """Read a part of a variable, at the index `key`; `StoreError` if a chunk is damaged."""
         with read_errors(self.place, name):
             return self.arrays[name][key]
 
@@ -256,7 +256,7 @@ class Writer:
         self._waiting += records
 
     def written(self, at_once: bool = False) -> list[PointRecord]:
-        """Return records written since the last call; begin to write more if due or `at_once`."""
+        """Return records written since the last call; write more if it is time, or `at_once`."""
         records = []
         if self._writing and self._writing.done():
             records, self._writing = self._writing.result(), None

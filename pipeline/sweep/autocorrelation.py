@@ -70,7 +70,7 @@ def autocorrelation_lengths(
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
     """Autocorrelation at lags up to half a side, with 1 at lag 0; and the index of lag 0.
 
-    Heights must be 0 where `measured` is False; they are left out of the means.
+    Heights must be 0 where `measured` is False. Such heights are left out of the means.
     """
     reach = [n // 2 + 1 for n in heights.shape]
     kept = [np.arange(-far, far + 1) for far in reach]

@@ -125,7 +125,7 @@ class Conditions(Judging):
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
-        """The conditions, replaced by the values that a row of a table has.
+        """The conditions with values of a table's row in place of their own.
 
         A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies and a
         ``critical_temperature`` [K].
@@ -137,7 +137,7 @@ class Conditions(Judging):
         return own.replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
-        """The conditions, with the load history of `loading` filled into their corrections."""
+        """The conditions with the load history of `loading` added to their corrections."""
         corrections = self.corrections and self.corrections.under(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)
 
@@ -152,7 +152,7 @@ class Conditions(Judging):
         return self.critical_temperature
 
     def changed(self, **changes: Any) -> Conditions:
-        """The conditions with some of them replaced; see `changes_of` for the keywords."""
+        """The conditions with some values replaced; see `changes_of` for the keywords."""
         return replace(self, **changes_of(**changes))
 
 
@@ -163,9 +163,9 @@ def changes_of(
     share: float | None = None,
     criterion: str | Rule | None = None,
 ) -> dict[str, Any]:
-    """Arguments that are not None, as fields of `Conditions`.
+    """Fields of `Conditions` for those arguments that are not None.
 
-    A share without a criterion sets the criterion "share".
+    If a share is given without a criterion, the criterion becomes "share".
     """
     entries: dict[str, Any] = {
         "friction": friction,

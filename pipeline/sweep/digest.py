@@ -16,7 +16,7 @@ from tribo.surface import array_digest
 
 
 def digest(part: Any) -> str:
-    """SHA-256 of a value or object by its fields; the numbers 2 and 2.0 count as the same."""
+    """SHA-256 of a value, or of an object's fields; the numbers 2 and 2.0 are the same."""
     return hashlib.sha256(json.dumps(_plain(part)).encode()).hexdigest()
 
 

@@ -97,7 +97,7 @@ class Law(UnknownHeights):
 
 
 def is_user_law(part: Any) -> bool:
-    """True if a part of a scene is a law by the user, or the `Law` stored for such a law."""
+    """True if a part of a scene was defined by the user, or is the `Law` stored for such a part."""
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
@@ -136,7 +136,7 @@ def code_of(law: Any) -> Any:
 
 
 def given_laws(scene: Scene) -> list[Any]:
-    """Parts of a scene that are laws by the user."""
+    """Parts of a scene that were defined by the user: wear law, surface or pin."""
     return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 
@@ -163,7 +163,7 @@ def _source_sha256(code: Any) -> str:
 
 
 def _source(code: Any) -> bytes:
-    """Content of the file that defines a class or function, else its source."""
+    """Content of the file that defines a class or function, or its source without a file."""
     file = getattr(sys.modules.get(code.__module__), "__file__", None)
     if file and Path(file).is_file():
         return Path(file).read_bytes()

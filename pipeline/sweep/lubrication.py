@@ -36,7 +36,7 @@ class Lubrication:
     def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
         """Minimum film thickness [m] at a load [N], a sliding velocity [m/s], a temperature [K].
 
-        Where the pin is at rest, the oil enters at half the sliding velocity.
+        If the pin is at rest, the oil enters at half the sliding velocity.
         """
         entrainment = abs(sum(self.scene.velocities_at(velocity))) / 2
         viscosity = self.oil.viscosity(temperature)
@@ -48,7 +48,7 @@ class Lubrication:
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
         """Film parameter Λ at loads [N] and velocities [m/s], which broadcast; NaN without a load.
 
-        `temperature` is that of the oil at the inlet [K].
+        `temperature` is the oil's at the inlet [K].
         """
         loads, velocities = np.broadcast_arrays(load, velocity)
         parameters = np.full(loads.shape, np.nan)

@@ -29,12 +29,12 @@ class Measurement:
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """Make a test from its entries in a scene, in SI."""
+        """Make a test from the entries of a scene, in SI."""
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Copy of the test for a sweep with `oil`: its oil is None if it is this oil, else a name.
+        """Copy of a test for a sweep with `oil`: the test's oil becomes None if it is the same oil.
 
         The test is unchanged if `oil` is None.
         """
@@ -55,6 +55,6 @@ def oils_of(names: Iterable[str | None]) -> list[str]:
 
 
 def own_tests(tests: Sequence[Measurement]) -> tuple[Measurement, ...]:
-    """Tests that name no oil; if all name an oil, the tests of the first oil by name."""
+    """Tests that do not name an oil; if all do, tests of the oil that is first in the alphabet."""
     first, *_ = [*oils_of(test.oil for test in tests), ""]
     return tuple(test for test in tests if (test.oil or "") == first)

@@ -119,7 +119,7 @@ class Sweep:
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __eq__(self, other: object) -> bool:
-        """True if the entries of both sweeps mean the same, in each variant."""
+        """True if the entries of both sweeps have the same meaning, in each variant."""
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
     def __hash__(self) -> int:
@@ -181,7 +181,7 @@ class Sweep:
 
     @property
     def tested(self) -> tuple[Measurement, ...]:
-        """Tests that stayed mild or turned severe."""
+        """Tests with an outcome, mild or severe."""
         return tuple(test for test in self.tests if test.outcome)
 
     @property
@@ -196,7 +196,7 @@ class Sweep:
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """Everything else that affects verdicts, besides simulation and conditions."""
+        """Data that affect verdicts, besides simulation and conditions: tests, oil and others."""
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
@@ -234,7 +234,7 @@ class Sweep:
 
     @property
     def ramps(self) -> int:
-        """Number of ramps to simulate; a ramp passes through all loads at one velocity."""
+        """Number of loading ramps to simulate; a ramp goes through all loads at one velocity."""
         has_own = self.variants.labels("velocity") is not None
         return len(self.variants) * (1 if has_own else len(self.plane.velocities))
 
@@ -253,7 +253,7 @@ class Sweep:
         return self._alone[name]
 
     def cache_parts(self, parts: Iterable[Parts]) -> None:
-        """Cache the parts of all variants, since making them takes 0.2 ms a variant."""
+        """Cache the parts of all variants, since making them takes 0.2 ms for each variant."""
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
 
@@ -305,7 +305,7 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
-        """The sweep on the random surface of a seed alone; the sweep itself if None."""
+        """The sweep on only the random surface of a seed; the sweep itself if the seed is None."""
         if seed is None:
             return self
         if not isinstance(self.scene.roughness, SelfAffineRoughness):
@@ -318,7 +318,8 @@ class Sweep:
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
         """The sweep of one load [N] and velocity [m/s], and of the tests unless `alone`.
 
-        `pipeline.margin` at that place, in a store of this sweep, is the verdict of ``irg point``.
+        In a store of this sweep, `pipeline.margin` at this load and velocity is the verdict of
+        ``irg point``.
         """
         tests = () if alone else self.tests
         own = (Point(test.normal_load, test.velocity) for test in tests)

@@ -27,7 +27,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of earlier turns is left out; None if it is included.
+    """Caveat that heat of a track's earlier turns is left out; None if it is included.
 
     `severe` states, if known, where wear is severe with that heat.
     """
@@ -38,7 +38,7 @@ def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
 
 
 def note_on_turns(sweep: Sweep) -> str | None:
-    """Note that heat of earlier turns is left out, and how to include it; None if included."""
+    """Note on how to include the heat of a track's earlier turns; None if it is included."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None
@@ -53,7 +53,7 @@ def note_on_turns(sweep: Sweep) -> str | None:
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Note that the sharp ends of a cylinder wear severely sooner; None for other pins."""
+    """Note that severe wear begins earlier at the sharp ends of a cylinder; None for other pins."""
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None

@@ -106,7 +106,7 @@ class PointResult:
         )
 
     def verdict(self, conditions: Conditions) -> Verdict:
-        """Mild or severe wear at the point's worst moment, under these conditions."""
+        """Mild or severe wear at the point's worst moment, under `conditions`."""
         is_solved = conditions.solved_friction == self.solved
         coupled = self.coupled if is_solved else UNSOLVED
         return verdict(self.columns, self.point.load, conditions, coupled)
@@ -114,7 +114,7 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Result of a point as it is stored; `data` are variables of the dataset, None if it failed."""
+    """Stored result of a point; `data` are variables of the dataset, None if the point failed."""
 
     point: Point
     data: Mapping[str, Array | bytes] | None
@@ -138,7 +138,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a variant: a single value of its own, else the sweep's (`usual`)."""
+    """Loads or velocities of a variant: a single own value, else the sweep's values, `usual`."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -171,7 +171,7 @@ def step_count(scene: Scene, load: float) -> int:
 def run_point(
     sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Report = silent
 ) -> PointResult:
-    """Simulate one point; see `pipeline.run_point`, which takes text, too."""
+    """Simulate one point; see `pipeline.run_point`, which also accepts text with units."""
     return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
 
 
@@ -236,7 +236,7 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """Add the temperature at a velocity [m/s] to a contact of the same wear number."""
+    """Add the temperature at a velocity [m/s] to a contact with the same wear number."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)

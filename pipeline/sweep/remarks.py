@@ -12,7 +12,7 @@ _SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 class Remark(NamedTuple):
     """A note or warning on a result; `place` is the path of the entry that it is about.
 
-    `place` is empty if the remark is about no single entry.
+    `place` is empty if the remark is not about a single entry.
     """
 
     place: str

@@ -112,8 +112,8 @@ def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Ma
     """Correct rises, and convert them to rises above the colder body, per `rise_factor` [K].
 
     `columns` are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above
-    the pin's bulk at friction 1 [K], and `columns_needed`. The result has the same columns, with
-    those of `RISES` converted.
+    the pin's bulk at friction 1 [K], and `columns_needed`. The result has the same columns; the
+    columns `RISES` are converted.
     """
     columns = corrected_columns(columns, conditions)
     if conditions.bulk_ratio:
@@ -122,13 +122,13 @@ def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Ma
 
 
 def columns_needed(conditions: Conditions) -> tuple[str, ...]:
-    """Names of columns that `rises_above_colder` needs beside the rises, under some conditions."""
+    """Names of columns that `rises_above_colder` needs in addition to the rises."""
     unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
     return unequal + (NEEDED if conditions.corrections else ())
 
 
 def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Correct all rises in `columns`, also for unequal bulk temperatures, as conditions say."""
+    """Apply the corrections of `conditions` to all rises in `columns`."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 

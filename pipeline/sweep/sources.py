@@ -15,7 +15,7 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield a pair for each table and source: the values taken, in words, and the source."""
+    """Yield (values in words, source) for each table of a scene and source of the library."""
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

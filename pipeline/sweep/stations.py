@@ -43,7 +43,7 @@ class Stations:
         return frozenset([*kept, *tested])
 
     def kept(self, scene: Scene, load: float) -> list[Station]:
-        """Stations of a point at a load [N] that are stored, the end last."""
+        """Stations of a point at a load [N] that are stored; the last is the point's end."""
         heated = self.heat_steps(scene, load)
         steps = list(scene.stations(load, heated))
         return [

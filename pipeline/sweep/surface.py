@@ -57,7 +57,7 @@ class SurfaceFacts:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Roughness of the disk's surface, estimated from Ra beyond 10⁶ pixels; None if smooth."""
+    """Roughness of the disk's surface; with over 10⁶ pixels estimated from Ra. None if smooth."""
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 

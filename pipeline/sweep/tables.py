@@ -16,7 +16,7 @@ _CONTENTS = {
 
 
 def entry_at(tables: Any, path: str) -> Any:
-    """Look up the entry in nested tables at a path such as "pin.radius"; None if there is none."""
+    """Look up the entry at a path such as "pin.radius" in nested tables; None if it is missing."""
     entry = tables
     for key in path.split("."):
         entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
@@ -62,7 +62,7 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 
 
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
-    """Return tables with several entries set, by their paths.
+    """Return tables with the entries at several paths replaced by `values`.
 
     A new coefficient of friction also scales the friction by velocity and by temperature, unless
     they are also in `values`.

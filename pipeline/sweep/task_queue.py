@@ -48,7 +48,7 @@ class TaskQueue:
         return Task(tuple(points), ramp)
 
     def put_back(self, task: Task) -> None:
-        """Put a task that was not computed back to the front of its ramp."""
+        """Put a task that was not computed back into the queue, as the next task of its ramp."""
         self._left.setdefault(task.ramp, []).extend(reversed(task.points))
 
     def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
@@ -66,8 +66,8 @@ def makespan(
 ) -> tuple[float, float]:
     """Simulate the queue; return the time until all tasks are done, and the sum of task times [s].
 
-    `cost` returns the time of a task [s]. It may read and change a dictionary, which each worker
-    has.
+    `cost` returns the time of a task [s]. It may read and change a dictionary that belongs to the
+    worker.
     """
     waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

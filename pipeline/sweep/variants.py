@@ -32,7 +32,8 @@ SEED = "disk.roughness.seed"
 class Row(NamedTuple):
     """One variant of a scene: its labels (values by column) [SI], and the entries that it replaces.
 
-    If a column is named by the path of an entry that `values` lacks, the label is its value.
+    If a column is named by the path of an entry that `values` lacks, the label is the entry's
+    value.
     """
 
     labels: Mapping[str, Label]
@@ -147,7 +148,7 @@ class Variants:
     def values(self, name: Variant) -> Mapping[str, Any]:
         """Entries that a row replaces, by path.
 
-        For a name without the labels of draws, only entries that are not drawn at random.
+        If `name` lacks the labels of random draws, the result lacks the drawn entries.
         """
         if name in self.by_name:
             labels, values = self.by_name[name]
@@ -234,7 +235,7 @@ def numbered_rows(
 def labelled_rows(
     name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
 ) -> Variants:
-    """Table of variants by label; each replaces some entries, and may have one load or velocity.
+    """Table of variants with labels; each replaces entries, and may have its own load or velocity.
 
     `changes` has the entries by label. `places` are loads [N] or velocities [m/s], one value for
     each variant.

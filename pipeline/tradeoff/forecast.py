@@ -115,7 +115,7 @@ class _Work:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task on a worker [s]; `has` lists what the worker keeps from earlier tasks."""
+        """Time of a task on a worker [s]; `has` is what the worker keeps from earlier tasks."""
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
             self._steps[load] = _steps(self.sweep, load)
@@ -181,7 +181,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of steps to a load [N]: shared with higher loads, not shared, with temperatures."""
+    """Count the steps to a load [N]: shared with higher loads, not shared, with temperature."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

@@ -72,7 +72,7 @@ def _run(
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """Reduce the elements of `fidelity` until they divide the scene's pixels evenly."""
+    """Make the elements of `fidelity` smaller until they divide the scene's pixels evenly."""
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     return replace(fidelity, pixels_per_element=next(fits))

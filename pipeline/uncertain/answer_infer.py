@@ -22,7 +22,7 @@ from tribo.inverse import specific_wear_rate
 
 
 def infer(options: argparse.Namespace) -> Result:
-    """Answer ``irg infer``: a critical temperature, a wear rate, or all unknown inputs."""
+    """Answer ``irg infer``: infer a critical temperature, a wear rate, or all unknown inputs."""
     store = options.scene
     if not store.is_dir():
         sweep = one_scene_in(options)
@@ -45,7 +45,7 @@ def infer(options: argparse.Namespace) -> Result:
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
     """Result of ``irg infer`` for a scene without samples.
 
-    It is the wear rate from a contact width, else the critical temperature from tests.
+    The result is the wear rate, if a contact width is given, else the critical temperature.
     """
     if given := values_in(options, "scatter", "at"):
         raise InputError(

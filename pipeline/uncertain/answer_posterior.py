@@ -21,7 +21,7 @@ from pipeline.uncertain.weigh import FALSE_ALARMS
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
-    """Answer ``irg infer`` for samples: the inputs before and after the tests, with a figure."""
+    """Answer ``irg infer`` for samples: show inputs before and after the tests, with a figure."""
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         ensemble = pipeline.Ensemble.of(

@@ -21,7 +21,7 @@ _GOOD = 0.3  # warn if the emulator's error exceeds this share of the spread
 
 
 def sensitivity(options: argparse.Namespace) -> Result:
-    """Answer ``irg sensitivity``: Sobol' indices of the inputs by load, with a figure."""
+    """Answer ``irg sensitivity``: show Sobol' indices of the inputs by load, with a figure."""
     ds = given.dataset_in(options)
     with working("weighing the inputs"):
         samples = single_field(ds)

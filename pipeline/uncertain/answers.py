@@ -17,7 +17,7 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws of the sweep's inputs: `draws` without the rig's columns, or the prior if None."""
+    """Draws of the sweep's inputs: `draws` without the rig's inputs; by default the prior."""
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])
@@ -26,7 +26,7 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     """Find where `excess`, ln(rise/limit) (..., m), first rises through 0 along an axis.
 
-    The axis (m,) holds velocities [m/s] or loads [N]. Beyond its ends the excess is extrapolated as
+    The axis (m,) holds velocities [m/s] or loads [N]. Beyond the axis the excess is extrapolated as
     a power law. Returns ln(velocity or load) of the crossing, the slope of the excess over
     ln(axis), and the index of the next axis value, each of shape (...).
     """
@@ -43,8 +43,8 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
     """Find changes of wear on each line (n, m) of excess over nodes `x` (m,).
 
-    Returns two arrays (n, m - 1), for each interval: 1 if wear turns severe, −1 if it turns mild,
-    else 0; and the place of the change.
+    Returns two arrays (n, m - 1) with a value for each interval: 1 if wear turns severe, −1 if it
+    turns mild, else 0; and the place of the change.
     """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]

@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Rule by which samples were drawn, without correlations and units, so that rules compare."""
+    """Rule by which samples were drawn; correlations and units are left out, for comparisons."""
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]

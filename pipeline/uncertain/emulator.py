@@ -57,7 +57,7 @@ _LEAST_SCORE = 1e-3  # least score, for outputs that are predicted exactly
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """Gaussian process that predicts outputs from features, fitted to n rows of them."""
+    """Gaussian process that predicts outputs from features, fitted to n rows of data."""
 
     features: Array  # (n, n_feature), with a spread of about 1
     dimensions: Groups  # number of the input that each feature belongs to; an input has one length
@@ -151,9 +151,10 @@ def _solve_kernel(
 def features_of(
     design: Design, columns: Sequence[Array] | Array, velocities: Array
 ) -> tuple[Array, Groups]:
-    """Features (n, n_feature) with a spread of about 1, and the number of each feature's input.
+    """Features (n, n_feature) with a spread of about 1, and the input that each belongs to.
 
-    `columns` are the inputs of the design (n,). The wear rate k enters as k × velocity.
+    `columns` has the values (n,) of each input of the design. The feature of a wear rate k is k ×
+    velocity.
     """
     low, high = np.log(design.velocities)
     spread = (high - low) / math.sqrt(12)
@@ -181,7 +182,8 @@ def _kernel(
 ) -> tuple[Array, tuple[Array, ...]]:
     """Smooth part (n, m) of the covariance between two sets of features, and its three terms.
 
-    The terms are plane, quadric and departure. See `Emulator` for the other parameters.
+    The terms are for linear, quadratic and further dependence. `one` and `other` are features. See
+    `Emulator` for the other parameters.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -193,7 +195,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """Covariance (n, n) of training rows: `smooth` part, part by contact, and noise.
+    """Covariance (n, n) of training rows: smooth part, part that rows of a contact share, noise.
 
     `contacts` has the number of each row's contact. See `Emulator` for `constants`.
     """
@@ -266,8 +268,8 @@ def end_weight(along: Array) -> Array:
 def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     """Group of each row (its contact), and masks of rows to leave out in cross-validation.
 
-    There is a mask for each fold of groups, then for the rows at the lowest, and at the highest
-    velocities.
+    There is a mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of
+    rows at the highest.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)

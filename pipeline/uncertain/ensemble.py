@@ -61,9 +61,9 @@ _FEWEST = 12  # samples that an emulator needs
 
 
 class Excess(NamedTuple):
-    """ln(rise/limit) of n draws, (n, n_load, n_velocity); wear is severe above 0.
+    """ln(rise/limit) of n draws by load and velocity; wear is severe above 0.
 
-    A load or velocity given as a single number has no axis.
+    The shape is (n, n_load, n_velocity); a single load or velocity has no axis.
     """
 
     values: Array
@@ -367,7 +367,7 @@ def _row_conditions(
 
 
 def _require_enough(done: int, drawn: int) -> None:
-    """Raise an `InputError` if too few of the `drawn` samples are `done`, at every load."""
+    """Raise an `InputError` if too few of the `drawn` samples are `done` at all loads."""
     if done < max(1, min(_FEWEST, drawn)):
         raise InputError(
             f"{done} of {drawn} samples are done at every load, too few to judge by; run the sweep "

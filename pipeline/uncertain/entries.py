@@ -55,7 +55,7 @@ _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
-    """Paths of unknown inputs that a later value, such as one by ``--set``, fixes."""
+    """Paths of unknown inputs that are fixed by a later value, such as by ``--set``."""
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
         table = layer.entries.get("unknown")
@@ -67,12 +67,12 @@ def _fixed_paths(document: Document) -> frozenset[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
-    """The scene file unchanged, and the function that adds samples to its sweep."""
+    """Return the scene file unchanged, and the function that adds samples to its sweep."""
     return document, partial(_extend, _fixed_paths(document), faults)
 
 
 def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
-    """The sweep with samples for each variant; unchanged if the scene has none, or faults.
+    """Add samples to a sweep, for each variant; none if the scene lacks unknowns, or has faults.
 
     `fixed` are paths of unknown inputs to which the scene also gives a value.
     """

@@ -72,7 +72,7 @@ class Truths(NamedTuple):
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of tests from the boundary, for tests with the hold of the samples."""
+    """Distances of `tests` from the boundary; their hold must be that of the ensemble."""
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
@@ -135,7 +135,7 @@ def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array,
 
 
 def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
-    """Draws (n, n_unknown) with the median for inputs that vary from specimen to specimen."""
+    """In draws (n, n_unknown), replace inputs that vary between specimens by their median."""
     medians = [one.quantile(np.array([0.5]))[0] for one in unknown]
     return np.where([one.varies for one in unknown], medians, inputs)
 
@@ -206,9 +206,9 @@ _FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard
 
 
 class JudgedTests(NamedTuple):
-    """Distances and runs of the tests, and ln(likelihood × prior) by draw and scatter.
+    """Distances and runs of the tests, and ln(likelihood × prior) for each draw and scatter.
 
-    `joint` has shape (n, n_scatter).
+    `joint`, the last of these, has the shape (n, n_scatter).
     """
 
     distances: Distances

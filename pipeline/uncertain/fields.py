@@ -52,7 +52,7 @@ class InferredScatter:
 
 @dataclass(frozen=True, eq=False)
 class SampleField:
-    """Field of deciding temperatures from samples: its members are draws of unknown inputs."""
+    """Field of deciding temperatures from samples; its members are draws of unknown inputs."""
 
     ensemble: Ensemble
     draws: Draws
@@ -69,7 +69,7 @@ class SampleField:
 
     @property
     def conditions(self) -> Conditions:
-        """Conditions on friction, temperature and criterion that wear is judged by."""
+        """Friction, temperatures and criterion by which wear is judged."""
         return self.ensemble.conditions
 
     @property
@@ -104,7 +104,7 @@ class SampleField:
 
     @property
     def basis(self) -> list[str]:
-        """Lines of text on the basis of answers: inputs, tests, cross-validation."""
+        """Lines of text on what answers are based on: inputs, tests, cross-validation."""
         return [*self._notes()]
 
     def _notes(self) -> Iterator[str]:
@@ -122,7 +122,7 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """The field under other conditions; raises an `InputError` if tests weighed the samples."""
+        """The field under other conditions; `InputError` if tests weigh the samples."""
         if not own:
             return self
         if self.posterior:
@@ -169,7 +169,7 @@ class SampleField:
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
     def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
-        """Outcomes by draw (n,) on an axis through a place, and where wear first turns severe."""
+        """Outcomes by draw (n,) along `axis` through a place, and where wear turns severe."""
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
@@ -189,7 +189,7 @@ class SampleField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is found from the velocities at which wear changes in each draw. `shift` is added to
+        It is computed from the velocities at which wear changes in each draw. `shift` is added to
         ln(rise).
         """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
@@ -261,15 +261,15 @@ class SampleField:
         return nodes, heat + self._log_factor(nodes)
 
     def _log_factor(self, x: Array) -> Array:
-        """Logarithm of the friction factor at velocities with logarithms `x`."""
+        """ln(friction factor) at values `x` of ln(velocity)."""
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _cache_lines(self, loads: Sequence[float]) -> None:
         """Compute ln(rise/limit) along velocity at several loads at once, and cache it.
 
-        This is hardly slower than at one load. Cached lines exclude friction by velocity, which may
-        bend between two nodes.
+        This is hardly slower than for one load. Cached lines exclude friction by velocity, which
+        need not be linear between nodes.
         """
         if not loads:
             return
@@ -325,7 +325,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """Say how many samples are inside their 90 % bands if predicted without themselves."""
+    """Say how many samples are inside 90 % bands that were predicted without them."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     held = (
         f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "

@@ -31,7 +31,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes at which the probability is drawn
 
 @style.house_style
 def draw_probability(held: Results, log: bool = False) -> Figure:
-    """Draw the probability of severe wear over velocity and load, on `log` axes if asked for."""
+    """Draw the probability of severe wear over velocity and load; `log` for logarithmic axes."""
     field = single_field(held)
     ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
     figure, axes = style.canvas((7.2, 5.4))
@@ -91,7 +91,7 @@ def _conditions(ensemble: Ensemble) -> str:
 
 @style.house_style
 def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
-    """Draw the Sobol' indices of the critical velocity by load, titled by the scene."""
+    """Draw the Sobol' indices of the critical velocity by load; `title` is the scene's."""
     figure, axes = style.canvas((7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     order = np.argsort(sensitivity.first.mean(axis=0))
     has_total = np.isfinite(sensitivity.total).all()
@@ -167,7 +167,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
-    """Plot computed over measured velocities of transitions, with 90 % intervals.
+    """Plot computed against measured velocities of transitions, with 90 % intervals.
 
     `inferred` is the relative scatter of measured velocities whose scatter is not stated.
     """

@@ -26,7 +26,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """Kind of scene entry for a distribution: a table of one of several forms, or a list."""
+    """Kind of scene entry: a distribution, as a table in one of several forms, or as a list."""
 
     forms: tuple[Table, ...]
     listed: Kind

@@ -23,7 +23,7 @@ COUNT = 2**12
 class Draws:
     """Random values of the unknown inputs (n, n_unknown) [SI], with weights (n,) that sum to 1.
 
-    `faults` are reasons why the model does not fit the tests, empty if it does.
+    `faults` are reasons why the model does not fit the tests; empty if the model fits.
     """
 
     inputs: Array

@@ -25,10 +25,10 @@ _HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 
 
 def shown_test(tests: Sequence[Test]) -> int:
-    """Index of the test that represents a run.
+    """Index of the test that represents a run of tests.
 
     It is the severe test with the least load × velocity. Without a severe test it is the mild test
-    with the greatest.
+    with the greatest load × velocity.
     """
 
     def severity(number: int) -> tuple[bool, float]:
@@ -73,7 +73,7 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if this outcome is improbable given the other runs, and the model fits those."""
+        """True if the run's outcome is improbable given the other runs, which the model fits."""
         return self.is_blamed and self.probability < self.limit
 
 
@@ -99,7 +99,7 @@ class Posterior:
 
     @property
     def fits(self) -> bool:
-        """True if the model fits the tests; if not, no test is named an outlier."""
+        """True if the model fits the tests; otherwise no test is called an outlier."""
         return not self.draws.faults
 
     @property
@@ -119,7 +119,7 @@ class Posterior:
         return " and ".join(words) or "0 measured transitions"
 
     def summary(self) -> Iterator[dict[str, Any]]:
-        """Yield mean, standard deviation and 90 % interval [SI] by input, before and after tests.
+        """Yield mean, standard deviation and 90 % interval of inputs [SI], before and after tests.
 
         For an input with a list of values, the probability of each value is yielded instead.
         """

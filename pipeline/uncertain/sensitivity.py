@@ -119,8 +119,8 @@ def indices(
 ) -> tuple[Array, Array]:
     """First and total Sobol' indices of independent inputs (2, n_output, n_unknown).
 
-    The second array has half the width of their 90 % intervals. `function` returns the outputs (n,
-    n_output) of n draws. `count` is the size of the base sample, drawn with `seed`.
+    The second array has half the width of the indices' 90 % intervals. `function` returns the
+    outputs (n, n_output) of n draws. `count` is the size of the base sample, drawn with `seed`.
     """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
@@ -162,7 +162,7 @@ def _first_order_indices(draws: Draws, values: Array) -> Array:
 
 
 def _bin_numbers(draws: Draws, column: Array) -> NDArray[np.intp]:
-    """Bin number of each draw (n,) of an input, the `column`; bins are equally probable.
+    """Bin number (n,) of each draw of an input, given by `column`; bins are equally probable.
 
     An input of few values has a bin for each value.
     """

@@ -104,7 +104,7 @@ class Unknown:
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:
-        """The fields as plain data, without empty ones."""
+        """The fields as plain data, without empty fields."""
         rare = ("written", "correlated", "varies")
         return {k: v for k, v in asdict(self).items() if v or k not in rare}
 
@@ -173,7 +173,7 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
 
 
 def first_unfit(correlations: Array) -> int | None:
-    """Index of the first input whose correlations contradict earlier ones; None if none does."""
+    """Index of the first input whose correlations contradict earlier ones, or None."""
     for i in range(1, len(correlations)):
         before, last = correlations[:i, :i], correlations[i, :i]
         if 1 - last @ np.linalg.solve(before, last) < _LEAST:

@@ -91,7 +91,7 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Weigh the draws by the tests, with new draws if few fit; return draws and judged tests."""
+    """Weigh draws by the tests, with new draws if few fit; return draws and compared tests."""
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -148,11 +148,11 @@ def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, fl
 def _probability(low: Array, high: Array, weights: Array) -> float:
     """Probability of a run's outcome, or of a more extreme outcome, from weighted draws.
 
-    The outcome is a deviation between `low` and `high`, in standard deviations; they and `weights`
-    have the shape (n, n_scatter).
+    The outcome is a deviation between `low` and `high`, in standard deviations. All arrays have the
+    shape (n, n_scatter).
 
-    Some single runs are further off than a normal scatter allows. So the tails are those of
-    Student's t with 4 degrees of freedom and the same standard deviation.
+    Some runs deviate more than a normal scatter allows. So the deviation is taken as Student's t
+    with 4 degrees of freedom and the same standard deviation.
     """
     below, above = (float(np.sum(weights * _student_share(z))) for z in (high, -low))
     is_within = math.isfinite(low.flat[0]) and math.isfinite(high.flat[0])

@@ -35,7 +35,7 @@ def hertz_line_peak_pressure(
 ) -> float:
     """Highest pressure p₀ between a cylinder and a plane [Pa].
 
-    p₀ = √(PE*/(πR)) (Johnson, Eq. 4.45). With P [N/m] and R [m].
+    p₀ = √(PE*/(πR)) with the load per length P [N/m] and the radius R [m] (Johnson, Eq. 4.45).
 
     Examples
     --------
@@ -67,7 +67,7 @@ def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float
 def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus: float) -> float:
     """Highest pressure p₀ between a sphere and a plane [Pa].
 
-    p₀ = (6FE*²/(π³R²))^⅓ (Johnson, Eq. 4.24). With F [N] and R [m].
+    p₀ = (6FE*²/(π³R²))^⅓ with the load F [N] and the sphere's radius R [m] (Johnson, Eq. 4.24).
 
     Examples
     --------
@@ -85,7 +85,7 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
 def hertz_point_approach(normal_load: float, radius: float, contact_modulus: float) -> float:
     """Approach α of distant points of a sphere and a plane [m].
 
-    α = a²/R = (9F²/(16RE*²))^⅓ (Johnson, Eq. 4.23). With F [N] and R [m].
+    α = a²/R = (9F²/(16RE*²))^⅓ with the load F [N] and the radius R [m] (Johnson, Eq. 4.23).
 
     Examples
     --------
@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """Ratio of radii that a trial ln(b/a) implies, over the given ratio, as a logarithm."""
+        """Error of ln(ratio of radii) for a trial value `log_ratio` of ln(b/a)."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)

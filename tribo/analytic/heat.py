@@ -118,11 +118,11 @@ def rolling_sliding_rise(
 ) -> float:
     """Highest temperature rise of a line contact of two identical bodies that roll and slide [K].
 
-    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width
-    2b [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
+    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width 2b
+    [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
     effusivity e = √(Kρc) of each body (Blok 1937). The factor c depends on the shape of the
-    `pressure`. At high Péclet numbers: each point is heated on its way through the contact and
-    loses nothing sideways, so that the heat is shared as √u₁ : √u₂.
+    `pressure`. The formula is for high Péclet numbers. There a point loses no heat sideways on its
+    way through the contact, and the heat is shared as √u₁ : √u₂.
 
     Examples
     --------
@@ -195,7 +195,7 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def cooler(x: float) -> float:
-        """−2πKθ/q₀ [m] for the rise θ at a distance x behind the centre [m]."""
+        """−2πK/q₀ times the rise at a distance x behind the centre [m]; its minimum is sought."""
         # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square

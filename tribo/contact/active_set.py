@@ -27,13 +27,13 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """Iterations allowed in the next active-set step, and nodes that were free in the last one."""
+    """Number of iterations allowed in the next active-set step, and free nodes of the last step."""
 
     iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
     nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
-        """Fraction of its first residual at which the next step may stop if `nodes` are free."""
+        """Fraction of the first residual at which the next step may stop, if `nodes` are free."""
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION
 
@@ -49,7 +49,8 @@ def active_set_step(
     """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
     Conjugate gradients stop once the gap at these nodes is at most `gap_goal` [m], and after `most`
-    convolutions at the latest. Returns the next iterate, and the state for the next such step.
+    convolutions at the latest. Returns the next iterate, and the state for the next active-set
+    step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
@@ -132,7 +133,7 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
     """Clip a pressure to its bounds [Pa].
 
-    Clipping changes the displacement. The nodes between the bounds change to undo that.
+    Nodes between the bounds are changed so that the displacement stays about the same.
     """
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)

@@ -113,7 +113,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
 
 
 def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
-    """Nodes s of the trapezoidal rule for Eq. (1), and weights with the factor √π/2 of Eq. (1)."""
+    """Nodes s and weights of the trapezoidal rule for Eq. (1), including its factor √π/2."""
     shortest = min(grid.spacing) / (2 * _REACH)
     endless = any(grid.periodic) and kernel == "periodic"
     longest = max(grid.size) * (_REACH / math.pi if endless else _FAR)

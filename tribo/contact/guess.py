@@ -50,9 +50,9 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
     """Improve a guess [Pa] by solving the contact on its loaded part; also count convolutions.
 
-    The part spans periodic axes as a whole. Elements outside it get 0. A convolution on the part
-    counts by its share of the elements. If the part is not much smaller than the grid, the guess is
-    returned unchanged.
+    Along periodic axes the part has all elements. Elements outside the part get 0. A convolution on
+    the part counts by its share of the elements. If the part is not much smaller than the grid, the
+    guess is returned unchanged.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)
@@ -89,7 +89,8 @@ def _extent(loaded: Mask) -> slice:
 def _springs(heights: Array, total: float, hardness: float) -> Array:
     """Pressure [Pa] if each element were a spring, and the nearest tenth of them carried the load.
 
-    `heights` is the separation [m], `total` the sum of the pressure and `hardness` its bound [Pa].
+    `heights` is the separation [m], `total` the sum of the pressure, and `hardness` the highest
+    pressure [Pa].
     """
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)

@@ -64,9 +64,9 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Counters after an iterate with a residual.
+        """Update the counters after an iterate with a `residual`.
 
-        `has_settled` if few nodes are at a wrong bound.
+        `has_settled` is True if few nodes are at a wrong bound.
         """
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:
@@ -86,8 +86,8 @@ def iterate(
 ) -> IterationResult:
     """Iterate from a guess [Pa] until the error meets the tolerance, or no longer falls.
 
-    `displacement` is that under the guess [m], if it is known. Then the guess has to carry the
-    load, but may exceed the bounds. `spent` are the convolutions that the guess took.
+    `displacement` is caused by the guess [m]. If it is given, the guess has to carry the load, but
+    may exceed the bounds. `spent` is the number of convolutions that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, spent)
     counters, progress, change = StepCounters(), LowestResidual(), math.inf

@@ -66,7 +66,8 @@ class Problem:
         """Move a new pressure on `nodes` into the bounds, so that the load is carried [Pa].
 
         `changed` is the new pressure on the nodes, `pressure` the old one on all elements. With a
-        metric the result is the nearest such pressure, else the load's error is spread evenly.
+        metric the result is the nearest pressure that carries the load. Without it the load's error
+        is spread evenly.
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -103,7 +104,7 @@ class Iterate(NamedTuple):
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
         """The next iterate: a given pressure [Pa], and its displacement, which is computed.
 
-        `spent` are the convolutions that it took to find the pressure.
+        `spent` is the number of convolutions that finding the pressure took.
         """
         convolutions = self.convolutions + spent + 1
         displacement = problem.solid(pressure)

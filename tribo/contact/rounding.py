@@ -27,7 +27,7 @@ _MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no dig
 def update_error(updates: int, rounding: float, displacement: float) -> float:
     """Bound on the error of a displacement [m] that was updated several times, not recomputed.
 
-    `displacement` is its largest value [m], and `rounding` the machine epsilon.
+    `displacement` is the largest displacement [m], and `rounding` the machine epsilon.
     """
     return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
@@ -35,7 +35,7 @@ def update_error(updates: int, rounding: float, displacement: float) -> float:
 def transform_error(rounding: float, displacement: float) -> float:
     """Bound on the error of a displacement [m] that was just computed.
 
-    `displacement` is its largest value [m], and `rounding` the machine epsilon.
+    `displacement` is the largest displacement [m], and `rounding` the machine epsilon.
     """
     return _TRANSFORM_ERROR * rounding * displacement
 
@@ -46,7 +46,7 @@ def restore_digits(
     """Repair an iterate whose rounding errors are too large; None if they are small enough.
 
     One thing is repaired in each call: the zero level of the gap (datum), the load or the
-    displacement. `slack` is the tolerance less the residual. If `exhausted`, no convolution is
+    displacement. `slack` is the tolerance minus the residual. If `exhausted`, no convolution is
     spent on the load.
     """
     displacement = largest(iterate.displacement)
@@ -76,7 +76,7 @@ class LowestResidual(NamedTuple):
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual no longer falls; `idle` gradient steps in a row have failed."""
+        """True if the residual no longer falls; `idle` is the number of failed gradient steps."""
         waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:
             return False

@@ -194,7 +194,7 @@ class RowMetric:
         """Solve Eq. (2) for sᵢ at a given μ; return clip(q + s), s, and nodes between the bounds.
 
         `sums` are Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top`
-        is the most that a node can carry. Without a root, all nodes of a row are at one bound.
+        is the most that a node can carry. If a row has no root, all its nodes are at one bound.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

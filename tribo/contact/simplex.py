@@ -18,7 +18,7 @@ _NEAR = 2.0  # a guess within this factor of the load is trusted on which nodes 
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
-    """Scale a guess to the sum `total` [Pa]; loaded elements share the excess over the hardness.
+    """Scale a guess to the sum `total` [Pa]; loaded elements share what exceeds the hardness.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
 
 
 def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
-    """Clip to 0 and the hardness, then shift the values in between until all sum to `total` [Pa].
+    """Clip a pressure to 0 and the hardness, then shift values in between to the sum `total`.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
 
 
 def nearest(pressure: Array, total: float, hardness: float) -> Array:
-    """The field nearest to p between 0 and the hardness whose sum is `total`: clip(p + s) [Pa].
+    """Nearest pressure with the sum `total` and values from 0 to the hardness: clip(p + s) [Pa].
 
     Examples
     --------

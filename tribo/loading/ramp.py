@@ -137,8 +137,8 @@ class Ramp:
     ) -> Iterator[Station]:
         """Stations (moments of the loading) up to `normal_load` [N], then the stations of its hold.
 
-        `increments` is the number of steps of the ramp up to the reference load. The steps of the
-        hold are chosen as if this number were `hold_increments`, unless that is 0.
+        `increments` is the number of steps of the ramp up to the reference load. If
+        `hold_increments` is not 0, it replaces this number for the steps of the hold.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
@@ -190,7 +190,7 @@ class Ramp:
 
 
 def _whole_steps(load: float, step: float) -> int:
-    """Number of whole steps up to a load [N]."""
+    """Number of whole steps of size `step` up to a load [N]."""
     steps = load / step if step > 0 else math.inf
     if not steps <= MOST_STEPS:
         raise InputError(

@@ -184,7 +184,7 @@ class MeasuredLoad:
         return rate, float(t.mean() - F.mean() / rate)
 
     def ramp(self) -> Ramp:
-        """The ramp of the linear fit up to the peak."""
+        """Ramp with the rate of the linear fit, up to the record's peak."""
         return Ramp(self.linear_fit()[0], self.peak)
 
 

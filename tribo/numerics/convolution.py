@@ -153,7 +153,7 @@ class Convolution:
 
     @property
     def rounding(self) -> float:
-        """Machine epsilon of the precision in which the transforms are computed."""
+        """Machine epsilon of the transforms, in single or double precision."""
         return float(np.finfo(np.float32 if self._single else np.float64).eps)
 
     def single_precision(self) -> Self:
@@ -172,10 +172,10 @@ class Convolution:
         return single
 
     def faster_precision(self, influence: float) -> Self:
-        """Return a copy in single precision, or itself where that is slower or not possible.
+        """Return a copy in single precision, or this map if that is slower or impossible.
 
-        Small grids are slower in single precision. It is not possible where `influence`, of an
-        element on itself, is too large or too small.
+        It is slower on small grids. It is impossible if `influence`, of an element on itself, is
+        too large or too small.
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
@@ -235,14 +235,14 @@ _Pair = tuple[NDArray[Any], NDArray[Any]]
 class _Buffers(threading.local):
     """Arrays for the transforms of a thread, kept for its next transforms of the same size.
 
-    Freshly allocated temporaries of this size cost more in page faults than the transforms.
+    Allocating them anew would cost more time, in page faults, than the transforms.
     """
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
-        """Two uninitialised arrays: Fourier modes, shape (mx, my//2 + 1), and rows, (nx, my)."""
+        """Return uninitialised arrays for Fourier modes (mx, my//2 + 1), and for rows (nx, my)."""
         key = nx, mx, my, single
         if key in self._kept:
             self._kept.move_to_end(key)

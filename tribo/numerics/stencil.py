@@ -28,11 +28,11 @@ class Neighbourhood:
 
     The kernel must be even along y.
 
-    A stencil, shape (3, 2), holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1
-    along y. `influence` is the middle of the kernel. `inverse` is its inverse on a block of 3 × 3
-    elements, or on 3 elements of a row where the coupling is strong. The coupling is the
-    displacement that elements of a row along the soft axis add to each other, whatever their
-    distance (see `tribo.contact.rows`); `Preconditioner` deals with it.
+    A stencil, shape (3, 2), has the factors of the elements at -1, 0 and 1 along x, and 0 and 1
+    along y. `influence` is the middle of the kernel. `inverse` is the inverse of `influence` on a
+    block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The coupling is
+    the displacement that elements of a row along the soft axis add to each other at any distance
+    (see `tribo.contact.rows`). It is the task of `Preconditioner`.
 
     Examples
     --------
@@ -154,7 +154,7 @@ class Preconditioner:
 
 
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """Stencil that inverts a kernel on a block of rx and ry elements to either side."""
+    """Stencil that inverts a kernel on a block of ±rx by ±ry elements."""
     i, j, middle = _block(rx, ry)
     inverse = np.zeros((3, 2))
     try:
@@ -167,7 +167,7 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets along x (−rx to rx) and y (−ry to ry) of a block's elements, flat, and a unit load.
+    """Flat arrays for a block: offsets along x (−rx to rx), along y (−ry to ry), and a unit load.
 
     The load is 1 on the middle element, else 0.
     """

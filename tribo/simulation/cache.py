@@ -32,7 +32,7 @@ Value = TypeVar("Value")
 class Cache(Generic[Value]):
     """A cache of values by key, up to a total size.
 
-    The least recently used values are dropped first; the newest one stays, whatever its size.
+    The least recently used values are dropped first. The newest value stays, whatever its size.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class Cache(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """Elastic map and undeformed separation of both bodies, the same at all steps of a loading."""
+    """Elastic map and undeformed separation of both bodies, equal at all steps of a loading."""
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
@@ -87,20 +87,20 @@ _contacts = Cache[State](
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
-    """Summits of a surface, the same for all fidelities: cached, else from `compute`."""
+    """Summits of a surface, from the cache or from `compute`; equal for all fidelities."""
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
-    """The elastic map and the undeformed separation of a scene on its own grid, cached."""
+    """Elastic map and undeformed separation of a scene on the scene's own grid; cached."""
     return _bodies.get(scene, lambda: _elastic_bodies(scene))
 
 
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a past flux into a body, `flux_history_spectrum`, cached."""
+    """Spectrum of the rise due to a past flux into a body; cached. See `flux_history_spectrum`."""
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
     )
@@ -113,7 +113,7 @@ def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
-    """Contact that depends on no earlier step: cached under `key`, else from `compute`."""
+    """Contact that does not depend on earlier steps: cached under `key`, else from `compute`."""
     return _contacts.get(key, compute)
 
 

@@ -223,7 +223,7 @@ def _solve_requested(
 ) -> State:
     """Repeat the step from `before` to `after` on the finest level, and request its temperature.
 
-    `course` is stored in the state returned.
+    `course` is stored in the returned state.
     """
     if not after.pressure.any():
         return after
@@ -240,7 +240,7 @@ def _unworn(
 ) -> State:
     """State at a station on the way to `normal_load` [N], if it does not depend on earlier steps.
 
-    It is cached for all velocities.
+    The state is cached for all velocities.
     """
     scene = levels[-1]
 

@@ -209,10 +209,10 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Rise per unit friction that stem, film, tracks and bulk warming add to the contact's [K].
+        """Rise per unit friction [K] that is due to stem, film, tracks and bulk warming.
 
-        `columns` has all of `NEEDED`, with the steps on the last axis in order of time. NaN where
-        the temperature was not computed.
+        `columns` has all of `NEEDED`, with the steps on the last axis in order of time. The result
+        is NaN where the temperature was not computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -293,7 +293,7 @@ _RISES: dict[str, Any] = {
 def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
     """Temperature rises of a state by column [K], corrected if corrections are given.
 
-    The state must have a temperature. Its earlier loads are those of the scene's loading.
+    The state must have a temperature. Earlier loads are taken from the scene's loading.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
@@ -358,7 +358,7 @@ def _turn_resistance(
 ) -> Array | float:
     """Warming of a track by earlier turns, divided by the contact's heat, at each moment [K/W].
 
-    `speeds` are those of the track through the contact [m/s].
+    `speeds` are speeds of the track through the contact [m/s].
     """
     if track is None:
         return 0.0
@@ -371,9 +371,9 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
-    """Warming of a track by earlier turns per unit friction, if its body takes all heat [K].
+    """Warming of a track by earlier turns per unit friction, if all heat goes into its body [K].
 
-    `speed` is that of the track through the contact [m/s].
+    `speed` is the track's speed through the contact [m/s].
     """
     width = track.width or track.aspect * moment.contact_width
     return track_warming(

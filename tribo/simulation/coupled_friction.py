@@ -93,7 +93,7 @@ class CoupledHeat:
 
     @property
     def columns(self) -> dict[str, Any]:
-        """The rises by which a criterion judges, by the names of a sweep's variables."""
+        """Temperature rises that a criterion uses, by the names of a sweep's variables."""
         return {"rise_quantile": self.rise_quantile, "mean_rise": self.mean_rise}
 
 
@@ -115,7 +115,7 @@ def coupled_heat(
     bulk : float
         Temperature of both bodies far from the contact [K].
     added : float, optional
-        Rise per unit friction that is added evenly, r of Eq. (1) [K].
+        Rise per unit friction that is added to all elements, r of Eq. (1) [K].
 
     Returns
     -------
@@ -139,7 +139,7 @@ def coupled_heat(
 def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
     """Solve Eq. (1) with the disk at the position to which the state's pressure belongs.
 
-    `added` is the rise per unit friction that is added evenly, r of Eq. (1) [K].
+    `added` is the rise per unit friction that is added to all elements, r of Eq. (1) [K].
     """
     contact = state.pressure > 0
     nodes = np.flatnonzero(contact)
@@ -189,7 +189,7 @@ class _Frictions:
         return np.asarray(self.law.at(self.velocity, self.bulk + rise))
 
     def may_ignite(self, cold_rise: Array) -> bool:
-        """True if friction rises steeply below the highest temperature that it may cause.
+        """True if friction may rise so steeply with temperature that the contact ignites.
 
         `cold_rise` is the rise with the friction at the bulk temperature [K].
         """
@@ -229,7 +229,7 @@ def _solve_rise(
 
 
 class _AndersonMixing:
-    """Anderson mixing: next guess of a fixed point from the last guesses and their residuals."""
+    """Anderson mixing: guesses a fixed point from the last guesses and their residuals."""
 
     def __init__(self) -> None:
         self._guesses: list[Array] = []

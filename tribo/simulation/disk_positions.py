@@ -77,7 +77,7 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
 
 
 def _finer(scene: Scene) -> int:
-    """Factor on the number of parts of a step of wear: larger where few elements touch, else 1."""
+    """Factor on the number of parts of a step of wear: above 1 if few elements touch, else 1."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
     return _MORE_PARTS if position_count(scene, highest) >= _FEW else 1

@@ -62,7 +62,7 @@ SMOOTH = Summits((math.inf, math.inf), 0.0)
 
 
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
-    """The scene with elements that resolve its surface at a load [N], and at all steps before.
+    """Scene with elements small enough for its surface, at a load [N] and at all steps before.
 
     Examples
     --------
@@ -112,8 +112,8 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
 def summit_width(scene: Scene) -> float:
     """Width of the part of a summit that touches, along its narrower axis, in pixels.
 
-    A yielding summit touches over its whole width, an elastic one over half of it. Infinite for
-    smooth bodies.
+    A yielding summit touches over its whole width, an elastic summit over half the width. The
+    result is infinite for smooth bodies.
     """
     summits = _kept_summits(scene)
     modulus = contact_modulus(scene.pin.material, scene.disk)
@@ -155,7 +155,7 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean length of a run of neighbouring highest pixels along an axis [pixels]."""
+    """Mean length of runs of neighbouring high pixels along an axis [pixels]."""
     high = heights >= np.quantile(heights, _HIGHEST)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

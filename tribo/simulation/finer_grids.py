@@ -73,7 +73,7 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
 
 
 def _prolong(field: Array, shape: tuple[int, int]) -> Array:
-    """Copy a field to a finer grid of `shape`: elements get the value of the one around them."""
+    """Copy a field to a finer grid of `shape`; elements get the value of the coarse element."""
     for axis, n in enumerate(shape):
         field = np.repeat(field, n // field.shape[axis], axis)
     return field

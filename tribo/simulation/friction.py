@@ -121,7 +121,7 @@ class Friction:
     def temperature(self, rise: Any, bulk: float) -> Any:
         """Temperature of the contact, from its rises per unit friction coefficient, by Eq. (1) [K].
 
-        The rises include the factor of velocity.
+        The rises already include the friction's dependence on velocity.
 
         Examples
         --------
@@ -167,12 +167,12 @@ class Friction:
         return float(high - low) / 1e-6
 
     def highest(self, bulk: float) -> float:
-        """Highest friction at temperatures from `bulk` [K] up, without the factor of velocity."""
+        """Highest friction at temperatures above `bulk` [K], without the factor of velocity."""
         nodes = [bulk, *(node for node, _ in self.by_temperature if node > bulk)]
         return float(np.max(self.at(temperature=np.array(nodes))))
 
     def steepness(self, bulk: float, hottest: float) -> float:
-        """Largest exponent d ln µ/d ln(T − T_b) from a bulk to the hottest temperature [K].
+        """Largest d ln µ/d ln(T − T_b) for temperatures T from `bulk`, T_b, to `hottest` [K].
 
         Examples
         --------
@@ -188,7 +188,7 @@ class Friction:
         return float(np.max(parts, initial=0.0))
 
     def spread(self, bulk: float, hottest: float) -> float:
-        """Largest difference of ln µ between temperatures from the bulk to the hottest one [K]."""
+        """Largest difference of ln µ for temperatures from `bulk` to `hottest` [K]."""
         inside = [node for node, _ in self.by_temperature if bulk < node < hottest]
         logs = np.log(self.at(temperature=np.array([bulk, *inside, hottest])) * 1.0)
         return float(np.ptp(logs))
@@ -198,7 +198,7 @@ class Friction:
         return bulk + self.highest(bulk) * rise
 
     def _limits(self, bulk: float) -> tuple[Array, Array]:
-        """Temperatures of the curve from the bulk one up, and the rises that reach them [K]."""
+        """Temperatures of the friction curve above `bulk`, and the rise at each [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])
@@ -233,5 +233,5 @@ class SolvedFriction:
 
 
 def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
-    """Split nodes of a curve into intervals: (temperatures, frictions) at lower, at upper ends."""
+    """Split a curve into intervals: (temperatures, frictions) at all lower, and all upper ends."""
     return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])

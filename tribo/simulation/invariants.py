@@ -45,7 +45,7 @@ def check_contact(
 ) -> None:
     """Check load balance, pressure bounds and complementarity of a contact.
 
-    `normal_load` is on the whole pin [N], `element_area` what an element represents there [m²].
+    `normal_load` is on the whole pin [N], `element_area` the area that an element represents [m²].
 
     Examples
     --------
@@ -78,7 +78,7 @@ def check_contact(
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     """Check wear depths before and after a step [m] against the worn `volume` [m³], k·∫F dS.
 
-    `area` is that of an element, times the number of windows that wear [m²].
+    `area` is an element's area times the number of windows that wear [m²].
 
     Examples
     --------
@@ -110,8 +110,8 @@ def check_heat(
 ) -> None:
     """Check heat balance and common temperature of a contact.
 
-    `tolerance` is that of `HeatPartition.residual`; infinite for a partition that does not make
-    the temperatures equal.
+    `tolerance` is for `HeatPartition.residual`; infinite if the partition does not make the
+    temperatures equal.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
     made = float(heat_flux.sum())

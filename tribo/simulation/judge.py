@@ -74,7 +74,7 @@ def solve_friction(
 
 
 def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
-    """True if solving friction by temperature may change the verdict on this rise."""
+    """True if solving friction by temperature may change the verdict for a `rise`."""
     if conditions.critical_temperature is None:
         return True
     return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)

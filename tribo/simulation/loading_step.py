@@ -133,7 +133,7 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Volume that the whole pin has lost up to a station [m³], by its wear law since `state`."""
+    """Worn volume of the whole pin at a station [m³], from its wear law since `state`."""
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area

@@ -41,7 +41,7 @@ def _count(scene: Scene, distance: float, velocity: float) -> int:
 
 
 def between(before: State, station: Station, share: float) -> Station:
-    """Station after a share of a step's time, as if the load changed linearly within the step."""
+    """Station after a share of a step's time, if the load changes linearly within the step."""
     begin, end = before.normal_load, station.normal_load
     load = begin + share * (end - begin)
     impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)

@@ -34,7 +34,8 @@ class WornContact(NamedTuple):
 class OilEntry(NamedTuple):
     """Oil at the inlet of a contact.
 
-    Mean speed of both surfaces [m/s], viscosity [Pa s] and pressure-viscosity coefficient [1/Pa].
+    It has the mean speed of both surfaces [m/s], the viscosity [Pa s] and the pressure-viscosity
+    coefficient [1/Pa].
     """
 
     speed: float  # mean of both surfaces [m/s]
@@ -61,7 +62,7 @@ class Pin(Protocol):
 
     @property
     def length(self) -> float | None:
-        """Length of a line contact along y [m]; None where the contact ends along y, too."""
+        """Length of a line contact along y [m]; None for a point contact."""
 
     @property
     def material(self) -> Material:
@@ -178,7 +179,7 @@ class Ball:
         require_positive(radius=self.radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Height above a plane that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
+        """Height of the pin above a plane that it touches, (x² + y²)/(2R) [m]."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = (x**2 + y**2) / (2 * self.radius)
         return distance
@@ -235,7 +236,7 @@ class Crowned:
         require_positive(radius=self.radius, crown_radius=self.crown_radius)
 
     def profile(self, grid: Grid) -> Array:
-        """Height above a plane that it touches, x²/(2R) + y²/(2R_c) [m], shape ``grid.shape``."""
+        """Height of the pin above a plane that it touches, x²/(2R) + y²/(2R_c) [m]."""
         x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
         distance: Array = x**2 / (2 * self.radius) + y**2 / (2 * self.crown_radius)
         return distance
@@ -253,7 +254,7 @@ class Crowned:
     def worn(self, half_width: float, volume: float) -> WornContact:
         """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m].
 
-        The flat of a paraboloid is an ellipse, longer than wide by the root of its radii's ratio.
+        The worn flat is an ellipse with the aspect ratio √(crown radius/radius).
         """
         longer = math.sqrt(self.crown_radius / self.radius)
         return _worn_ellipse(half_width, volume, self.radius, longer)
@@ -271,9 +272,9 @@ class Crowned:
 
 
 def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
-    """Worn contact of a paraboloid of this radius [m] whose flat is `longer` times as long as wide.
+    """Worn contact of a paraboloid of a `radius` [m], whose flat is `longer` times as long as wide.
 
-    `half_width` is that of the unworn contact [m], and `volume` was worn off [m³].
+    `half_width` is half the width of the unworn contact [m], and `volume` was worn off [m³].
     """
     flat = worn_point_width(volume / longer, radius)
     width = ((2 * half_width) ** 4 + flat**4) ** 0.25
@@ -285,7 +286,7 @@ PINS: dict[str, type[Pin]] = {"cylinder": Cylinder, "ball": Ball, "crowned": Cro
 
 
 def sizes_of(shape: str | Pin) -> tuple[str, ...]:
-    """Names of the sizes of a pin, which is given as an object or by its shape.
+    """Names of the sizes of a pin, given as an object or by the name of its shape.
 
     Examples
     --------

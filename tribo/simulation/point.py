@@ -72,7 +72,7 @@ def simulate(
 def heated(scene: Scene, contact: State, velocity: float) -> State:
     """Add the temperature at a velocity [m/s] to a state from `contacts`, if it is requested.
 
-    The scene may have any thermal constants. Its wear number at the velocity must be that of the
+    The scene may have any thermal constants. At this velocity it must have the wear number of the
     contact.
 
     Examples

@@ -157,7 +157,7 @@ def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
 
 
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the contact touches an edge of the window: a wider one would carry load there."""
+    """Warn if the contact reaches an edge of the window, so that the window is too narrow."""
     touched = [
         f"{name} edge"
         for name, axis in (("x", 0), ("y", 1))
@@ -172,7 +172,7 @@ def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where elements are too large for the contact, or pixels for the roughness."""
+    """Warn if elements are too large for the contact, or pixels too large for the roughness."""
     axes = (0, 1) if scene.pin.length is None else (0,)
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
     across = min(_extent(state.pressure, axis) for axis in axes)
@@ -209,7 +209,7 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where the contact is so wide, or the wear so deep, that the pin has another shape."""
+    """Warn if the contact is so wide, or the wear so deep, that the pin's shape is not valid."""
     radius, depth = scene.pin.radius, float(state.wear_depth.max())
     width = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0]
     if width > 2 * WIDEST * radius:
@@ -227,7 +227,7 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where a pin that rolls hardly turns, or stands still at just this velocity."""
+    """Warn if a rolling pin hardly turns, or is at rest at this velocity by chance."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
     turning = abs(scene.velocities_at(state.sliding_distance / state.time).pin)
@@ -248,11 +248,11 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
 def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if a ball is so worn and fast that its rise hardly grows with the velocity.
 
-    The exponent n of the rise follows in closed form. The contact's radius grows as the fourth root
-    of the worn volume, as far as wear makes the contact. A circular source heats a half-space by
-    its radius over the root of 4/π + Pe (Tian & Kennedy 1994). At 96 points of worn balls n was
-    within 0.09 of the exponent between neighbouring velocities. At 13 points n was below 0.3: it
-    was within 0.06, and at 12 of them the exponent was below 0.3, too.
+    The rise grows as velocity to the power n, which follows in closed form. The radius of a contact
+    due to wear grows as the fourth root of the worn volume. The rise due to a circular source is in
+    proportion to its radius over √(4/π + Pe) (Tian & Kennedy 1994). At 96 points of worn balls n
+    was within 0.09 of the simulated exponent. Where n was below 0.3, at 13 points, it was within
+    0.06.
     """
     if not isinstance(scene.pin, Ball) or scene.motion or not state.sliding_distance:
         return
@@ -275,7 +275,7 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where a few elements decide the temperature."""
+    """Warn if the temperature of a few elements decides."""
     smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
     few = _FEW_ELEMENTS
     if is_worn:
@@ -303,7 +303,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _is_heavily_worn(scene: Scene, state: State) -> bool:
-    """True where passing roughness wears the pin by far more than the roughness's height."""
+    """True if the roughness wears the pin by much more than the roughness's own height."""
     if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
         return False
     return bool(state.wear_depth.max() > _HEAVY * average_roughness(heights))
@@ -321,7 +321,7 @@ def _extent(pressure: Array, axis: int) -> int:
 
 
 def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if a pin that wears got here in too few steps to resolve its shape."""
+    """Warn if there were too few steps so far to resolve the shape of a wearing pin."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
         return
@@ -334,7 +334,7 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the heat model "elapsed" is too warm: past heat was much less than the present."""
+    """Warn if the heat model "elapsed" gives too high a rise, as heat was much less in the past."""
     if scene.remembers_heat:
         return
     excess = excess_of_present_heat(scene, state)
@@ -358,7 +358,7 @@ def _longest_step(scene: Scene, state: State) -> float:
 
 
 def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn where steps have been too long for explicit wear, and say how many would do."""
+    """Warn if steps were too long for explicit wear, and say how many steps would suffice."""
     fidelity = scene.fidelity
     if fidelity.wear_scheme != "explicit" or not state.normal_load:
         return

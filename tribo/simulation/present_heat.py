@@ -31,11 +31,11 @@ _HOTTEST = 0.1  # share of the contact that decides by default
 
 
 def excess_of_present_heat(scene: Scene, state: State) -> float:
-    """Relative error of a rise computed as if present heat had acted since time 0; > 0: too high.
+    """Relative error of the rise if the present heat is taken to have acted since time 0.
 
-    The rise is that exceeded on a tenth of the contact. Below 0.1 m/s it is right to some percent.
-    On random scenes at 0.07 to 31 m/s the true error was 0.88 of this estimate in the median, 1.31
-    at most.
+    It is positive if the rise is too high, and holds for the rise that a tenth of the contact
+    exceeds. On random scenes at 0.07 to 31 m/s the true error was 0.88 times this estimate in the
+    median, and 1.31 times at most.
 
     Examples
     --------
@@ -89,10 +89,10 @@ def _lengths(scene: Scene, state: State) -> tuple[float, float]:
 def _late_warming(
     material: Material, velocity: float, length: float, ages: Array, lacking: Array
 ) -> float:
-    """Excess of the rise if present heat had acted since time 0, per heat per length [m K/W].
+    """Excess of the rise if the present heat had acted since time 0, per heat per length [m K/W].
 
-    `lacking` are the shares of the present load that were lacking at `ages`, ascending from 0 [s].
-    The body moves at `velocity` [m/s] past heat on a `length` across the motion [m].
+    `lacking` are the shares of the present load that were missing at `ages`, ascending from 0 [s].
+    The body moves at `velocity` [m/s]; the heat acts on a `length` across the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

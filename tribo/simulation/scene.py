@@ -151,14 +151,14 @@ class Scene:
 
     @property
     def wears_by_law(self) -> bool:
-        """True if the pin wears by a law whose rate depends on the distance."""
+        """True if the pin wears by a law whose rate depends on the distance slid."""
         return self.wear is not None and not isinstance(self.wear, Wear)
 
     @property
     def contact_pattern(self) -> WearPattern | None:
-        """Pattern in which one contact wears the pin; None if it does not wear.
+        """Pattern in which one contact wears the pin; None without wear.
 
-        Along a free y each position of the disk wears the pin by its own pressure.
+        If y is not periodic, each position of the disk wears the pin by its own pressure.
         """
         if self.wear is None:
             return None
@@ -166,13 +166,14 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """True if each point of the pin wears by its own pressure, always facing one patch."""
+        """True if each point of the pin wears by its own pressure, facing one patch of the disk."""
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
         """Wear of the pin by one contact at a sliding velocity [m/s]; None if no wear takes place.
 
-        `distances` are those slid at both ends of the step [m], for a law that depends on them.
+        `distances` are the distances slid at the step's beginning and end [m], for laws that need
+        them.
         """
         if self.wear is None or self.contact_pattern is None:
             return None
@@ -184,7 +185,7 @@ class Scene:
 
     @property
     def sweeps_over(self) -> bool:
-        """True if the pin wears over many positions of the disk: swept wear, rough, with y free."""
+        """True if the pin wears over many disk positions: swept wear, rough, y not periodic."""
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
@@ -192,8 +193,8 @@ class Scene:
     def grid(self) -> Grid:
         """The grid of elements, each of ``pixels_per_element`` squared pixels.
 
-        Where both bodies are smooth under a cylinder, on a patch that repeats along y, nothing
-        depends on y: elements as long as the patch stand for whole rows.
+        For a smooth cylinder on a smooth disk, on a patch that repeats along y, nothing depends on
+        y. There elements are as long as the patch, and stand for whole rows.
         """
         return _elements(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
@@ -206,7 +207,7 @@ class Scene:
 
     @property
     def rows_per_element(self) -> int:
-        """Rows of elements that one element stands for; more than 1 only in a plane scene."""
+        """Number of rows that one element stands for; above 1 only in a plane scene."""
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property
@@ -233,12 +234,12 @@ class Scene:
 
     @property
     def remembers_steps(self) -> bool:
-        """True if a state depends on the steps before: by its wear, or by their heat."""
+        """True if a state depends on earlier steps, by their wear or their heat."""
         return self.wears or self.remembers_heat
 
     @property
     def remembers_heat(self) -> bool:
-        """True if a temperature depends on the heat of the steps before."""
+        """True if a temperature depends on the heat of earlier steps."""
         warms = self.friction_heat or self.unequal_bulks
         return warms and self.fidelity.heat_model == "history"
 
@@ -253,7 +254,7 @@ class Scene:
 
     @property
     def contact_tolerance(self) -> float:
-        """Residual at which the contact's solver stops: the fidelity's, or less with local wear."""
+        """Residual at which the contact solver stops: the fidelity's, or less for local wear."""
         tolerance = self.fidelity.contact_tolerance
         return min(tolerance, _LOCAL_TOLERANCE) if self.wears_locally else tolerance
 
@@ -268,7 +269,7 @@ class Scene:
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
 
-        `heights` are those that `Scene.heights` returns, the same for all fidelities.
+        `heights` are the result of `Scene.heights`, which is the same for all fidelities.
         """
         profile = self.pin.profile(self.grid)
         if heights is None:
@@ -277,10 +278,10 @@ class Scene:
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
     def stations(self, normal_load: float, requested: Container[int] = ()) -> Iterator[Station]:
-        """Steps that lead to a load [N] and through its hold, as many as the physics needs.
+        """Steps that lead to a load [N] and through its hold; only those that are needed.
 
-        All steps if a state depends on the steps before. Otherwise only the last step, the step
-        at which a hold begins, and the steps with the indices `requested`.
+        All steps are needed if a state depends on earlier steps. Otherwise only the last step, the
+        step at which a hold begins, and the steps with the indices `requested` are needed.
         """
         stations = self.all_stations(normal_load)
         if self.remembers_steps:
@@ -302,18 +303,18 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load step of the ramp (trunk) to a load [N]; loads with equal steps share its states."""
+        """Load increment of the ramp (trunk) to a load [N]; loads with equal ones share states."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)
 
     @property
     def coarsening(self) -> int:
-        """Factor by which elements are larger, along each axis, until a point's last step.
+        """Factor on the sides of elements in all steps before a point's last step.
 
-        The largest number up to the fidelity's ``history_coarsening`` that divides the grid and
-        leaves enough elements to resolve the wear; 1 where the wear is local, or the heat of all
-        the steps before acts on the last.
+        It is the largest number up to the fidelity's ``history_coarsening`` that divides the grid
+        and leaves enough elements to resolve the wear. It is 1 if the wear is local, or if heat of
+        earlier steps affects the last step.
         """
         if self.wears_locally or self.remembers_heat:
             return 1
@@ -328,8 +329,8 @@ class Scene:
     def levels(self) -> Iterator[Scene]:
         """The scene on ever finer grids, from the coarse grid of earlier steps to its own.
 
-        From one to the next elements become at least four times smaller along each axis, or the
-        scene's own: contacts on more grids would take longer than they save.
+        From each grid to the next, elements become at least four times smaller along each axis,
+        except to the scene's own grid. More grids would cost more time than they save.
         """
         factor = self.coarsening
         while factor > 1:
@@ -344,7 +345,7 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _elements(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Grid of elements of ``block × block`` pixels, as long as the patch if it `is_plane`."""
+    """Grid of elements of ``block × block`` pixels, or if `is_plane` as long as the patch."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)

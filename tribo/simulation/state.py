@@ -58,7 +58,7 @@ class Heat:
 
     @property
     def columns(self) -> dict[str, Any]:
-        """The rises by which a criterion judges, by the names of a sweep's variables."""
+        """Temperature rises that a criterion uses, by the names of a sweep's variables."""
         columns: dict[str, Any] = {
             "rise_quantile": self.rise_quantile,
             "mean_rise": self.mean_rise,

@@ -34,9 +34,9 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     response to a difference of 1 K is added. The present friction heat is taken to act since
     time 0 (Bosman & de Rooij), whatever the heat model of the fidelity.
 
-    The temperature depends on the pressure and time of the contact, and not on how it has worn. So
-    the scene may have other thermal constants and elements, and the velocity [m/s] may be another,
-    than for the contact. See `contacts`.
+    The temperature depends on pressure and time of the contact, but not on the wear before. So
+    thermal constants, elements and velocity [m/s] may differ from those for the contact. See
+    `contacts`.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
-    """Scene with the elements of a state, which are smaller if few elements touch."""
+    """Scene with the elements of a state, which may be smaller than the scene's own."""
     block = scene.pixels.shape[0] // len(state.pressure)
     if block == scene.fidelity.pixels_per_element:
         return scene

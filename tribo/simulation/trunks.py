@@ -23,7 +23,7 @@ MOST_BYTES = 2**28
 
 
 class Note(NamedTuple):
-    """A value to record of the state after each increment, and the name under which it is kept."""
+    """A value to record after each increment of a ramp, and the value's name."""
 
     name: Hashable
     make: Callable[[State], Any]
@@ -31,7 +31,7 @@ class Note(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class _Trunk:
-    """States of a shared ramp (trunk) so far; if they need much memory, only the last one."""
+    """States of a shared ramp (trunk) so far, or only the last state if they need much memory."""
 
     states: list[State] = field(default_factory=list)  # at the last increments
     count: int = 0  # increments so far
@@ -41,19 +41,20 @@ class _Trunk:
 
     @property
     def gone(self) -> int:
-        """Number of increments, from the first on, whose states have been dropped."""
+        """Number of increments whose states were dropped, counted from the first."""
         return self.count - len(self.states)
 
     def require(self, increments: int, noted: int) -> None:
         """Discard the ramp if it has dropped a state that is needed now.
 
-        Needed are the last of `increments` states, and the state after the first `noted` ones.
+        Two states are needed: the one after `increments`, and the next one to record, number
+        `noted` + 1.
         """
         if increments and self.gone >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
-        """Keep the state of the next increment; drop all others beyond a limit of memory [B]."""
+        """Keep the state of the next increment; drop older states if memory exceeds a limit [B]."""
         self.nbytes += sum(array.nbytes for array in _arrays(state))
         self.states.append(state)
         self.count += 1
@@ -65,8 +66,8 @@ class _Trunk:
 class Trunks:
     """A cache of ramps by scene, velocity and increment, up to a total size [B].
 
-    The least recently used ramps are dropped first. Of a ramp larger than the limit only the last
-    state is kept.
+    The least recently used ramps are dropped first. If a ramp is larger than the limit, only its
+    last state is kept.
 
     Examples
     --------
@@ -103,7 +104,7 @@ class Trunks:
         """Continue a cached ramp up to the last of the stations, and yield the new states.
 
         Ramps are cached by `key`; `advance` computes a state from the one before. Returns the state
-        at the last station, and the value of `note` at each station.
+        at the last station, and the value of `note` at all stations.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

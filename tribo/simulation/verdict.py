@@ -43,7 +43,7 @@ class Judging(ABC):
 
     @property
     def bulk_difference(self) -> float:
-        """Bulk temperature of the disk less that of the pin [K]."""
+        """Bulk temperature of the disk minus that of the pin [K]."""
         disk = self.disk_temperature
         return 0.0 if disk is None else disk - self.bulk_temperature
 
@@ -54,21 +54,21 @@ class Judging(ABC):
 
     @property
     def mean_bulk_temperature(self) -> float:
-        """Mean of both bodies' bulk temperatures [K], taken as that of the oil between them."""
+        """Mean of both bodies' bulk temperatures [K], used as the temperature of the oil."""
         return self.bulk_temperature + self.bulk_difference / 2
 
     @property
     def rise_factor(self) -> float:
-        """Factor on the rise per unit friction coefficient: the coefficient of friction.
+        """Factor from a rise per unit friction to a rise: the coefficient of friction.
 
-        Without friction, unequal bulk temperatures still warm one of the bodies. Then the factor is
-        so small that `bulk_ratio` is the largest one that is stored.
+        Even without friction, unequal bulk temperatures warm the colder body. So the factor is then
+        not 0, but so small that `bulk_ratio` is the largest ratio that is stored.
         """
         return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
 
     @property
     def bulk_ratio(self) -> float:
-        """Bulk temperature of the disk less that of the pin, divided by `rise_factor` [K]."""
+        """Bulk temperature of the disk minus that of the pin, divided by `rise_factor` [K]."""
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
@@ -82,7 +82,8 @@ class Judging(ABC):
     def solved_friction(self) -> SolvedFriction | None:
         """Friction law, bulk temperature and criterion for which friction by temperature is solved.
 
-        None if friction does not depend on temperature, or the criterion is a rule of the user.
+        The result is None if friction does not depend on temperature, or the criterion is a user's
+        rule.
         """
         law = self.friction_law
         if not (law.by_temperature and law.coefficient):
@@ -93,9 +94,9 @@ class Judging(ABC):
         return SolvedFriction(law, self.bulk_temperature, decisive.name, decisive.share)
 
     def may_ignite(self, rise: float) -> bool:
-        """True if a rise per unit friction [K] is mild, but severe at the highest friction.
+        """True if wear at a rise per unit friction [K] is mild, but severe at the highest friction.
 
-        This needs friction that rises so steeply with temperature that a contact may ignite.
+        Friction must also rise so steeply with temperature that a contact may ignite.
         """
         law, bulk, critical = self.friction_law, self.bulk_temperature, self.critical_temperature
         if critical is None or not law.by_temperature:
@@ -113,7 +114,7 @@ class Judging(ABC):
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Change of a contact temperature per relative change of its rise per unit friction [K]."""
+        """Change of a contact temperature [K] for a relative change of the rise, d T/d ln(rise)."""
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
@@ -252,7 +253,7 @@ def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
     """Rises per unit friction for which Eq. (1) of `friction` gives the solved temperatures [K].
 
     `coupled` is `CoupledRise.rise`. Where it is NaN, the result is `rise`. Where it is infinite,
-    the contact ignites, and the temperature is that at the highest friction of the law.
+    the contact ignites, and the temperature is taken at the highest friction of the law.
     """
     if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
         return rise
@@ -271,8 +272,8 @@ def verdict(
     """Mild or severe wear at a point, from its columns and its load [N].
 
     Columns are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise`` (n_step)
-    above the pin's bulk at friction 1 [K], and those that corrections need. `coupled` is the result
-    of `solve_friction`.
+    above the pin's bulk at friction 1 [K], and the columns that corrections need. `coupled` is the
+    result of `solve_friction`.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)

@@ -116,7 +116,7 @@ class MeasuredRoughness:
 
 
 class UnknownHeights:
-    """Stand-in for a surface known by name alone: its scene can be read, but not simulated."""
+    """Stands for a surface whose heights are unknown: its scene can be read, but not simulated."""
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:

@@ -83,7 +83,7 @@ def block_average(heights: Array, factor: int) -> Array:
 
 
 def block_sample(heights: Array, factor: int) -> Array:
-    """The middle pixel of each block of ``factor × factor``, shape as from `block_average`.
+    """Middle pixel of each block of ``factor × factor`` pixels, shape ``(nx/factor, ny/factor)``.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def block_sample(heights: Array, factor: int) -> Array:
 
 
 def _split_into_blocks(heights: Array, factor: int) -> Array:
-    """Pixels by block and place in the block, shape ``(nx/factor, factor, ny/factor, factor)``."""
+    """Split heights into blocks of pixels, shape ``(nx/factor, factor, ny/factor, factor)``."""
     nx, ny = heights.shape
     if factor < 1 or nx % factor or ny % factor:
         raise InputError(

@@ -19,10 +19,10 @@ def conductances(
     pin_resistance: Values = 0.0,
     disk_resistance: Values = 0.0,
 ) -> tuple[Values, Values]:
-    """Conductances from the contact into pin and disk [W/K], with resistances in series [K/W].
+    """Thermal conductances from the contact into pin and disk, with resistances in series [W/K].
 
-    With θ the mean rise between half-spaces, φ the pin's share of the heat Q [W], h₁ = φQ/θ and
-    h₂ = (1 − φ)Q/θ, and resistances R₁ and R₂ in series, hᵢ' = hᵢ/(1 + Rᵢhᵢ).
+    For half-spaces they are h₁ = φQ/θ and h₂ = (1 − φ)Q/θ, with the mean rise θ [K] and the pin's
+    share φ of the heat Q [W]. With resistances R₁ and R₂ in series [K/W], hᵢ' = hᵢ/(1 + Rᵢhᵢ).
 
     Examples
     --------
@@ -52,8 +52,8 @@ def circuit_rise(
 
         θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 
-    That is exact where both bodies' rises are uniform over the contact. So an insulated pin
-    (R₁ → ∞) has θ/(1 − φ).
+    This is exact if the rises of both bodies are uniform over the contact. For an insulated pin (R₁
+    → ∞) the result is θ/(1 − φ).
 
     Examples
     --------

@@ -236,8 +236,8 @@ def _weighted_factor(
 ) -> tuple[Array, Spectrum]:
     """Nodes s [m] on a panel of the integral, and the kernel's x factor times weight at each.
 
-    `drift` is ``|V|/(4κ)`` [1/m], and `rule` Gauss' nodes and weights on [−1, 1]; with `filon` the
-    weights are those of `filon_weights`.
+    `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on [−1, 1]. With `filon`
+    the weights are from `filon_weights`.
     """
     (low, high), (nodes, weights) = panel, rule
     if not filon:

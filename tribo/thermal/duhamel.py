@@ -67,7 +67,7 @@ SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], S
 def conducted_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """`flux_history_spectrum` of a body [K m²/W]; see there for `ages` and `strengths`."""
+    """`flux_history_spectrum` of a body [K m²/W], with the same `ages` and `strengths`."""
     return flux_history_spectrum(
         grid, body.material, body.velocity, ages, strengths, length=body.length
     )

@@ -34,9 +34,9 @@ class Axis:
 
         `drift` is ``|V|/(4κ)`` [1/m].
 
-        The series needs many modes before that. Samples need images of the source once heat has
-        spread over the period, and many nodes once a source has passed many elements. At rest the
-        series needs no more modes than there are elements once heat has spread over four elements.
+        At shorter lengths the series needs many modes. Samples need images of the source once heat
+        has spread over the period, and many nodes once a source has passed many elements. At rest
+        the series needs no more modes than elements once heat has spread over four elements.
         """
         if not self.periodic or self.nearest_image:
             return math.inf

@@ -256,7 +256,8 @@ def _uniform(
 ) -> HeatPartition:
     """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩.
 
-    `rise` is T₁q, `target` the right-hand side on the contact, `delta` is ΔT_b there [K].
+    `rise` is T₁q, `target` the right-hand side on the contact, and `delta` is ΔT_b on the contact
+    [K].
     """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:
@@ -275,11 +276,11 @@ def _iterate(
 ) -> tuple[Array, int]:
     """Solve operator(x) = target by generalised conjugate residuals, preconditioned.
 
-    Each direction's image is made orthogonal to the earlier ones, so that every step minimises
-    the residual (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20, 1983). It takes the same
-    steps as GMRES, and cannot break down since the operator's symmetric part is positive definite.
-    The residual falls to `tolerance` times the norm of `target`, unless `max_iterations` end first.
-    Returns the solution and the iterations.
+    Each direction's image is made orthogonal to the earlier ones, so that every step minimises the
+    residual (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20, 1983). The steps are those of
+    GMRES, and cannot break down, since the operator's symmetric part is positive definite.
+    Iteration ends when the residual is `tolerance` times the norm of `target`, or after
+    `max_iterations`. Returns the solution and the number of iterations.
     """
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
     # In one piece: if two arrays are freed together, the allocator returns their memory, and to get

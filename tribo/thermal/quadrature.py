@@ -37,9 +37,9 @@ def panels(
 ) -> Iterator[tuple[float, float]]:
     """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
 
-    Heat spreads in proportion to s, hence panels that double. Within one panel the source moves by
-    at most `REACH` diffusion lengths, unless Filon's rule, used from `filon_start`, takes care of
-    that. `drift` is ``|V|/(4κ)`` [1/m], and `side` that of an element [m].
+    Panels double in size, since heat spreads in proportion to s. Within a panel the source moves by
+    at most `REACH` diffusion lengths. From `filon_start` on this does not matter, as Filon's rule
+    is used. `drift` is ``|V|/(4κ)`` [1/m], and `side` is the side of an element [m].
     """
     low = start
     while low < end:
@@ -81,7 +81,7 @@ def filon_weights(
 
     g is expanded in Legendre polynomials, whose integrals against exp(−iθξ) over [−1, 1] are
     2(−i)^l j_l(θ) (Bakhvalov & Vasil'eva, USSR Comput. Math. 8, 1968). Shape (nodes, *ω.shape).
-    `omega` is ω; `nodes` and `weights` are those of Gauss' rule on [−1, 1].
+    `omega` is ω; `nodes` and `weights` are from Gauss' rule on [−1, 1].
     """
     degrees = np.arange(len(nodes))
     projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]

@@ -109,9 +109,9 @@ def require_share(share: float) -> None:
 def rise_exceeded(
     rise_quantiles: Array, share: float, quantiles: Array | tuple[float, ...] = QUANTILES
 ) -> Array:
-    """Rise exceeded on just this share of the contact area [K]; the inverse of `failed_share`.
+    """Rise that exactly a `share` of the contact area exceeds [K]; the inverse of `failed_share`.
 
-    Linear between the quantiles, which run along the last axis of `rise_quantiles`.
+    The rise is linear between the quantiles, which are on the last axis of `rise_quantiles`.
 
     Examples
     --------
@@ -137,7 +137,7 @@ def rise_exceeded(
 def failed_share(rise_quantiles: Array, limit: float) -> float:
     """Share of the contact area whose rise exceeds `limit` [K], from quantiles of the rise [K].
 
-    Linear between the quantiles.
+    The share is linear between the quantiles.
 
     Examples
     --------

@@ -49,7 +49,7 @@ class Stem:
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
     def resistance_under(self, times: Array, loads: Array) -> float:
-        """Thermal resistance at the last time: warming of the heated end over its heat flow [K/W].
+        """Thermal resistance at the last time: warming of the heated end over heat flow [K/W].
 
         The heat flow is in proportion to the load, which is linear between the times [s] and 0 at
         time 0. By Duhamel's theorem, with S the fraction of a constant flow and I its integral,

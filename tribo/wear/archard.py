@@ -56,9 +56,9 @@ class RungeKutta:
     def stages(
         self, loads: tuple[float, float], mean_load: float, distance: float
     ) -> Iterator[Stage]:
-        """Contacts that a step has to solve, in order; the last one is at the step's end.
+        """Yield the contacts to solve in a step, in order; the last contact is at the step's end.
 
-        `loads` are those at both ends of the step, `mean_load` is the mean along it [N].
+        `loads` are the loads at both ends of the step, `mean_load` is the mean over the step [N].
 
         Examples
         --------
@@ -156,8 +156,8 @@ class Wear:
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
         """k·dS/λ_min, the decay of the shortest wave over a sliding distance.
 
-        λ_min is the smallest eigenvalue of the elastic map among the shapes that wear: all of
-        them, or for swept wear those that are uniform along y.
+        λ_min is the smallest eigenvalue of the elastic map: of all shapes, or for swept wear of
+        shapes that are uniform along y.
 
         Examples
         --------
@@ -174,10 +174,11 @@ class Wear:
 
 @dataclass(frozen=True, slots=True)
 class RollingWear(Wear):
-    """Wear of a pin that rolls: along x by the same depth everywhere on its track.
+    """Wear of a pin that rolls: the depth is the same along x, everywhere on the track.
 
-    See `tribo.simulation.motion`, Eq. (1); along y it wears by the pattern. `window_share` is the
-    window's length along x over that of the track around the pin, above 0 and at most 1.
+    See `tribo.simulation.motion`, Eq. (1). Along y the pin wears by the pattern. `window_share` is
+    the length of the window along x divided by the length of the track around the pin, above 0 and
+    at most 1.
 
     Examples
     --------
@@ -212,7 +213,7 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min as in `Wear.stiffness`, over the waves along y alone; 0 if there are none."""
+        """k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without such waves."""
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
             return 0.0
