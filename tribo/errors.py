@@ -53,7 +53,7 @@ class InputError(TriboError, ValueError):
 
 
 class ConvergenceError(TriboError, RuntimeError):
-    """A solver that did not reach its tolerance.
+    """A solver did not reach its tolerance.
 
     Attributes
     ----------

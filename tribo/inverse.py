@@ -25,7 +25,7 @@ class WearRate:
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
         Wear rates at which the width is half an element (one element if both bodies are smooth)
-        less or more than measured, widened by 1 %, the precision of the search.
+        below or above the measured width. The precision of the search, 1 %, is added.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def specific_wear_rate(
     """Specific wear rate of the pin from the width of its contact after a loading.
 
     The more the pin has worn, the wider is its contact. Computed widths are whole numbers of
-    elements, and grow by two at a time where both bodies are smooth. So a range of wear rates
+    elements, and grow by two elements at a time if both bodies are smooth. So a range of wear rates
     gives the measured width.
 
     Parameters

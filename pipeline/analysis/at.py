@@ -67,8 +67,9 @@ def at(
 ) -> xr.Dataset:
     """Judge a sweep under other conditions or values, without a new simulation.
 
-    All answers and figures of the returned dataset are at these values. Several values of a
-    condition make a dimension named by the path of its entry, such as ``friction.coefficient``.
+    All answers and figures of the returned dataset are for these values. Several values of a
+    condition become a dimension, named by the path of the condition's entry, such as
+    ``friction.coefficient``.
 
     Parameters
     ----------
@@ -98,8 +99,8 @@ def at(
         is of the scene's own oil. The critical temperature must be the one of this oil.
     **entries
         Values by the path of an entry, in SI or as text with a unit. An entry with several values
-        (``[sweep] over``) is restricted to these. An unknown input of samples is fixed at the
-        value. A condition is replaced, as by the arguments above.
+        in the sweep (``[sweep] over``) is restricted to the given values. An unknown input of
+        samples is fixed at the value. A condition is replaced, as by the arguments above.
 
     Returns
     -------

@@ -46,10 +46,10 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the lowest value at
         which wear turns severe. NaN if wear never does so, or is severe at the lowest computed
-        value. ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band:
-        below and above it the verdict of `pipeline.margin` is decided.
+        value. ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band.
+        Outside the band the verdict of `pipeline.margin` is decided.
 
-        These variables have the suffix ``_at_load`` or ``_at_velocity``:
+        The names of further variables have the suffix ``_at_load`` or ``_at_velocity``:
 
         - ``outcome``: wear turns severe within the computed points, or why not. It may be mild or
           severe in the scene's whole range. It may turn severe above or below the computed points.
@@ -71,8 +71,8 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           is NaN. The pin scuffs before the median velocity: the hottest patch under it scuffs
           first.
 
-        For samples there are only the error band and ``critical_velocity_quantile``, the lowest
-        velocities at which the next run is severe with a probability of 5, 50 and 95 %.
+        Samples have only the error band and ``critical_velocity_quantile``: the lowest velocities
+        at which the next run is severe with a probability of 5, 50 and 95 %.
 
     Raises
     ------

@@ -146,10 +146,11 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        The stored variables, with loads, velocities and seeds of surfaces ascending. ``step`` 0 is
-        the end of each point, −1 the step before. Steps that a point does not have, and points
-        that are not done, are NaN. Data are read when they are used. Attributes are text, so
-        that ``to_netcdf`` can write them. `pipeline.temperatures` gives contact temperatures.
+        The stored variables, with ascending loads, velocities and seeds of surfaces. ``step`` 0 is
+        the end of each point, −1 the step before. Values are NaN at steps that a point does not
+        have, and at points that are not done. Data are read when they are used. Attributes are
+        text, so that ``to_netcdf`` can write them. See `pipeline.temperatures` for contact
+        temperatures.
 
     Raises
     ------
@@ -351,7 +352,7 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        The dataset at ``step`` 0, without that dimension; NaN where a point is not done.
+        The dataset at ``step`` 0, without this dimension; NaN at points that are not done.
 
     Examples
     --------

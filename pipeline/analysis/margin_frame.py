@@ -50,25 +50,26 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. Points that are
         pending or failed are skipped.
     load : float or str
-        Normal load on the whole pin [N], or text such as ``"500 N"``, within the sweep's loads. Or
-        a table of operating points instead of load and velocity: a .csv or .xlsx file with columns
-        ``load [N]`` and ``velocity [m/s]``, also in other units; or columns by heading, such as a
-        data frame. Columns ``friction``, ``bulk_temperature`` and ``critical_temperature`` are
-        conditions of their row. Further columns are copied to the result, with "(given)" after a
-        heading that the result has, too. Leave it out if rows of the sweep have their own places.
+        Normal load on the whole pin [N], or text such as ``"500 N"``, within the sweep's loads.
+        Instead of load and velocity it may be a table of operating points: a .csv or .xlsx file
+        with columns ``load [N]`` and ``velocity [m/s]``, or with other units; or columns by
+        heading, such as a data frame. Columns ``friction``, ``bulk_temperature`` and
+        ``critical_temperature`` are conditions of a row. Further columns are copied to the result,
+        with "(given)" added to a heading that the result already has. Leave load and velocity out
+        if the sweep's rows have their own.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within the sweep's velocities.
 
     Returns
     -------
     Margin or DataFrame
-        The `Margin` of one place in a single scene. For several places a data frame with a row for
-        each: its place, the ``verdict`` on the next run, the ``probability`` that it is severe,
-        ``decisive temperature [°C]``, its numerical ``temperature error [K]``, the ``distance [K]``
-        below the critical temperature and, along velocity and load, the factor to the lowest
-        critical value, that value and the outcome. Over several surfaces or samples these are
-        medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 % quantiles. A
-        place outside the computed points has none, and its ``notes`` give the reason.
+        For one operating point in a single scene its `Margin`. Otherwise a data frame with a row
+        for each point: load, velocity, the ``verdict`` on the next run, the ``probability`` that it
+        is severe, ``decisive temperature [°C]``, the numerical ``temperature error [K]``, and the
+        ``distance [K]`` below the critical temperature. For velocity and for load it also has the
+        lowest critical value, the factor to it, and the outcome. With several surfaces or samples
+        these values are medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 %
+        quantiles. Points outside the computed ones have no values, and ``notes`` give the reason.
 
     Raises
     ------

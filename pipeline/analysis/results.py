@@ -67,7 +67,7 @@ class Results:
     rows : Dataset
         Values of entries, surfaces or samples that identify the rows, as coordinates.
     loads, velocities : ndarray
-        Axes of the plane, ascending [N, m/s]; velocities of samples are in `rows`.
+        Ascending loads [N] and velocities [m/s] of the points; velocities of samples are in `rows`.
     cut : tuple of str
         Which of the axes load and velocity have only a single value.
     columns : mapping
@@ -76,8 +76,8 @@ class Results:
     shares : ndarray
         Shares of the contact area for which quantiles are stored.
     rest : Dataset
-        Variables that no verdict needs, such as fields of the contact; they are read when shown.
-        It has the attributes and further coordinates of the dataset.
+        Variables that verdicts do not need, such as fields of the contact, which are read when
+        shown; also the attributes and further coordinates of the dataset.
     """
 
     stored: Sweep

@@ -52,7 +52,8 @@ def warned(ds: ResultsLike) -> Warned:
     ----------
     ds : Dataset, str or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. With several
-        values of a condition, such as two frictions, a point is molten if it is at any of them.
+        values of a condition, such as two frictions, a point counts as molten if it is molten at
+        one of them.
 
     Examples
     --------

@@ -52,8 +52,8 @@ def plot(
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     width : float or str, optional
-        Width of the figure, in m or as text such as ``"8.5 cm"``. Its text shrinks less than the
-        figure.
+        Width of the figure, in m or as text such as ``"8.5 cm"``. The figure's text shrinks less
+        than the figure.
     plain : bool
         Draw no title and no caption.
     **options

@@ -67,9 +67,10 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
 
     The pinion has torque T and angular velocity ω1. In the transverse section the velocities are ui
     = ωi ρi. The load normal to the flanks is K T/(rb1 cos βb), with the load factor K. A pair of
-    teeth carries `load_share` of it, on a line of length b/cos βb. Hertz contact after Johnson,
-    *Contact Mechanics*, Eqs. 4.43 and 4.45; flash temperature after `flash_rise`; film after
-    `tribo.material.minimum_line_film` (Dowson & Higginson), with the oil at the bulk temperature.
+    teeth carries the share `load_share` of this load, on a line of length b/cos βb. The Hertz
+    contact is after Johnson, *Contact Mechanics*, Eqs. 4.43 and 4.45, the flash temperature after
+    `flash_rise`, and the film after `tribo.material.minimum_line_film` (Dowson & Higginson), with
+    the oil at the bulk temperature.
 
     Parameters
     ----------
@@ -83,7 +84,8 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     Returns
     -------
     Mesh
-        Its places, in the order of their position. At B and D a single pair of teeth is in contact.
+        The mesh, with places in the order of their position. At B and D a single pair of teeth is
+        in contact.
 
     Examples
     --------
@@ -140,13 +142,14 @@ def _place(
 def load_share(gears: Involutes, position: float, quality: int) -> float:
     """Share of the load that one pair of teeth carries at a place.
 
-    Spur gears without tip relief: 1 between B and D; rising from 1/3 at A to 2/3 at B, and falling
-    from 2/3 at D to 1/3 at E (AGMA 925-A03, Eqs. 45 to 47), so that both pairs together carry the
-    load. Tolerance classes Q above 7 share worse: (Q − 2)/15 at the ends, and 1/3 more at B and D,
-    at most 1 (ISO/TR 13989-1:2000, 9.2). With a contact ratio of 2 or more, all pairs in mesh share
-    equally. Helical gears with an overlap ratio εβ of at least 1: 1/εα, the mean along all lines of
-    contact (ISO/TR 13989-1, 9.6). With a smaller εβ: linear in εβ between spur and helical, as Zε²
-    of ISO 6336-2. The ends of helical teeth carry more, by `buttressing`.
+    For spur gears without tip relief it is 1 between B and D, rises from 1/3 at A to 2/3 at B, and
+    falls from 2/3 at D to 1/3 at E (AGMA 925-A03, Eqs. 45 to 47), so that both pairs together carry
+    the load. For tolerance classes Q above 7 it is (Q − 2)/15 at the ends, and 1/3 more at B and D,
+    at most 1 (ISO/TR 13989-1:2000, 9.2). With a contact ratio of 2 or more, all pairs in mesh have
+    equal shares. For helical gears with an overlap ratio εβ of at least 1 it is 1/εα, the mean
+    along all lines of contact (ISO/TR 13989-1, 9.6). For a smaller εβ it is interpolated linearly
+    in εβ between spur and helical gears, as Zε² of ISO 6336-2. The ends of helical teeth carry
+    more, by the factor `buttressing`.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     Parameters
     ----------
     pair : Pair
-        Pair with the oil. If it is the test gears themselves, their roughness counts, too.
+        Pair with the oil. If the pair is the test gears themselves, its roughness is also used.
     stage : int
         Failure load stage in A/8.3/90, from 2 to 12.
     **choices

@@ -40,10 +40,11 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
     Parameters
     ----------
     path : str or path
-        TOML file, or the name of a shipped pair, such as ``"fzg_a"``. It may extend another file.
+        TOML file, or the name of a shipped pair, such as ``"fzg_a"``. The file may extend another
+        file.
     overrides : mapping, optional
-        Values that replace entries of the file, by path, such as
-        ``{"pinion.roughness": "0.8 um"}``. Another duty needs its temperature, too.
+        Values that replace entries of the file, by path, such as ``{"pinion.roughness": "0.8
+        um"}``. If they change the duty, also give its temperature.
 
     Raises
     ------

@@ -167,7 +167,7 @@ def warm_duty(
 ) -> Duty:
     """Duty of a pair, with its bulk temperature given or computed.
 
-    In oil at the temperature θ the bulk temperature is θ + 0.7 × mean flash temperature (ISO/TR
+    With an oil temperature θ the bulk temperature is θ + 0.7 × mean flash temperature (ISO/TR
     13989-2, Eq. 20). It is found by iteration, as friction depends on the viscosity at the bulk
     temperature. Without θ the bulk temperature is the pair's, which is right only for the pair's
     own duty.

@@ -49,7 +49,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
     Raises
     ------
     InputError
-        If the contact is so wide that the roughness would take too many pixels.
+        If the contact is so wide that the roughness would need too many pixels.
 
     Examples
     --------

@@ -90,8 +90,8 @@ def judge_spectrum(
     Returns
     -------
     DataFrame
-        The frame of `judge` with the number and hours of each row. Its attribute ``remarks``
-        lists rows and columns that were not used.
+        The frame of `judge`, with the number and hours of each row. The frame's attribute
+        ``remarks`` lists rows and columns that were not used.
 
     Raises
     ------

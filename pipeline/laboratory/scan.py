@@ -191,7 +191,8 @@ def surface_statistics(
     Parameters
     ----------
     path : str or Path
-        Plain array (.npy), text, or an instrument's file, which may need the extra ``surfaces``.
+        Plain array (.npy), text, or an instrument's file, which may need the optional packages
+        ``surfaces``.
     height_unit : float or str, optional
         Unit of the heights, such as ``"um"``, or its length in m. It replaces the unit of the
         file.
@@ -206,10 +207,11 @@ def surface_statistics(
     InputError
         If the file cannot be read, is a profile, or lacks a unit or the size of its pixels.
 
-    Notes ----- The mean plane is removed, and a significant curvature. Holes are left out. Eight
-    random surfaces are made with the fitted spectrum in the window of the scan. They are like the
-    scan if its Rq, Sal and Str are within 15 %, or twice the scatter, of the means over these
-    surfaces.
+    Notes
+    -----
+    The mean plane is removed, and a significant curvature. Holes are left out. Eight random
+    surfaces are made with the fitted spectrum in the window of the scan. They are like the scan if
+    its Rq, Sal and Str are within 15 %, or twice the scatter, of the means over these surfaces.
 
     Examples
     --------

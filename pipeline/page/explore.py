@@ -70,8 +70,8 @@ def explore(
     """Write a page on which friction, temperatures and failing share can be changed.
 
     The page is a single file that opens in any current browser, without a server. It begins with
-    the answer. The boundary, its band over several surfaces and the tables follow the conditions
-    that the reader sets. Each point shows its numbers, its fields and the distribution of
+    the answer. The boundary, the band over several surfaces and the tables change with the
+    conditions that the reader sets. For each point it shows numbers, fields and the distribution of
     temperature over the contact. For samples the page shows the probability of severe wear at any
     load and velocity. For rows with their own load and velocity it shows their margins. If entries
     have several values, the reader selects a scene. Printed on A4 or to PDF, the page is a report.
@@ -83,8 +83,8 @@ def explore(
     out : path
         File to write, with the suffix .html.
     most_fields : int, optional
-        Largest number of points with fields on the page: those nearest to the transition, if the
-        sweep has stored fields. Each takes about 10 kB; 0 leaves them out.
+        Largest number of points with fields on the page, if the sweep has stored fields. The points
+        nearest to the transition are taken; the fields of a point take about 10 kB.
     points : path or mapping of str to sequence, optional
         Operating points whose margins are shown; see `pipeline.margin`.
 

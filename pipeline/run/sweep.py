@@ -63,7 +63,7 @@ def run_sweep(
     dashboard: bool = False,
     source: PathLike | None = None,
 ) -> Outcome:
-    """Compute all points of a sweep, or of its boundary alone, that its store does not have yet.
+    """Compute the points of a sweep, or of its boundary only, that its store does not have yet.
 
     In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
 
@@ -75,16 +75,16 @@ def run_sweep(
         Path of the store, which is created, resumed or extended. If it is a folder, all done points
         are first compared with their checksums, and computed again if they differ.
     workers : int, optional
-        Number of processes; one for each core that this process may use if not given.
+        Number of processes; by default one for each core that this process may use.
     client : distributed.Client, optional
-        Client of any Dask cluster to compute on instead. Its workers need this package; they need
-        not see the store. Each computes one point at a time, however many threads it has.
+        Client of a Dask cluster to compute on instead. Its workers need this package, but no access
+        to the store. A worker computes one point at a time, however many threads it has.
     progress : callable, optional
         Called with a `Progress` at the start, after each point, and for messages to the user, such
         as a note on a store that is resumed. If it is not given, a notebook shows a line of
         progress.
     retry_failed : bool, optional
-        True to try the points again that failed in an earlier run.
+        True to compute points again that failed in an earlier run.
     boundary_only : float, optional
         Compute only the boundary, for each surface, to this relative error of the critical
         velocity. The run chooses velocities between the sweep's lowest and highest. The error is in

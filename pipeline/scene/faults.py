@@ -67,15 +67,15 @@ class Faults(list[Fault]):
 
 
 class SceneFileError(TriboError):
-    """A scene file that cannot be used.
+    """A scene file cannot be used.
 
     Attributes
     ----------
     path : Path
         Scene file.
     faults : list of str
-        Every fault, one line each: its key, the file if it is another one, what is wrong and
-        what is allowed.
+        Every fault, one line each: key, file if it is not the scene file, what is wrong, and what
+        is allowed.
 
     Examples
     --------

@@ -141,7 +141,7 @@ _MEANT, _LONGEST = 40, 80  # column in which comments begin, and their greatest 
 
 
 def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
-    """Write a scene to start from: a short one, a shipped one, or one that has every entry.
+    """Write a scene to start from: a short scene, a shipped scene, or a scene with every entry.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     Returns
     -------
     list of Path
-        The files written: the scene, and copies of those that it names.
+        The files written: the scene, and copies of the files that it names.
 
     Raises
     ------

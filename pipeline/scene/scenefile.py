@@ -43,14 +43,14 @@ def load_scene(
         Scene file, or name of a shipped scene. Files named in it are relative to the folder of the
         file that names them.
     preset : str, optional
-        Preset of the numerical choices, in place of the scene's whole table ``[fidelity]``: draft,
-        standard, fine or reference. Single entries of that table are left out, too.
+        Preset of the numerical choices: draft, standard, fine or reference. It replaces the scene's
+        whole table ``[fidelity]``, including single entries.
     overrides : mapping, optional
         Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
         file's; or fields of `tribo.Fidelity`, which are applied last. ``without`` lists entries of
         the file to leave out first.
     laws : mapping, optional
-        Objects of your own in place of the scene's: a `tribo.WearLaw` as ``"wear"``, a
+        Objects of your own that replace the scene's: a `tribo.WearLaw` as ``"wear"``, a
         `tribo.Surface` as ``"surface"``, a `tribo.Rule` as ``"criterion"``, a `tribo.Pin` as
         ``"pin"``. Entries such as ``wear.parameters.NAME`` replace fields of a wear law; see
         ``workflows/OWN_LAWS.md``.
@@ -126,7 +126,7 @@ SceneLike = Sweep | str | PathLike[str]
 
 
 def sweep_of(scene: SceneLike) -> Sweep:
-    """Return a sweep unchanged, and read one from a path; raises as `load_scene` does."""
+    """Read a sweep from a path, with the errors of `load_scene`; return a sweep unchanged."""
     return scene if isinstance(scene, Sweep) else load_scene(scene)
 
 

@@ -124,19 +124,19 @@ def exact_si(text: str, like: str) -> Decimal:
 
 
 def to_si(text: str, like: str) -> float:
-    """Value in SI of a quantity such as ``"0.27 um"``, the nearest double.
+    """Value in SI of a quantity such as ``"0.27 um"``, rounded to the nearest double.
 
     Parameters
     ----------
     text : str
-        Number and unit; hardness numbers such as ``"62 HRC"`` are pressures.
+        Number and unit. Hardness numbers such as ``"62 HRC"`` are converted to pressures.
     like : str
-        Quantity of the dimension that is needed.
+        Any quantity of the required dimension.
 
     Raises
     ------
     UnitError
-        If the text is not a quantity, or is one of another dimension.
+        If the text is not a quantity, or has another dimension.
 
     Examples
     --------

@@ -64,7 +64,7 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     Raises
     ------
     StoreError
-        If there is no readable store, or any file of it cannot be read now.
+        If there is no readable store, or one of its files cannot be read now.
 
     Examples
     --------

@@ -18,7 +18,7 @@ _ROUNDING = 1e-9  # share of the heights; a smaller deviation from their plane i
 
 @dataclass(frozen=True, slots=True)
 class ArealRoughness:
-    """Roughness of an area, above its form.
+    """Roughness of an area, measured from its form: a plane or a curved surface.
 
     Attributes
     ----------
@@ -57,12 +57,12 @@ class ArealRoughness:
 def remove_form(
     heights: Array, spacing: tuple[float, float]
 ) -> tuple[Array, tuple[float, float], tuple[float, float]]:
-    """Remove the plane of a surface, and its curvature where that stands out.
+    """Remove the mean plane of a surface, and its curvature if this is significant.
 
     Parameters
     ----------
     heights : ndarray, shape (nx, ny)
-        Heights, NaN where there is none [m].
+        Heights [m], NaN where a height is missing.
     spacing : tuple of float
         Sides of a pixel along x and y [m].
 
@@ -75,9 +75,11 @@ def remove_form(
     tuple of float
         Radii of curvature along x and y [m]; infinite if the curvature was not removed.
 
-    Notes ----- The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). Its curvature is
-    removed only if, from the middle to an edge, the form rises or falls by more than the root mean
-    square height above it. So at most 4 % of that height is due to curvature left in.
+    Notes
+    -----
+    The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). Its curvature is removed only if,
+    from the middle to an edge, the form rises or falls by more than the root mean square height
+    above it. So at most 4 % of that height is due to curvature left in.
 
     Raises
     ------
@@ -127,7 +129,7 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
     Parameters
     ----------
     heights : ndarray, shape (nx, ny)
-        Heights, NaN where there is none [m].
+        Heights [m], NaN where a height is missing.
     spacing : tuple of float
         Sides of a pixel along x and y [m].
 

@@ -23,7 +23,7 @@ def autocorrelation_lengths(
     Parameters
     ----------
     heights : ndarray, shape (nx, ny)
-        Heights above their form, NaN where there is none [m].
+        Heights above their form [m], NaN where a height is missing.
     spacing : tuple of float
         Sides of a pixel along x and y [m].
 
@@ -36,7 +36,8 @@ def autocorrelation_lengths(
 
     Notes
     -----
-    The surface does not have to be periodic: each lag has the mean over its own pairs of heights.
+    The surface need not be periodic: for each lag the mean is over the pairs of heights at this
+    lag.
 
     Examples
     --------

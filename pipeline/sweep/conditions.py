@@ -54,7 +54,7 @@ class Conditions(Judging):
     Raises
     ------
     InputError
-        If a value is out of its range, or friction varies between bodies of unequal bulk
+        If a value is out of range; if friction varies, but the bodies have unequal bulk
         temperatures; or if the criterion is unknown, and there is no rule.
 
     Examples

@@ -34,7 +34,7 @@ class Measurement:
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Copy of a test for a sweep with `oil`: the test's oil becomes None if it is the same oil.
+        """Name a test's oil relative to `oil`: None for a test of this oil, else the oil's name.
 
         The test is unchanged if `oil` is None.
         """

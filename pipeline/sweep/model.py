@@ -62,10 +62,10 @@ class Parts:
 @shown
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
-    """A scene, where to simulate it and in which variants, and how to judge the results.
+    """A scene, its loads, velocities and variants to simulate, and how to judge the results.
 
-    It has the entries of a scene file, and rows of variants, which replace some entries. Objects
-    such as `scene` are made from the entries when they are first needed, and cached.
+    It has the entries of a scene file, and variants, which replace some entries. Objects such as
+    `scene` are made from the entries when they are first needed, and cached.
 
     Attributes
     ----------
@@ -76,21 +76,21 @@ class Sweep:
     reader : SceneReader
         Reader of the entries, `pipeline.scene.reading.SceneReader`.
     variants : Variants
-        Rows, each with the entries that it replaces.
+        Table of variants, each with the entries that it replaces.
     notes : sequence of Remark
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
-        Numbers from the library.
+        Values that were taken from the library of materials and oils.
     selection : Selection or None
-        How the fidelity was chosen for its accuracy.
+        How the numerical choices were selected for an accuracy; None if they were not.
     chosen : collection of Point or None
-        The points to simulate, if not all of the plane.
+        Points to simulate; None for all pairs of loads and velocities.
     stations : Stations or None
-        Stations that an existing store has.
+        Moments of the loading that are stored, if the store exists already.
     judged : mapping
-        Conditions that replace those of all rows, by the fields of `Conditions`.
+        Conditions that replace the conditions of all variants, by field of `Conditions`.
     oil : str or None
-        Oil whose tests count; the scene's own if None.
+        Oil whose tests count; None for the scene's own oil.
 
     Examples
     --------

@@ -58,8 +58,8 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest fidelity whose measured error is within a bound.
 
-    The candidates are the presets and the scene's own fidelity, measured by `trade`. If none is
-    within the bound, ``reference`` is taken. The scene's own heat model is kept.
+    The candidates are the presets and the scene's own fidelity, measured by `trade`. If no
+    candidate is within the bound, ``reference`` is taken. The scene's heat model is kept.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ def vary(
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
     out : path, optional
-        Store of the points, resumed if it exists. By default a temporary one is used.
+        Store of the points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
         See `pipeline.run_sweep`. A note is reported if the scene has several values of an entry.
 
@@ -98,8 +98,8 @@ def vary(
     SceneFileError
         If a scene is faulty with one of the values.
     InputError
-        If there is no friction or only one velocity, or a percentage is given for an entry that
-        is no number.
+        If there is no friction or only one velocity, or a percentage is given for an entry that is
+        not a number.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def vary(
 
 
 def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """Frame of `Variations.table`, from the frame `found` of all boundaries."""
+    """Make the frame `Variations.table` from a frame `found` with the boundaries of all scenes."""
     velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
     change = 100 * (velocity / velocity[0] - 1)
     change[0] = math.nan  # the unchanged scene

@@ -97,8 +97,8 @@ def critical_temperatures(
     """Find the critical temperature of a lubricant from measured transitions.
 
     It is the temperature that the failing share of the contact exceeds at a transition. A good
-    model gives the same temperature at all transitions. No rig can measure it (Bosman & de Rooij,
-    Table 6).
+    model gives the same temperature at all transitions (Bosman & de Rooij, Table 6). A rig cannot
+    measure it.
 
     Parameters
     ----------
@@ -107,14 +107,14 @@ def critical_temperatures(
         simulated. If tests are of several oils, only the first oil counts. A transition without
         friction, bulk temperature or hold takes the scene's value.
     out : path, optional
-        Store of the simulated points, resumed if it exists. By default a temporary one is used.
+        Store of the simulated points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
         See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
 
     Raises
     ------
     InputError
-        If no transition was measured, or one has no friction above 0.
+        If no transition was measured, or the friction at a transition is not above 0.
 
     Examples
     --------

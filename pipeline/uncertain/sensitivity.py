@@ -70,7 +70,7 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
     Raises
     ------
     InputError
-        If the samples are too few, or no input is unknown.
+        If there are too few samples, or no input is unknown.
 
     Examples
     --------

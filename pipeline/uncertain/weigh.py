@@ -53,8 +53,8 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     Raises
     ------
     InputError
-        If a test lies outside the sweep, tests are of several oils where the critical temperature
-        is known, the samples are too few, or no draw comes near to the tests.
+        If a test lies outside the sweep, tests are of several oils but the critical temperature is
+        known, there are too few samples, or no draw agrees with the tests.
 
     Examples
     --------

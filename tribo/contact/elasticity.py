@@ -57,14 +57,14 @@ class ElasticHalfSpace(Convolution):
         ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
         periodic axis, say y of length L, and takes ``D(x, |y|) + D(x, L − |y|)``: the DC-FFT with
         its leakage added (Bosman & de Rooij, Fig. 3). Each point then feels a line contact of
-        length 2L instead of an endless one, which is too stiff: the cylinder of their Fig. 4 has
-        a peak pressure that is 1.1 % too high at L = 456 µm.
+        length 2L instead of an endless one. That is too stiff: the peak pressure of the cylinder in
+        their Fig. 4 is 1.1 % too high at L = 456 µm.
 
     Attributes
     ----------
     self_influence : float
-        Displacement of an element under unit pressure on itself alone, all images left out
-        [m/Pa]. The unit in which the contact solver judges a gap.
+        Displacement of an element due to unit pressure on itself alone, without images [m/Pa]. The
+        contact solver measures gaps in this unit.
 
     Examples
     --------

@@ -43,10 +43,11 @@ class ContactSolution:
     approach : float
         Rigid displacement α of the bodies towards each other [m], from the datum of the solid.
     iterations : int
-        Convolutions with the solid's kernel; a convolution on fewer elements counts by their share.
+        Number of convolutions with the solid's kernel; a convolution on a part of the elements
+        counts as a fraction.
     residual : float
-        Largest violation of the conditions on the gap, in units of D_self·max(p), plus the error
-        that rounding may hide.
+        Largest violation of the conditions on the gap, in units of D_self·max(p), plus a bound on
+        the rounding error.
     load_error : float
         Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float
@@ -99,21 +100,21 @@ def solve_contact(
     hardness : float
         Highest pressure that is carried, H [Pa].
     tolerance : float
-        Bound on the residual. Rounding allows 1e-12 on 240 × 240 elements, and less on fewer. From
-        1e-2 on, transforms on large grids are in single precision, whose rounding the residual
-        includes.
+        Bound on the residual. With rounding, 1e-12 can be reached on 240 × 240 elements, and less
+        on fewer. From 1e-2 on, transforms on large grids are in single precision; the residual
+        includes its rounding errors.
     initial_pressure : ndarray, shape (nx, ny), optional
-        A guess, scaled to the load; the nearer, the fewer iterations.
+        A guess, which is scaled to the load. A better guess saves iterations.
     max_iterations : int
-        Convolutions after which to give up.
+        Number of convolutions after which to give up.
     criterion : {"gap", "pressure-change"}
-        Measure that the tolerance bounds: the residual, or the change Σ|p − p_old|/Σp of the
-        pressure in the last iteration, Eq. (24) of Bosman & de Rooij. The latter is there for
-        comparison. It is no test of convergence: begun near a solution, the iteration changes
-        little from the first, and the residual that is returned may then be large.
+        What the tolerance bounds: the residual, or the change Σ|p − p_old|/Σp of the pressure in
+        the last iteration, Eq. (24) of Bosman & de Rooij. The latter is only for comparison, and is
+        no proof of convergence: near a solution the pressure changes little from the first
+        iteration on, while the residual may be large.
     initial_displacement : ndarray, shape (nx, ny), optional
-        Displacement under `initial_pressure` [m], where it is known; it saves iterations. That
-        pressure then has to carry the load, but may exceed the bounds, as extrapolated ones do.
+        Displacement due to `initial_pressure` [m], if known; it saves iterations. The initial
+        pressure must then carry the load, but may exceed the bounds, as extrapolated pressures do.
 
     Returns
     -------
@@ -126,8 +127,8 @@ def solve_contact(
         If the load exceeds what the hardness can carry, or an input is not finite or of the
         wrong shape.
     ConvergenceError
-        If the tolerance is not reached within `max_iterations`, or lies below what rounding
-        allows. It carries the `ContactSolution` found.
+        If the tolerance is not reached within `max_iterations`, or is too small for rounding. The
+        error carries the `ContactSolution` found.
 
     Examples
     --------

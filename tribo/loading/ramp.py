@@ -42,7 +42,7 @@ class Station:
     on_trunk : bool
         True if higher loads pass through this station too.
     index : int
-        Number of steps from the unloaded state to here.
+        Number of steps from the unloaded state to this station.
     impulse : float
         Integral of the load over the time since the load began to grow, ∫F dt [N s].
     holding : bool
@@ -78,8 +78,8 @@ class Ramp:
     hold : float, optional
         Duration for which each point holds its load once it is reached [s].
     stops : tuple of float, optional
-        Times at which a step of the hold must end, from the start of the hold [s]. Those after its
-        end are ignored.
+        Times at which a step of the hold must end, counted from the start of the hold [s]. Times
+        after the end of the hold are ignored.
 
     Examples
     --------

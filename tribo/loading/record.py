@@ -23,14 +23,14 @@ _MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
 class MeasuredLoad:
     """A record of the load, from its first row to where it first reaches its reference load.
 
-    That stretch is cut into as many steps as the scene has increments. They are equal in time where
+    The loading is cut into as many steps as the scene has increments. Steps are equal in time if
     the load grows about evenly. Otherwise each step has an equal sum of two shares: of the
     duration, and of the load's total travel up and down, without noise below 2 % of the reference
     load. So a jump gets half of the steps, however short it is.
 
     A point at another load has the same times, and all loads scaled in proportion. So points share
-    no ramp: each follows the record from its start. The load falls where the record falls. Below 0,
-    where only the sensor's noise can be, it counts as 0.
+    no ramp: each follows the record from its start. The load may fall during the record. A negative
+    load, which can only be noise, counts as 0.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ class MeasuredLoad:
     loads : ndarray, shape (n,)
         Load on the whole pin at these times [N].
     reference_load : float, optional
-        Load at which the loading ends [N]; the record's maximum if not given. A record with a long,
-        noisy plateau needs one, or its loading ends at the highest peak of the noise.
+        Load at which the loading ends [N]; the record's maximum if not given. Give it for a record
+        with a long, noisy plateau; otherwise the loading ends at the highest peak of the noise.
 
     Raises
     ------

@@ -114,9 +114,8 @@ def contacts(
 ) -> Iterator[State]:
     """Contact states along the way to `normal_load` and through its hold, without temperatures.
 
-    They depend on the velocity only through `wear_number`, unless `inseparable` gives a reason.
-    (`State.sliding_distance` always depends on it.) See `tribo.simulate` for further parameters and
-    for errors.
+    Apart from `State.sliding_distance`, they depend on the velocity only through `wear_number`,
+    unless `inseparable` gives a reason. See `tribo.simulate` for further parameters and for errors.
 
     Parameters
     ----------
@@ -127,8 +126,9 @@ def contacts(
     Yields
     ------
     State
-        State after every step. `State.is_requested` marks the states whose temperature `heat`
-        computes, unless they have it already because it depends on the heat of earlier steps.
+        State after every step. `State.is_requested` marks the states whose temperature is wanted.
+        It is computed by `heat`, unless it depends on the heat of earlier steps: then the state
+        already has it.
 
     Examples
     --------

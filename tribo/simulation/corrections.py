@@ -59,7 +59,8 @@ class Track:
     width : float or None
         Width of the track [m]; None for the contact's width times `aspect`.
     aspect : float
-        Width of the contact across the track over its length along it, for a ball or a crowned pin.
+        Width of the contact across the track divided by its length along the track, for a ball or a
+        crowned pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
     disc : Disc or None
@@ -110,9 +111,10 @@ class Corrections:
     Attributes
     ----------
     friction : Friction
-        Friction as factors on the coefficient of the conditions.
+        Friction by velocity and temperature, as factors on the coefficient of the conditions.
     track, pin_track : Track or None
-        Tracks of disk and pin, warmed by earlier turns; the track of a body at rest is cold.
+        Tracks of disk and pin, which earlier turns have warmed. The track of a body at rest stays
+        cold.
     motion : Motion or None
         Motion of both bodies; None where the pin is at rest.
     stem : Stem or None
@@ -125,8 +127,8 @@ class Corrections:
     course : tuple of tuple of float
         Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp.
     rate : float or None
-        Rate at which a ramp reaches its load, which is held from then on [N/s]. Without a rate
-        and a course, the load is linear between the steps that are known.
+        Rate at which a ramp reaches its load [N/s]; the load is then held. Without a rate and a
+        course, the load is linear between recorded steps.
 
     Examples
     --------

@@ -63,7 +63,7 @@ UNSOLVED = CoupledRise(math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoupledHeat:
-    """Temperature rise of a contact in which each element's friction follows its temperature.
+    """Temperature rise of a contact in which each element's friction depends on its temperature.
 
     Attributes
     ----------

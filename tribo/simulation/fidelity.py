@@ -18,40 +18,40 @@ class Fidelity:
     Parameters
     ----------
     pixels_per_element : int
-        Pixels of the surface along each side of an element; the most of them if
-        `elements_per_summit` is above 0.
+        Pixels of the surface along each side of an element; if `elements_per_summit` is above 0,
+        the largest number allowed.
     averaging : {"mean", "sample"}
         An element's height: the mean of its pixels, as measured surfaces are coarsened in the
         paper, or the height of one pixel in its middle. A sample keeps the distribution of heights
         and slopes that the mean smooths, and so comes nearer to a computation on the pixels.
     history_coarsening : int
         Largest factor on the sides of elements before a point's last step, which is then repeated
-        on the scene's own grid. Earlier steps act through the wear alone, which a coarse grid
-        resolves if it is swept and many elements touch. Local wear keeps the roughness, and the
-        grid with it.
+        on the scene's own grid. Earlier steps affect the last one only by the wear. A coarse grid
+        resolves the wear if it is swept and many elements touch. With local wear, which follows the
+        roughness, the grid is not coarsened.
     elements_per_summit : float
-        Least width of the summits of the surface in elements. If it is above 0, elements are small
-        enough for it, down to the pixels; see `tribo.simulation.element_size`.
+        Least width of the surface's summits, in elements. If it is above 0, elements are made small
+        enough for this, down to the pixels; see `tribo.simulation.element_size`.
     fewest_summits : int
-        Least number of summits that are expected to touch for elements larger than the pixels. It
-        counts if `elements_per_summit` is above 0.
+        If fewer summits are expected to touch, elements are single pixels. It counts if
+        `elements_per_summit` is above 0.
     fewest_elements : int
-        Least number of elements that are expected to touch before the last step, whose larger
-        elements it limits. It counts if `elements_per_summit` is above 0.
+        Least number of elements that are expected to touch in steps before the last, which limits
+        the size of their elements. It counts if `elements_per_summit` is above 0.
     increments : int
-        Steps of the ramp up to its reference load. Given in a scene, it replaces the preset's
-        `hold_increments` and `imprint`, too.
+        Steps of the ramp up to its reference load. If a scene gives it, it also replaces the
+        preset's `hold_increments` and `imprint`.
     hold_increments : int
-        As `increments`, for the steps of a hold, which grow with time; 0 for the same number.
+        Like `increments`, but for the steps of a hold, which grow with time; 0 for the same number.
     imprint : float
-        Share of a wave of the roughness that a part of a step may wear into the pin. Steps that
-        leave more are cut into parts, at most 4; 0 to cut none. Local wear leaves such imprints,
-        and ridges along y do.
+        Share of a wave of the roughness that a part of a step may wear into the pin. Steps with a
+        larger imprint are cut into parts, at most 4; 0 for no parts. Local wear and ridges along y
+        leave such imprints.
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
-        Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. At
-        most 0.03 where the wear is local, which keeps the error of each contact.
+        Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. It is
+        at most 0.03 for local wear, which keeps the error of each contact.
     contact_criterion : {"gap", "pressure-change"}
         Measure of the contact's error. See `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}

@@ -39,15 +39,15 @@ def solve_friction(
 ) -> CoupledRise:
     """Solve friction by temperature at the worst moment of a point, if its verdict depends on it.
 
-    It depends where the rise by Eq. (1) of `friction` is within 30 % of the limit, where the limit
-    is not known, and where a mild contact may ignite. Else `UNSOLVED` is returned.
+    The verdict depends on it if the rise by Eq. (1) of `friction` is within 30 % of the limit, if
+    the limit is not known, or if a mild contact may ignite. Otherwise `UNSOLVED` is returned.
 
     Parameters
     ----------
     scene : Scene
         System that was simulated.
     states : sequence of State
-        States of the last steps, those at the full load among them.
+        States of the last steps, including those at full load.
     columns : mapping
         Columns of all steps, as for `verdict`.
     load : float
@@ -104,8 +104,8 @@ def judge(
     Returns
     -------
     Verdict
-        Mild or severe at the worst moment once the load is reached. It is searched at the beginning
-        and the end of a hold, and at each of its steps if bodies keep heat.
+        Mild or severe at the worst moment once the load is reached. The worst moment is sought at
+        the beginning and the end of a hold, or at all its steps if bodies keep heat.
 
     Raises
     ------

@@ -56,7 +56,7 @@ def advance(
     observed: bool = True,
     scheme: WearScheme | None = None,
 ) -> State:
-    """Slide and load until `station`, wearing the pin by the scheme of the fidelity.
+    """Advance load and sliding to `station`; the pin wears meanwhile.
 
     Parameters
     ----------
@@ -75,12 +75,13 @@ def advance(
         In some scenes the pin wears against the disk at shifted positions. True to solve the
         contact with the unshifted disk afterwards, which gives the pressure of the state.
     scheme : {"implicit", "explicit", "sdirk2"}, optional
-        Time integration of the wear; that of the fidelity if not given.
+        Time integration of the wear; by default the fidelity's.
 
     Returns
     -------
     State
-        State at the station; with a temperature only if that depends on the heat of earlier steps.
+        State at the station; it has a temperature only if this depends on the heat of earlier
+        steps.
 
     Examples
     --------

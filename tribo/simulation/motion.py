@@ -49,15 +49,15 @@ class Motion:
     Parameters
     ----------
     slide_roll_ratio : float, optional
-        Sliding over entrainment velocity, s = (u₂ − u₁)/ū. The disk is the faster body where it is
-        positive, the pin where it is negative; beyond ±2 they move against each other. At 2 the pin
-        is at rest.
+        Sliding over entrainment velocity, s = (u₂ − u₁)/ū. If it is positive, the disk is faster,
+        if negative, the pin. Beyond ±2 the bodies move in opposite directions. At 2 the pin is at
+        rest.
     entrainment_velocity : float, optional
         Mean velocity of both bodies, ū [m/s], the same at every sliding velocity; the disk is the
-        faster body. Where the sliding velocity is 0 they roll on each other.
+        faster body. At a sliding velocity of 0 the bodies roll on each other.
     track_length : float, optional
-        Length of the track around the pin [m]; 2π times its radius if not given. Needed where the
-        pin's radius is the reduced radius of two discs.
+        Length of the track around the pin [m]; 2π times its radius if not given. It is needed if
+        the pin's radius is the reduced radius of two discs.
 
     Examples
     --------
@@ -95,7 +95,7 @@ class Motion:
         Parameters
         ----------
         sliding : float
-            Sliding velocity [m/s]; all is mirrored where it is negative.
+            Sliding velocity [m/s]; if it is negative, both velocities change sign.
         """
         if self.slide_roll_ratio is not None:
             mean, share = abs(sliding / self.slide_roll_ratio), self.slide_roll_ratio / 2

@@ -208,14 +208,14 @@ class Ball:
 
 @dataclass(frozen=True, slots=True)
 class Crowned:
-    """A smooth roller as pin, with a crown: of one radius along x and of another along y.
+    """A smooth, crowned roller as pin: it has one radius along x and another along y.
 
     Parameters
     ----------
     radius : float
         Radius in the plane of sliding, along x [m].
     crown_radius : float
-        Radius across it, along y [m].
+        Radius across the sliding direction, along y [m].
     material : Material
         Material of the roller.
 

@@ -36,8 +36,8 @@ def simulate(
     velocity : float
         Sliding velocity [m/s]: the disk's along +x, unless the scene has a motion.
     trunks : Trunks, optional
-        Ramps of other points, which this point continues and lengthens. The result is the same
-        as from the start, bit for bit.
+        Ramps of other points, which this point continues and lengthens. The result is bit for bit
+        the same as without them.
     requested : container of int, optional
         Indices of further stations whose temperature is computed; see `Station`.
 

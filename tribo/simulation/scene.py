@@ -42,8 +42,8 @@ class Scene:
     Parameters
     ----------
     pin : Pin
-        A `Cylinder`, a `Ball`, a `Crowned` roller or another; smooth, and at rest unless the
-        scene has a motion.
+        A `Cylinder`, a `Ball`, a `Crowned` roller or another `Pin`. It is smooth, and at rest
+        unless the scene has a motion.
     disk : Material
         Material of the body that moves along +x.
     pixels : Grid
@@ -55,15 +55,15 @@ class Scene:
     wear : Wear or WearLaw, optional
         Wear of the pin, or a law of your own; none if not given.
     friction_heat : bool
-        True if there is friction, and with it heat. If not, no temperature is solved for: the rise
-        is 0.
+        True if there is friction and its heat. If not, the rise is 0 and is not computed.
     motion : Motion, optional
         Motion of both bodies; the pin is at rest if not given.
     unequal_bulks : bool
-        True if the bodies may differ in bulk temperature. If so, the response of the contact to a
-        difference is solved, too.
+        True if the bodies may have different bulk temperatures. Then the response of the contact to
+        a difference is also computed.
     solved_friction : SolvedFriction, optional
-        Case for which friction by temperature is solved, at points whose verdict depends on it.
+        Law and conditions for which friction by temperature is solved, at points whose verdict
+        depends on it.
     fidelity : Fidelity
         Numerical choices.
 

@@ -14,8 +14,8 @@ from tribo.types import Array
 class Heat:
     """Temperature of the contact, per unit friction coefficient.
 
-    Where the disk passes a ball or crowned pin on few elements, all values but the fields are means
-    over positions of the disk.
+    If a ball or crowned pin touches on few elements, all values except the fields are means over
+    positions of the disk.
 
     Attributes
     ----------
@@ -30,10 +30,10 @@ class Heat:
     iterations : int
         Iterations of the heat partition, each one convolution.
     bulk_response : ndarray, shape (nx, ny), or None
-        Rise of the pin's surface above the pin's bulk for each kelvin by which the disk's bulk is
-        the warmer one; None unless the scene has unequal bulk temperatures.
+        Rise of the pin's surface above the pin's bulk temperature for each kelvin by which the
+        disk's bulk temperature is higher; None unless the scene has unequal bulk temperatures.
     mean_bulk_response : float
-        Mean of `bulk_response` over the contact area [K/K]; NaN where there is none.
+        Mean of `bulk_response` over the contact area [K/K]; NaN without `bulk_response`.
     bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
         Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
         `tribo.thermal.BULK_RATIOS`.
@@ -90,33 +90,32 @@ class State:
     on_trunk : bool
         True if the simulation of a higher load passes through this state.
     index : int
-        Number of steps of the loading that lead here.
+        Number of steps of the loading up to this state.
     iterations : int
-        Convolutions that the contact took, on all grids.
+        Number of convolutions to solve the contact, on all grids.
     residual : float
         Residual of the contact, see `ContactSolution`.
     previous_pressure : ndarray, shape (nx, ny)
-        Contact pressure one station before [Pa]; the next pressure is extrapolated from it.
+        Contact pressure one station earlier [Pa], from which the next pressure is extrapolated.
     previous_load : float
         The load at that station [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
-        Elastic displacement under each of both pressures [m], from the datum of the solid; None
-        where it is not known.
+        Elastic displacement due to each of the two pressures [m]; None if it is not known.
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
-        Temperature of the contact, where it was requested.
+        Temperature of the contact, if it was requested.
     history : State or None
-        State at the same moment from which the ramp goes on, where it is not this one: on the
-        coarse grid of earlier steps, or of a last step without a short end; see
-        `tribo.simulation.implicit_end`.
+        State from which the ramp continues, at the same moment but on a coarse grid or without an
+        implicit end (see `tribo.simulation.implicit_end`). None if the ramp continues from this
+        state.
     heat_history : HeatHistory or None
-        Heat that has flowed so far, where the temperature depends on it.
+        Heat that has flowed so far, if the temperature depends on it.
     response_history : HeatHistory or None
-        Heat that has flowed so far because of unequal bulk temperatures, where they are unequal.
+        Heat that has flowed so far because of unequal bulk temperatures, if any.
     passing : tuple of ndarray, each of shape (nx, ny)
-        Contact pressures with the disk at other positions [Pa], over which the temperature is a
-        mean; see `tribo.simulation.disk_positions`.
+        Contact pressures with the disk at other positions [Pa], to average the temperature over;
+        see `tribo.simulation.disk_positions`.
 
     Examples
     --------

@@ -10,28 +10,27 @@ from tribo.types import Array
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
-    """Values recorded of a state at every step, by the name of their variable in the dataset.
+    """Values to record of a state at each step, by the name of their variable in the dataset.
 
     Returns
     -------
     dict
         ``time`` [s], ``normal_load`` [N], ``sliding_distance`` [m], ``contact_fraction`` (of the
         window), ``contact_width`` (between the outermost elements in contact along x) [m],
-        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction``
-        (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
-        pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
-        and ``pin_heat_share``, NaN where the temperature was not computed; with unequal bulk
-        temperatures ``mean_bulk_response`` likewise. Values that depend on the size of elements are
-        for the elements of the state, which are larger before the last step; see
-        `Fidelity.history_coarsening`.
+        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction`` (of
+        the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole pin)
+        [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K] and
+        ``pin_heat_share``, and with unequal bulk temperatures ``mean_bulk_response``, which are NaN
+        if the temperature was not computed. Values that depend on the size of elements are for the
+        state's elements, which are larger before the last step; see `Fidelity.history_coarsening`.
 
     Notes
     -----
-    A rough surface on larger elements touches on more of the window. In the paper's system, at
-    200 and 750 N on two surfaces, the presets ``standard`` and ``draft`` have 14 to 17 % and 40 to
-    50 % more contact than the pixels themselves, 12 to 14 % and 29 to 34 % less mean pressure, and
-    27 to 31 % and 57 to 68 % less of it at the hardness; width and highest pressure agree within
-    1.5 %.
+    With larger elements, a rough surface touches on more of the window. In the paper's system, at
+    200 and 750 N on two surfaces, the preset ``standard`` has 14 to 17 % more contact than the
+    pixels themselves, 12 to 14 % less mean pressure, and 27 to 31 % less contact at the hardness.
+    For ``draft`` it is 40 to 50 %, 29 to 34 % and 57 to 68 %. Width and highest pressure agree
+    within 1.5 %.
 
     Examples
     --------

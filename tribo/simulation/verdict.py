@@ -138,16 +138,17 @@ class Conditions(Judging):
     friction : float
         Friction coefficient, at least 0.
     bulk_temperature : float
-        Temperature of both bodies far from the contact, or of the pin where they differ [K].
+        Temperature of both bodies far from the contact, or of the pin if they differ [K].
     critical_temperature : float or None
-        Temperature above which the lubricant fails [K]; None where it is not known.
+        Temperature above which the lubricant fails [K]; None if it is not known.
     disk_temperature : float or None
-        Temperature of the disk far from the contact [K]; None if the pin has the same.
+        Temperature of the disk far from the contact [K]; None if it equals the pin's.
     corrections : Corrections or None
         Bodies that warm, stem, film, friction by velocity and temperature; None without
         corrections.
     criterion : Criterion
-        Criterion of severe wear: more than a tenth of the contact if not given.
+        Criterion of severe wear. By default wear is severe if more than a tenth of the contact is
+        above the critical temperature.
 
     Examples
     --------

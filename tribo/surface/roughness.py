@@ -40,7 +40,7 @@ class SelfAffineRoughness:
     ra : float
         Mean absolute height on the pixels, Ra [m].
     hurst_exponent : float
-        Hurst exponent, from 0 (rough at every length) to 1 (smooth at short ones).
+        Hurst exponent, from 0 (rough at all lengths) to 1 (smooth at short lengths).
     correlation_length : tuple of float
         Correlation lengths along x and y [m].
     seed : int

@@ -21,9 +21,9 @@ def self_affine(
 ) -> Array:
     """Random heights [m], shape ``grid.shape``, with a self-affine power spectrum.
 
-    White Gaussian noise shaped in Fourier space by the power spectrum
-    (1 + (q_x l_x)² + (q_y l_y)²)^−(1+H), q the angular wavenumber, then scaled to the given Ra.
-    The surface repeats along both axes.
+    White Gaussian noise is shaped in Fourier space by the power spectrum (1 + (q_x l_x)² + (q_y
+    l_y)²)^−(1+H), with the angular wavenumber q, and scaled to the given Ra. The surface repeats
+    along both axes.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def self_affine(
     hurst_exponent : float
         H, above 0 and at most 1.
     correlation_length : float or tuple of float
-        l along both axes, or ``(l_x, l_y)`` for a lay [m]. Ground along y: l_y > l_x.
+        l along both axes, or ``(l_x, l_y)`` for a lay [m]. A surface ground along y has l_y > l_x.
     seed : int
         Seed of NumPy's ``default_rng``.
 

@@ -22,7 +22,8 @@ class Bulk:
     capacity : float
         Heat that warms the body by one kelvin [J/K]; 0 for a steady state at all times.
     loss : float
-        Heat that the body loses for each kelvin above its starting temperature [W/K]; 0 for none.
+        Heat that the body loses for each kelvin above its starting temperature [W/K]; 0 for no
+        loss.
 
     Examples
     --------
@@ -58,8 +59,8 @@ def bulk_warming(
 ) -> tuple[float, float]:
     """Warming of the bulk of pin and disk since the start [K].
 
-    The contact, which has one temperature, is tied to the bulks by conductances h₁ and h₂ [W/K].
-    Of the heat Q that arises there, and of what flows from one body to the other, body 1 gets
+    The contact has one temperature, and conductances h₁ and h₂ to the bulks [W/K]. With the heat Q
+    of the contact, and the heat that flows from one body to the other, body 1 gets
 
         C₁ dT₁/dt = h₁/(h₁ + h₂) Q + h₁h₂/(h₁ + h₂) (T₂ − T₁) − G₁ T₁,
 
@@ -69,9 +70,10 @@ def bulk_warming(
     Parameters
     ----------
     times, heats : ndarray
-        Times [s] and the heat at each [W], linear in between and 0 at time 0.
+        Times [s] and the heat of the contact at each time [W]. The heat is linear in between, and 0
+        at time 0.
     conductances : tuple of float
-        Conductances of pin and disk.
+        Conductances from the contact to pin and disk [W/K].
     bulks : tuple
         Bulk of pin and disk. A body with None or without capacity keeps its starting temperature.
 

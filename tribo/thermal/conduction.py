@@ -63,8 +63,8 @@ class ConductingHalfSpace(Convolution):
         term, is 7e-7 with 10 and 6e-12 with 16.
     length : float or "nearest-image", optional
         Heated length along a periodic y [m], with the patch in its middle, and at least as long as
-        the patch. Endless if not given. ``"nearest-image"``: the patch and the nearer image of each
-        element, as the leakage of Bosman & de Rooij adds it.
+        the patch. Endless if not given. ``"nearest-image"``: the patch, and the nearer image of
+        each element, which Bosman & de Rooij add as leakage.
 
     Examples
     --------
@@ -119,7 +119,7 @@ def flux_history_spectrum(
 
     By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) in the
     integral. `strengths` are at the `ages` [s], which ascend; strength is linear between ages, and
-    0 outside them. The other parameters are those of `ConductingHalfSpace`.
+    0 outside them. See `ConductingHalfSpace` for the other parameters.
 
     Returns
     -------

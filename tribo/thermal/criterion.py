@@ -25,7 +25,7 @@ Columns = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """How a kind of criterion finds the deciding rise, and what it is called.
+    """How a kind of criterion finds the deciding rise, and its texts.
 
     Attributes
     ----------
@@ -83,8 +83,8 @@ class Criterion:
     name : str
         One of `CRITERIA`, or the name of `rule`.
     share : float
-        Share of the contact area above the critical temperature beyond which wear is severe, from
-        0 (the highest temperature) to below 1; for the kind "share" alone.
+        Share of the contact area above the critical temperature beyond which wear is severe, from 0
+        (the highest temperature) to below 1; only for the kind "share".
     rule : Rule or None
         A rule of the user, which replaces the rule of `CRITERIA`.
 
@@ -153,8 +153,8 @@ class Criterion:
         Parameters
         ----------
         columns : mapping
-            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...);
-            ``quantile`` if the quantiles are not those of `tribo.QUANTILES`.
+            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...), and
+            ``quantile`` unless the quantiles are `tribo.QUANTILES`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):

@@ -25,14 +25,14 @@ class Disc:
     Parameters
     ----------
     diameter, width : float
-        Diameter of its rim, and width across its track [m].
+        Diameter of the rim, and width of the disc across the track [m].
     bore : float
-        Diameter of its hole [m]; 0 for none.
+        Diameter of the hole [m]; 0 without a hole.
     rim_loss, face_loss : float
-        Heat that its rim, and each of its two faces, lose for each area and kelvin [W/(m² K)].
+        Heat loss of the rim, and of each of the two faces, for each area and kelvin [W/(m² K)].
     shaft_loss : float
-        Heat that it loses to its shaft for each kelvin [W/K]: at its bore, or evenly over the disc
-        if it has no bore.
+        Heat loss to the shaft for each kelvin [W/K]: at the bore, or evenly over a disc without a
+        bore.
 
     Examples
     --------
@@ -75,12 +75,12 @@ class Disc:
 
             1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² Fo),  Fo = κt/a²,
 
-        φₙ = J₀(βₙx) + cₙY₀(βₙx), from the bore, x = b/a, to 1. Losses h of rim and bore,
-        φ' + (ha/K) φ = 0 outwards, shift the roots βₙ. Without losses one root is 0, and on a disc
-        without a bore J₁(βₙ) = 0. The loss of the faces multiplies all by exp(−2ht/ρcB), B the
-        width. Under a constant flux on a disc without losses, the integral over t is
-        (a/K)(2Fo + 1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²). At first the response is 1/√(πκt), that of a
-        half-space, corrected for the curvature of the rim.
+        φₙ = J₀(βₙx) + cₙY₀(βₙx), from the bore, x = b/a, to 1. Losses h of rim and bore, φ' +
+        (ha/K) φ = 0 outwards, shift the roots βₙ. Without losses one root is 0, and on a disc
+        without a bore J₁(βₙ) = 0. A loss of the faces multiplies the sum by exp(−2ht/ρcB), with the
+        width B. Under a constant flux on a disc without losses, the integral over t is (a/K)(2Fo +
+        1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²). At first the response is 1/√(πκt), as of a half-space, corrected
+        for the curvature of the rim.
 
         Parameters
         ----------

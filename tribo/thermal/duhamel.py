@@ -82,7 +82,7 @@ class HeatHistory:
     times : tuple of float
         Times of the stations [s]. The first is 0, when there was no flux.
     pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
-        Transforms of the flux at each station [W/m²], without columns that no longer act.
+        Transforms of the flux at each station [W/m²], without columns that have no more effect.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def partition_with_history(
     bulk_difference: ArrayLike = 0.0,
     spectrum_of: SpectrumOf = conducted_spectrum,
 ) -> tuple[HeatPartition, HeatHistory]:
-    """Divide the present frictional heat, given all that has flowed before.
+    """Divide the present frictional heat between the bodies, with the effect of earlier heat.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def partition_with_history(
     Returns
     -------
     HeatPartition
-        Present partition; its rise includes what is left of earlier heat.
+        Present partition; its rise includes the rest of earlier heat.
     HeatHistory
         Heat that has flowed up to now.
 

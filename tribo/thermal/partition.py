@@ -47,7 +47,7 @@ class HeatPartition:
     pin_share : float
         Share of the heat that enters the pin, Σq₁/Σq; NaN if there is no frictional heat at all.
     iterations : int
-        Iterations of the local method, each one convolution; 0 for the uniform one.
+        Iterations of the local method, each one convolution; 0 for the uniform method.
     residual : float
         Difference between the two surface temperatures, relative to the right-hand side of
         Eq. (1); root mean squares over the contact.
@@ -93,8 +93,8 @@ def partition_heat(
     contact : ndarray of bool, shape ``grid.shape``
         True at elements that touch.
     method : {"local", "uniform"}, optional
-        "local" solves Eq. (1) at every node. "uniform" is Blok's way: one fraction q₁/q for
-        the whole contact, such that the mean temperatures of both surfaces over it are equal.
+        "local" solves Eq. (1) at every node. "uniform" is Blok's method: one fraction q₁/q for the
+        whole contact, so that the mean temperatures of both surfaces over the contact are equal.
     tolerance : float, optional
         Largest `HeatPartition.residual` that the local method accepts, from 1e-14 to below 1.
     bulk_difference : float or ndarray, shape ``grid.shape``, optional
@@ -105,12 +105,13 @@ def partition_heat(
     Returns
     -------
     HeatPartition
-        Fields of 0, without a solution, where nothing is in contact or nothing drives heat.
+        The partition; its fields are 0 if there is no contact, or neither heat nor a temperature
+        difference.
 
     Raises
     ------
     InputError
-        If "uniform" has no heat to divide, or fields do not fit each other.
+        If "uniform" has no heat to divide, or the shapes of fields differ.
     ConvergenceError
         If the local method does not reach `tolerance`; it carries the `HeatPartition` found.
 

@@ -109,8 +109,8 @@ class Wear:
         ``"local"``: each point of the pin wears by the pressure on it, as if it always faced the
         same patch of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
         the pin, which at x loses the mean along y, dh(x) = k dS ⟨p(x, ·)⟩_y, on a patch that is
-        periodic along y. Where y is free, as under a ball, a scene takes the mean over positions
-        of the disk instead; see `tribo.simulation.disk_positions`.
+        periodic along y. If y is not periodic, as under a ball, a scene takes the mean over
+        positions of the disk instead; see `tribo.simulation.disk_positions`.
 
     Examples
     --------
