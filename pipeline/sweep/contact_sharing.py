@@ -20,9 +20,9 @@ class ContactSource(NamedTuple):
     places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:
-        """Velocity of the source with the same contacts as the variant at `velocity` [m/s].
+        """Velocity [m/s] at which the source has the contacts that the variant has at `velocity`.
 
-        The result is None if the source has no such point.
+        The result is None if the source has no point at this velocity.
         """
         if self.places:
             own, shared = self.places

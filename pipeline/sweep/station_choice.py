@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Choose which stations (moments of the loading) to store; a begun store keeps its own."""
+    """Stations (moments of the loading) to store: those of an existing store, else by the scene."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
