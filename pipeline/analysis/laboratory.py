@@ -84,8 +84,8 @@ def model_error(data: Results, field: Field) -> Scatter:
     if not isinstance(field, PointField):
         reason = "the scene's tests count with --given-measured"
         return replace(plain, reason=reason) if tests else plain
-    found = [(test, one) for test in tests if (one := _known(data, field, test))]
-    return replace(_updated(plain, found), reason=AGREED if found else plain.reason)
+    found = [(test, one) for test in tests if (one := _known_comparison(data, field, test))]
+    return replace(_update_error(plain, found), reason=AGREED if found else plain.reason)
 
 
 def untested_error(sweep: Sweep) -> ModelError:
@@ -95,7 +95,7 @@ def untested_error(sweep: Sweep) -> ModelError:
     return ModelError(usual=model.scatter if model else USUAL, oil=oil)
 
 
-def _known(data: Results, field: PointField, test: Measurement) -> Comparison | None:
+def _known_comparison(data: Results, field: PointField, test: Measurement) -> Comparison | None:
     """Comparison of a test with the model under the test's conditions; None without a result.
 
     There is no result if the load is outside the sweep, or if points at further velocities might
@@ -108,7 +108,7 @@ def _known(data: Results, field: PointField, test: Measurement) -> Comparison | 
     return found if found.is_known and 0 < found.critical < math.inf else None
 
 
-def _updated(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
+def _update_error(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
     """Update the model's own error `plain` by tests compared with the model, `found`.
 
     Of each run only the transition farthest from the model counts, and on each side the wrong

@@ -262,12 +262,12 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):
         last = np.max(np.flatnonzero(highest - lowest < 1), initial=0)  # last with a known error
-        severe_above = _first_passed(1 - lowest[last::-1], velocities[last::-1], 0.0)
-        ends.append((_first_passed(highest, velocities, math.inf), severe_above))
+        severe_above = _first_exceeding(1 - lowest[last::-1], velocities[last::-1], 0.0)
+        ends.append((_first_exceeding(highest, velocities, math.inf), severe_above))
     return np.array(ends)
 
 
-def _first_passed(chances: Array, velocities: Array, never: float) -> float:
+def _first_exceeding(chances: Array, velocities: Array, never: float) -> float:
     """Velocity at which `chances` first exceed 5 %.
 
     It is `never` if they stay below, NaN if the first is above.

@@ -297,7 +297,7 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
     # The cubic at a place is made of two points on either side.
     x, y = (
         sliding_window_view(np.pad(part, room, constant_values=math.nan), 5, axis=1)
-        for part in _powers(*lines)
+        for part in _logarithms(*lines)
     )
     curves = Curve(*(np.exp(np.delete(part, 2, axis=-1)) for part in (x, y)))
     missed = (np.log(curves(np.exp(x[..., [2]]))[..., 0]) - y[..., 2]) / (x[..., 3] - x[..., 1])
@@ -308,13 +308,13 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
     """Standard deviation of the exponent d ln(rise)/d ln(velocity) between neighbouring points."""
-    x, y = _powers(grid.velocities, grid.rises)
+    x, y = _logarithms(grid.velocities, grid.rises)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]
     return float(np.std(slopes)) if slopes.size else 0.0
 
 
-def _powers(x: Array, rows: Array) -> tuple[Array, Array]:
+def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
     """Logarithms of abscissae `x` and of `rows`; values that are not positive become NaN."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)

@@ -105,7 +105,7 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
     """Draw highest and deciding temperatures of points over time, and the critical temperature."""
     handles = []
-    for judged, look in _judged_looks(conditions):
+    for judged, look in _line_styles(conditions):
         rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
         _draw(axes, data, temperature, points, look)
@@ -117,7 +117,7 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
     style.fitting_legend(axes, 3, handles=handles, loc="upper left")
 
 
-def _judged_looks(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
+def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
     """Pairs (conditions, line style) to draw the highest and the deciding temperature."""
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
@@ -153,7 +153,7 @@ def temperature(
     row = (nearest_indices(data.loads, "load", load) or [-1])[0]
     load_here = float(data.loads[row])
     figure, axes = style.canvas()
-    for judged, look in _judged_looks(conditions):
+    for judged, look in _line_styles(conditions):
         rises = data.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
         between = along_friction(velocities, rises, conditions.friction_factor)

@@ -178,7 +178,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
 
     If a row has only one of the two levels, the other level is `step` away.
     """
-    beyond = {name: _read_beyond(sheet, name) for name in ("failed_stage", *_ENDS)}
+    beyond = {name: _read_more_than(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)
     for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
         is_stage = cells[place] in map(str, range(1, MOST_STAGES + 1))
@@ -210,7 +210,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
         sheet.add(name, sheet.units[name] or "", [f"{x:.12g}" if x > 0 else "" for x in values])
 
 
-def _read_beyond(sheet: Sheet, name: str) -> set[int]:
+def _read_more_than(sheet: Sheet, name: str) -> set[int]:
     """Numbers of rows whose cell of quantity `name` says "more than".
 
     Such a cell becomes its number; a cell without digits becomes empty.

@@ -65,13 +65,13 @@ def read_text(path: Path) -> Raw:
     unit = sizes.get("unit", units.get("z"))
     is_long = table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"
     if table.shape[1] == 3 and is_long:
-        return _placed_heights(path, table, units, unit)
+        return _grid_heights(path, table, units, unit)
     if blocks > 1:
         raise InputError(f"{path}: {blocks} tables, separated by blank lines; give a file for each")
     if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
         return Raw(np.ascontiguousarray(table[:, -1:]), unit=unit)
     is_sized = {"width", "height"} <= sizes.keys()
-    table, steps = (table, None) if is_sized else _stripped_axes(table, above)
+    table, steps = (table, None) if is_sized else _strip_axes(table, above)
     heights = np.ascontiguousarray(table.T)
     length, pixel = units.get("x", units.get("y")), None
     if is_sized:
@@ -91,7 +91,7 @@ def _step(line: Array) -> float:
     return float(abs(steps[0]))
 
 
-def _stripped_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
+def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
     """Remove a first column of y and a first row of x; return heights, and steps of x and y.
 
     The row of x may also be the line `above` the table. Without such coordinates, the steps are
@@ -199,7 +199,7 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _placed_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
+def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
     """Heights (nx, ny) from rows of x, y, z on a regular grid; missing rows become holes.
 
     `units` has the units of the columns in metres, by name. `unit` is the unit of z in metres, or

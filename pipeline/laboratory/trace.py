@@ -159,10 +159,10 @@ class Trace:
             row = severe.row if severe else last.rows.stop - 1
             place = {name: getattr(self, name) for name in _COMMANDS}
             values = {name: None if x is None else float(x[row]) for name, x in place.items()}
-            return [_written_place(values) | common | ({} if severe else {"outcome": "mild"})]
+            return [_place_as_text(values) | common | ({} if severe else {"outcome": "mild"})]
         outcomes = [(one, "mild") for one in mild] + ([(last, "severe")] if severe else [])
         if len(outcomes) == 1:
-            return [_written_place(last._asdict()) | common | {"outcome": outcomes[0][1]}]
+            return [_place_as_text(last._asdict()) | common | {"outcome": outcomes[0][1]}]
         varied = [
             name for name in _COMMANDS if _is_varied([getattr(one, name) for one, _ in outcomes])
         ]
@@ -173,9 +173,9 @@ class Trace:
             held = [value for value in ends[: len(mild)] if value < top]
             run = {"mild_up_to": _text(name, max(held))} if held else {}
             run |= {"severe_at": _text(name, top)} if severe else {}
-            return [run | _written_place(last._asdict(), without=name) | common]
+            return [run | _place_as_text(last._asdict(), without=name) | common]
         return [
-            _written_place(one._asdict())
+            _place_as_text(one._asdict())
             | self._shared_values(one.rows, severe if outcome == "severe" else None)
             | {"outcome": outcome, "run": 1}
             for one, outcome in outcomes
@@ -205,7 +205,7 @@ def _text(name: str, value: float) -> str:
     return f"{value:.4g} {UNITS[name]}"
 
 
-def _written_place(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
+def _place_as_text(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
     """Write load and velocity of a test as text by name, without the name `without`.
 
     A value of None becomes "...".

@@ -124,7 +124,7 @@ class BoundarySearch:
         places = fine[before] + shares * (fine[before + 1] - fine[before])
         known = np.concatenate([[-math.inf], x, [math.inf]])
         return [
-            _Root(place, known[number], known[number + 1], [*_bends(x, y, number)])
+            _Root(place, known[number], known[number + 1], [*_curvatures(x, y, number)])
             for place, number in zip(places, np.searchsorted(x, fine[before], "right"), strict=True)
         ]
 
@@ -195,7 +195,7 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
     return np.interp(at, x, y) + beyond
 
 
-def _bends(x: Array, y: Array, number: int) -> Iterator[float]:
+def _curvatures(x: Array, y: Array, number: int) -> Iterator[float]:
     """Yield κ = |curvature/slope| of the line y(x) near a crossing, each from three points.
 
     The crossing is just before the point at index `number`. There are up to two values, and none if

@@ -66,7 +66,7 @@ def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) 
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 
 
-def _brought_entries(path: str) -> tuple[type, ...]:
+def _entries_of_extras(path: str) -> tuple[type, ...]:
     """Tables whose entries optional parts add to the table at a path, from their ``ENTRIES``."""
     listed = (brought.ENTRIES for brought in extras.modules("format"))
     return tuple(entries[path] for entries in listed if path in entries)
@@ -391,7 +391,7 @@ class _Sweep:
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear, without a hold and with contacts of its own, else "end".'] = None
 
-Sweep = _extended(_Sweep, _brought_entries("sweep"))
+Sweep = _extended(_Sweep, _entries_of_extras("sweep"))
 
 @declared
 class Transition:
@@ -481,5 +481,5 @@ class _SceneFile:
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer` with samples, and for the model's own error."] = ()
 
-SceneFile = _extended(_SceneFile, _brought_entries(""))
+SceneFile = _extended(_SceneFile, _entries_of_extras(""))
 # fmt: on

@@ -221,7 +221,7 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
         keys, like = new_keys(section, listed)
         meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
         if path:
-            yield _meant("" if values else "#", section.header.replace(section.path, path), meaning)
+            yield _entry("" if values else "#", section.header.replace(section.path, path), meaning)
         for key, (entry, form) in keys.items():
             default = entry.default
             if path == "fidelity" and key != "preset":
@@ -233,10 +233,10 @@ def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
                 # Show a single entry of the table, since all of them would be long.
                 ((inner, value),) = value.items()
                 key = f"{key}.{inner}"
-            yield _meant(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
+            yield _entry(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
 
 
-def _meant(mark: str, line: str, meaning: str, form: str = "") -> str:
+def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
     """Write `mark` and a line, then the line's meaning and `form` as a comment.
 
     A long meaning is cut after a clause.

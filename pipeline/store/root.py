@@ -170,12 +170,12 @@ def find_root(place: StorePlace) -> Root | None:
     if content is not None:
         return _parse(place, content)
     is_file = isinstance(place, Folder) and place.path.is_file()
-    if is_file or not all(map(_is_beginning, keys)):
+    if is_file or not all(map(_is_left_over, keys)):
         raise StoreError(f"{place} is no store, or has lost its {ROOT}; {_ELSEWHERE}")
     return None
 
 
-def _is_beginning(key: str) -> bool:
+def _is_left_over(key: str) -> bool:
     """True if `key` is a file that may remain if creating a store was interrupted."""
     name, _, rest = key.removesuffix(PARTIAL).rpartition("/")
     return key == LOCK or rest == ROOT or (rest.startswith("c.") and is_coordinate(name))

@@ -194,7 +194,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         if name in absent or name in table:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
-        outer = _rows_of(name, sweep) if name in MADE else front
+        outer = _variant_dims(name, sweep) if name in MADE else front
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
     along = [*sorted(columns), *MADE, SCENE_ID, "own_grid"]
@@ -203,7 +203,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     return table
 
 
-def _rows_of(name: str, sweep: Sweep) -> tuple[str, ...]:
+def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
     """Dimensions of variants that affect the coordinate `name`: time, load or distance."""
     table = sweep.variants
     if sweep.chosen is not None:

@@ -13,11 +13,11 @@ def choose_stations(sweep: Sweep) -> Stations:
         return sweep.stations
     tests = sweep.tests
     holds = {test.hold for test in tests if test.hold is not None}
-    steps = sweep.plane.steps or _usual(sweep)
+    steps = sweep.plane.steps or _default_steps(sweep)
     return Stations(steps, _warms_in_hold(sweep), tuple(sorted(holds)))
 
 
-def _usual(sweep: Sweep) -> Steps:
+def _default_steps(sweep: Sweep) -> Steps:
     """Default of ``sweep.steps``: "course" if pins wear and share no contacts, else "end"."""
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)

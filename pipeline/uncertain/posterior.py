@@ -243,7 +243,7 @@ def faults(
             f"{100 * scatter:g} % is stated"
         )
     for one, column in zip(unknown, draws.inputs.T, strict=False):  # the rig's columns come last
-        if (share := float(draws.mean(_is_outer(one, column)))) > _MUCH:
+        if (share := float(draws.mean(_is_near_ends(one, column)))) > _MUCH:
             words.append(f"{one.path} has {share:.2f} of its probability at the ends of its range")
     return tuple(words)
 
@@ -260,7 +260,7 @@ def explains(
     return inferred[1] <= _EXPLAINED * scatter and not at_ends
 
 
-def _is_outer(unknown: Unknown, column: Array) -> Array:
+def _is_near_ends(unknown: Unknown, column: Array) -> Array:
     """1 for each value of `column` near or beyond the ends of the input's range, else 0 (n,)."""
     if unknown.kind == "list":
         return np.zeros(len(column))

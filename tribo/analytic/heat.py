@@ -194,7 +194,7 @@ def moving_ellipse_rise(
     along, across = np.cos(angle) / a, np.sin(angle) / b
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
-    def cooler(x: float) -> float:
+    def negative_rise(x: float) -> float:
         """−2πK/q₀ times the rise at a distance x behind the centre [m]; its minimum is sought."""
         # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
@@ -205,7 +205,7 @@ def moving_ellipse_rise(
         return -2 * float(np.sum(angle_weights * r_weights * flux * np.exp(-decay * r)))
 
     minimum = scipy.optimize.minimize_scalar(
-        cooler, bounds=(0.0, a), method="bounded", options={"xatol": 1e-4 * a}
+        negative_rise, bounds=(0.0, a), method="bounded", options={"xatol": 1e-4 * a}
     )
     return -peak_flux * float(minimum.fun) / (2 * math.pi * thermal_conductivity)
 

@@ -34,7 +34,7 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
-        return _springs(heights, problem.total, problem.hardness), 0.0
+        return _spring_pressure(heights, problem.total, problem.hardness), 0.0
     fx, fy = (min(n, 2) for n in heights.shape)
     blocks = fx * fy
     means = heights if fy == 1 else heights[:, ::2] + heights[:, 1::2]
@@ -86,7 +86,7 @@ def _extent(loaded: Mask) -> slice:
     return slice(start, min(start + size, loaded.size))
 
 
-def _springs(heights: Array, total: float, hardness: float) -> Array:
+def _spring_pressure(heights: Array, total: float, hardness: float) -> Array:
     """Pressure [Pa] if each element were a spring, and the nearest tenth of them carried the load.
 
     `heights` is the separation [m], `total` the sum of the pressure, and `hardness` the highest

@@ -118,7 +118,7 @@ class RowMetric:
         """
         q, sums = field, self._sums(field)
         for _ in range(3):
-            shifted = self._shifted_at_once(q, sums, total, highest)
+            shifted = self._solve_together(q, sums, total, highest)
             nearest, shift, sums = shifted or self._shift_and_clip(q, sums, total, highest)
             if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
                 break
@@ -126,7 +126,7 @@ class RowMetric:
             q = q + shift[self._row]
         return nearest
 
-    def _shifted_at_once(
+    def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
         """Solve Eq. (2) for μ and all sᵢ together; result as of `_shift_and_clip`, None on failure.
@@ -145,7 +145,7 @@ class RowMetric:
                 size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
                 if (np.abs(excess) <= _ROUNDING * size).all():
                     return clipped, shift, carried
-            moving = self._moving(field, highest)
+            moving = self._count_free(field, highest)
             row_compliance = 1 / (d + k * moving)
             weight = moving * row_compliance
             stiffness = float(weight.sum())
@@ -156,7 +156,7 @@ class RowMetric:
             shift += (change - excess) * row_compliance
         return None
 
-    def _moving(self, field: Array, highest: float) -> Array:
+    def _count_free(self, field: Array, highest: float) -> Array:
         """Number of nodes in each row whose value in `field` is above 0 and below `highest`."""
         return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
@@ -174,7 +174,7 @@ class RowMetric:
         low, high, mu = -reach, reach, 0.0
         shift = np.zeros(len(sums))
         for _ in range(_MOST_STEPS):
-            nearest, shift, moving = self._rows_at(mu, q, sums, shift, highest, top)
+            nearest, shift, moving = self._solve_rows(mu, q, sums, shift, highest, top)
             excess = float(nearest.sum()) - total
             if abs(excess) <= digits:
                 break
@@ -188,7 +188,7 @@ class RowMetric:
             mu = following
         return nearest, shift, self._sums(nearest)
 
-    def _rows_at(
+    def _solve_rows(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
         """Solve Eq. (2) for sᵢ at a given μ; return clip(q + s), s, and nodes between the bounds.
@@ -201,7 +201,7 @@ class RowMetric:
         high = np.full(shift.shape, top - float(q.min()))
         for _ in range(_MOST_STEPS):
             field = q + shift[self._row]
-            clipped, moving = field.clip(0.0, highest), self._moving(field, highest)
+            clipped, moving = field.clip(0.0, highest), self._count_free(field, highest)
             carried = self._sums(clipped)
             excess = d * shift + k * (carried - sums) - mu
             size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)

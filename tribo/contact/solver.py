@@ -159,7 +159,7 @@ def solve_contact(
             pressure, gap - gap.max(), float(gap.max()), 1, 0.0, load_error, 0.0, 1.0
         )
     problem = Problem.of(solid, z, normal_load / grid.element_area, hardness)
-    if tolerance >= _LOOSE and _single_holds(solid, normal_load):
+    if tolerance >= _LOOSE and _fits_single_precision(solid, normal_load):
         problem = replace(problem, solid=problem.fast)
     if initial_pressure is None:
         guess, spent = coarser_guess(problem)
@@ -221,7 +221,7 @@ def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
     return stress, stress * solid.self_influence
 
 
-def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
+def _fits_single_precision(solid: ElasticHalfSpace, normal_load: float) -> bool:
     """True if the pressures and displacements of a contact are in the range of single precision."""
     scales = _scales(solid, normal_load)
     return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)

@@ -64,7 +64,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     and the compliance λ of the half-space to the wave. The mean over all waves counts.
     """
     imprint = imprint_of(scene, wear, distance)
-    finer = _finer(scene)
+    finer = _part_factor(scene)
     return math.ceil(min(max(finer * imprint / _IMPRINT, 1.0), finer * _MOST_PARTS))
 
 
@@ -76,7 +76,7 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
     return float(np.sum(wear.depth(heights, distance) * heights)) / yielding
 
 
-def _finer(scene: Scene) -> int:
+def _part_factor(scene: Scene) -> int:
     """Factor on the number of parts of a step of wear: above 1 if few elements touch, else 1."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
@@ -106,7 +106,7 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count, most = part_count(scene, wear, distance), _finer(scene) * _MOST_PARTS
+    count, most = part_count(scene, wear, distance), _part_factor(scene) * _MOST_PARTS
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     length = float(ends.sum() - (ends[0] + ends[-1]) / 2)

@@ -79,7 +79,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     fidelity = scene.fidelity
     if not fidelity.elements_per_summit:
         return scene
-    lowest, summits = _lowest(scene, normal_load), _kept_summits(scene)
+    lowest, summits = _lowest_load(scene, normal_load), _kept_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
     # Elements along a long summit are equally warm, and count once for each width of the summit.
@@ -121,7 +121,7 @@ def summit_width(scene: Scene) -> float:
     return min(summits.widths) * min(max(yields, 0.5), 1.0)
 
 
-def _lowest(scene: Scene, normal_load: float) -> float:
+def _lowest_load(scene: Scene, normal_load: float) -> float:
     """Lowest load whose ramp has the same steps as the ramp to a load [N]."""
     loading = scene.loading
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load

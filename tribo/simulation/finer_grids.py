@@ -35,7 +35,7 @@ def refine_step(
         shape = scene.grid.shape
         pressure = _prolong(state.pressure, shape)
         on_grid = replace(
-            before, pressure=pressure, wear_depth=_spread(wear_depth, shape), displacement=None
+            before, pressure=pressure, wear_depth=_interpolate(wear_depth, shape), displacement=None
         )
         finer = advance(scene, on_grid, station, velocity, pressure, scheme="implicit")
         state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
@@ -56,7 +56,7 @@ def _solve_on_finest(scene: Scene, after: State) -> State:
     """Solve the contact on the finest grid, with the unshifted disk and the wear of `after`."""
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
-    wear_depth = _spread(after.wear_depth, scene.grid.shape)
+    wear_depth = _interpolate(after.wear_depth, scene.grid.shape)
     unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
     guess = _prolong(after.pressure, scene.grid.shape)
     contact, displacement = solve_pass(scene, after, unworn, None, wear_depth, guess)
@@ -79,7 +79,7 @@ def _prolong(field: Array, shape: tuple[int, int]) -> Array:
     return field
 
 
-def _spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
+def _interpolate(wear_depth: Array, shape: tuple[int, int]) -> Array:
     """Interpolate wear depths linearly to a finer grid of `shape`; the mean stays equal."""
     for n in shape[::-1]:  # along the last axis, then turned
         fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))

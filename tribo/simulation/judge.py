@@ -62,7 +62,7 @@ def solve_friction(
     rises = conditions.decisive.rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
     state = states[worst - len(rises)]
-    if state.heat is None or not _hangs_on_friction(conditions, rises[worst]):
+    if state.heat is None or not _may_change_verdict(conditions, rises[worst]):
         return UNSOLVED
     velocity = state.sliding_distance / state.time
     added = float(parts.added_rise(columns)[worst])
@@ -73,7 +73,7 @@ def solve_friction(
     return CoupledRise(float(rise) / law.coefficient, heat.outcome, quantiles)
 
 
-def _hangs_on_friction(conditions: Judging, rise: float) -> bool:
+def _may_change_verdict(conditions: Judging, rise: float) -> bool:
     """True if solving friction by temperature may change the verdict for a `rise`."""
     if conditions.critical_temperature is None:
         return True

@@ -47,11 +47,11 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     speed = state.sliding_distance / state.time if state.time else 0.0
     if state.heat is None or not speed or not scene.friction_heat:
         return 0.0
-    ages, lacking = _lacking(scene, state)
+    ages, lacking = _missing_load(scene, state)
     length, heated = _lengths(scene, state)
     velocities, share = scene.velocities_at(speed), state.heat.pin_heat_share
     warming = sum(
-        part**2 * _late_warming(body, velocity, heated, ages, lacking)
+        part**2 * _excess_warming(body, velocity, heated, ages, lacking)
         for part, body, velocity in (
             (share, scene.pin.material, velocities.pin),
             (1 - share, scene.disk, velocities.disk),
@@ -67,7 +67,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
     return [station for station in stations if station.time <= state.time * (1 + 1e-12)]
 
 
-def _lacking(scene: Scene, state: State) -> tuple[Array, Array]:
+def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
     """Ascending ages before a state [s], and the share of its load that was missing at each."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
@@ -86,7 +86,7 @@ def _lengths(scene: Scene, state: State) -> tuple[float, float]:
     return scene.pin.length, heated
 
 
-def _late_warming(
+def _excess_warming(
     material: Material, velocity: float, length: float, ages: Array, lacking: Array
 ) -> float:
     """Excess of the rise if the present heat had acted since time 0, per heat per length [m K/W].

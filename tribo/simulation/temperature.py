@@ -77,7 +77,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:
         return summary
-    return _responding(scene, summary, _response(scene, state, velocity, contact), contact)
+    return _add_response(scene, summary, _response(scene, state, velocity, contact), contact)
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
@@ -121,7 +121,7 @@ def heated_since(scene: Scene, before: State, state: State, velocity: float) -> 
         return state
     response, history = since(before.response_history, np.zeros(scene.grid.shape), 1.0)
     if summary:
-        summary = _responding(scene, summary, response, contact)
+        summary = _add_response(scene, summary, response, contact)
     return replace(state, heat=summary, response_history=history)
 
 
@@ -139,7 +139,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
     )
 
 
-def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
+def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
     """Add to `summary` the response of temperatures to a disk 1 K warmer than the pin."""
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
