@@ -191,7 +191,7 @@ def read_errors(place: StorePlace, name: str) -> Iterator[None]:
 
 
 def damaged(place: StorePlace, name: str) -> str:
-    """Error message for damaged data of a store."""
+    """Error message that the data `name` of a store are damaged."""
     return f"{place}: {name} cannot be read; irg verify names what is damaged; {REMEDY}"
 
 

@@ -15,7 +15,7 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield (values in words, source) for each table of a scene and source of the library."""
+    """Yield pairs (values in words, source), one for each table of the scene and each source."""
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

@@ -115,14 +115,14 @@ class Neighbourhood:
 class Preconditioner:
     """Approximate inverse of a solid's map on some nodes, at constant load.
 
-    With S the stencil that undoes the kernel, and rows i of nodes that yield k·Σp more as a
-    whole (see `tribo.contact.rows`), it is
+    The stencil S undoes the kernel of neighbours. Each row i of nodes yields k·Σp more as a whole
+    (see `tribo.contact.rows`). The approximate inverse of both is
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
-    and its result is then shifted to sum to 0. For a stencil within rows yᵢ is S1ᵢ, and (1) is the
-    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. A stencil that reaches beyond its row needs a small k, for
-    which (1) is nearly symmetric, too.
+    The result is shifted to sum to 0. If the stencil stays within a row, yᵢ is S1ᵢ, and (1) is the
+    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If it reaches beyond, k must be small; then (1) is nearly
+    symmetric, too.
 
     Examples
     --------

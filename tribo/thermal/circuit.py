@@ -57,12 +57,12 @@ def circuit_rise(
 
     Examples
     --------
-    A pin that takes a tenth of the heat, behind a perfect insulator:
+    A pin that takes a tenth of the heat is then insulated from its holder:
 
     >>> f"{circuit_rise(90.0, 0.1, 100.0, pin_resistance=1e9):.3f} K"
     '100.000 K'
 
-    The disk is warmer by 10 K, of which the contact sees what the pin does not conduct away:
+    If the disk is warmer by 10 K, the contact is warmer by nine tenths of that:
 
     >>> f"{circuit_rise(90.0, 0.1, 100.0, disk_warming=10.0) - 90:.3f} K"
     '9.000 K'
