@@ -146,7 +146,7 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k places (load, velocity): True if friction was solved at all points around."""
+        """Mask of k places (load, velocity): True if all points around solved friction."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 

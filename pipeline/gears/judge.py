@@ -114,8 +114,8 @@ def worst(table: pd.DataFrame) -> pd.Series[Any]:
 def decisive_places(one: Mesh) -> Mesh:
     """Keep the places of a mesh that may be the worst: A to E if they slide, and the hottest.
 
-    The hottest places are local maxima with smooth flanks. Rough flanks are hotter by a factor that
-    changes slowly along the path.
+    The hottest places are local maxima of the temperature of smooth flanks. Rough flanks are hotter
+    by a factor that changes slowly along the path.
     """
     heat = [at.temperature for at in one.places]
     kept = (

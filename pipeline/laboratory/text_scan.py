@@ -160,7 +160,7 @@ def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
 
 
 def _is_comment(line: str, row: list[float | None]) -> bool:
-    """True for a line that begins like a comment, unless it is a row that begins with a hole."""
+    """True for a line that begins like a comment, unless the row begins with a missing value."""
     return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 

@@ -121,11 +121,11 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a table that no earlier list of tables has, and the header of an earlier list.
+    """Keys of a table that are not in earlier lists of tables, and the header of such a list.
 
-    Keys are as from `Section.keys`. The header, such as "[[tested]]", belongs to the list that has
-    the other keys; it is empty if all keys are new. `listed` has the header of the list that first
-    had each key; the new keys are added to it.
+    Keys are as from `Section.keys`. The header, such as "[[tested]]", is of the list that has the
+    other keys, or empty if all keys are new. `listed` maps each key to the header of the list that
+    first had it; the new keys are added to `listed`.
     """
     keys = section.keys()
     if "." in section.path or not section.is_list:

@@ -64,7 +64,7 @@ def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """Replace the numerical choices of a sweep by `made`, which are those of a `preset` or not."""
+    """Replace the numerical choices of a sweep by `made`; `preset` is their name, or None."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 

@@ -26,20 +26,21 @@ def track_warming(
 ) -> float:
     """Warming of the track by earlier passes per unit friction, if the disk takes all heat [K].
 
-    A pass under a pin of width B lays the heat F dx per element of track, at friction 1 and if all
-    of it flows into the disk. It is an instantaneous strip on a half-space, whose middle is, a time
-    t later, warmer by (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
+    In each pass a pin of width B heats the track. With friction 1, and all heat in the disk, an
+    element dx of the track gets the heat F dx. The heat acts as an instantaneous strip on a
+    half-space. At a time t later the middle of the strip is warmer by (Carslaw & Jaeger,
+    *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
-    A disc of a width W, insulated at its sides and with the track in its middle, has mirror images
-    of the strip beside it; with W = B the last factor is 1. The disc's `Disc.rim_response` replaces
-    1/√(πκt), to which it is equal at first: heat that has spread around and through the disc stays.
+    On a disc of width W, insulated at its sides and with the track in its middle, mirror images of
+    the strip are added; with W = B the last factor is 1. For a disc `Disc.rim_response` replaces
+    1/√(πκt): the two are equal at first, but heat that has spread through the disc stays in it.
 
-    The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
-    that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
+    The result is the sum over passes a time t = nT ago, n = 1, 2 …, with the time T of one round
+    [s] and the load F of that pass. `loads` are times [s] and loads [N], linear in between and 0 at
     time 0. The length of the contact along the track cancels. `width` is B [m], `diffusivity` is κ
-    [m²/s], and `heat_capacity` is that of a volume, ρc [J/(m³ K)].
+    [m²/s], and `heat_capacity` is ρc, per volume [J/(m³ K)].
 
     Examples
     --------
