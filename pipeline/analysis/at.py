@@ -161,7 +161,7 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Copy of a dataset whose samples are weighed by the scene's laboratory tests when judged.
+    """Copy of a dataset whose answers weigh its samples by the scene's laboratory tests.
 
     `scatter` is the relative scatter of measured velocities; None for the default. Raises an
     `InputError` without `given_measured`, without samples, or if `others` names conditions to

@@ -321,7 +321,7 @@ def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
 
 
 def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
-    """Dataset with a dimension ``step``, even if a single step was selected before.
+    """Restore the dimension ``step`` of a dataset from which a single step was selected.
 
     Raises an `InputError` if the dataset lacks one of the variables `names`, or the last step of
     points.

@@ -183,9 +183,9 @@ def answers(
 def _columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Attributes of `Margin` by name, with a value for each of the k places where `is_known`.
+    """Attributes of `Margin` by name, with values for the k places at which `is_known` is True.
 
-    `loads` and `velocities` are of the k places, `here` is for all places.
+    `loads` and `velocities` belong to the k places, `here` to all places.
     """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
@@ -239,7 +239,7 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Lowest and highest probability that the next run is severe, two arrays (load, velocity).
 
-    The two differ by the numerical error. Loads and velocities may be outside the sweep.
+    The arrays differ because of the numerical error. Loads and velocities may be outside the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):

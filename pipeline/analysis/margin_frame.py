@@ -173,7 +173,7 @@ def _judged_places(
 def margin_frame(
     data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Data frame with a row for each judged operating point of `found`.
+    """Data frame of operating points `found`, with a row for each.
 
     Varied entries, and further columns of the user's `points`, come first.
     """

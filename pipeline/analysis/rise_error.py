@@ -163,8 +163,8 @@ class RisePlane:
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
         """Indices of the points around k places: of loads (k, 2), and of velocities (k, 2, 2).
 
-        If a place is a computed point, all its indices are those of this point. An index is -1 if
-        there is no point.
+        If a place is a computed point, all indices are of this point. An index is -1 if there is no
+        point.
         """
         along = _slots(self.velocities, velocities)
         rows = self._rows[along, _slots(self.loads, loads)]

@@ -191,7 +191,7 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes in a frame of operating points, each once, with its points unless all have it.
+    """Notes in a frame of operating points, each once; a note on some points names them.
 
     Notes in `said` were printed before, and are left out.
     """

@@ -131,7 +131,7 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """Places (..., n) where wear changes, also by extrapolation, and two masks.
+        """Velocities or loads (..., n) at which wear changes, also by extrapolation, and two masks.
 
         The first mask is True where wear turns severe, the second if wear is severe beyond the last
         change. Without a power law at an end, wear does not change beyond that end.
@@ -161,7 +161,8 @@ class Line:
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
         """Probability that a run is severe at each of `velocities`, for each line and its limit.
 
-        A run at V behaves like the model at V·exp(ε), where ε has the distribution `scatter`.
+        A run at velocity V behaves like the model at V·exp(ε), where ε has the distribution
+        `scatter`.
         """
         places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))
@@ -185,9 +186,9 @@ def in_words(
     turns: Sequence[float] = (),
     begins_severe: bool = False,
 ) -> str:
-    """Outcome in words along ``"velocity"`` or ``"load"``, with the computed range.
+    """Outcome along ``"velocity"`` or ``"load"`` in words, with the computed range.
 
-    If wear changes several times, and `turns` says where, the words are ranges of severe wear; see
+    If wear changes several times, at `turns`, the words state the ranges of severe wear; see
     `severe_ranges`.
     """
     words = outcomes(along)

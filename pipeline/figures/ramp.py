@@ -41,7 +41,7 @@ def ramp(
 
     `load` and `velocity` choose the points, `realization` the surface.
 
-    Steps on the ramp's coarse grid are not joined by lines to steps on the point's own grid.
+    No line joins steps on the ramp's coarse grid to steps on the point's own grid.
     """
     data = data.take_row(realization)
     conditions = data.shown_conditions

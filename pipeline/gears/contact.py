@@ -185,10 +185,10 @@ def load_share(gears: Involutes, position: float, quality: int) -> float:
 def buttressing(gears: Involutes, position: float) -> float:
     """Factor on the load near both ends of the path, where helical teeth are stiffer.
 
-    It is 1 + 0.3 εβ at A and E, 1.3 for an overlap ratio εβ above 1, and falls to 1 within 0.2 sin
-    βb of the distance from the pinion's base point to the pitch point (ISO/TR 13989-1:2000, Eqs. 49
-    to 56, as cited by another program). The load elsewhere is not reduced, which is on the safe
-    side. The `position` on the path is counted from the pitch point [m].
+    The factor is 1 + 0.3 εβ at A and E, with the overlap ratio εβ; 1.3 if εβ is above 1. It falls
+    to 1 over 0.2 sin βb of the distance from the pinion's base point to the pitch point (ISO/TR
+    13989-1:2000, Eqs. 49 to 56, as cited by another program). The load elsewhere is not reduced,
+    which is on the safe side. The `position` on the path is counted from the pitch point [m].
 
     Examples
     --------
@@ -214,11 +214,10 @@ def flash_rise(
 ) -> float:
     """Maximum flash temperature of a line contact of two rolling and sliding bodies [K].
 
-    ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))``: Blok (1937), for the heat of a Hertz
-    pressure in bodies of different effusivities e = √(Kρc), as in ISO/TR 13989-1:2000, Eq. (3) and
-    AGMA 925-A03. With the friction µ, the load per length w [N/m], the velocities u [m/s] of both
-    surfaces and the half-width b [m]. For equal bodies it is
-    `tribo.analytic.heat.rolling_sliding_rise`.
+    ``θ = 1.11 µ w |u1 − u2|/((e1 √u1 + e2 √u2) √(2b))`` with the friction µ, the load per length w
+    [N/m], the velocities u [m/s] of both surfaces, the half-width b [m] and the effusivities e =
+    √(Kρc) (Blok 1937, for a Hertz pressure; ISO/TR 13989-1:2000, Eq. (3) and AGMA 925-A03). For
+    equal bodies it equals `tribo.analytic.heat.rolling_sliding_rise`.
 
     Examples
     --------

@@ -37,7 +37,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
 
 
 def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """Put the name of a test's file before its number and run, as each log counts from 1.
+    """Put the log file's name before the number and run of a test, as each log counts from 1.
 
     `entry` is the scene's table that names the file.
     """

@@ -136,7 +136,7 @@ class _Periodogram:
         return shown
 
     def misfit(self, parameters: Array) -> float:
-        """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P with the best factor on S.
+        """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P, with the best factor on S.
 
         A constant is left out. See `spectrum` for the `parameters`.
         """

@@ -59,7 +59,7 @@ class MeasuredSurface:
 def read_surface(path: str | Path, height_unit: float | None = None) -> MeasuredSurface:
     """Read a measured surface from a plain array, text, or the file of an instrument.
 
-    In every format x goes from column to column of the file, and a row has equal y. `height_unit`,
+    In every format x increases along the rows of the file, and y is equal in a row. `height_unit`,
     the length of one unit of height [m], replaces the file's unit. Isolated outliers become holes.
     Raises an `InputError` if the unit is missing, the file is not a surface, or the optional
     packages for its format are not installed.

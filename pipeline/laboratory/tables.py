@@ -131,7 +131,7 @@ class WordNames(Names):
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:
         """Column number by quantity, found from the headings, and faults by quantity.
 
-        A quantity that is not needed has no fault.
+        Faults of quantities that are not needed are left out.
         """
         places, faults = super().columns(headings)
         made = {x for rule in RULES if rule.name in places for x in rule.inputs}

@@ -338,7 +338,7 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Yield rises of friction in a stage: row, level before, level after, why it is not scuffing.
+    """Yield rises of friction in a stage: row, level before, level after, why not scuffing.
 
     The level before is the lowest so far, beginning with `before`, from the previous stage. A rise
     exceeds it by a share, plus `scatter` [friction]. If `before` is infinite, the first `skipped`

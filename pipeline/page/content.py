@@ -129,8 +129,8 @@ def _test_facts(test: Measurement) -> dict[str, Any]:
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests as dictionaries, each with its nearest grid node, friction and bulk temperature.
 
-    `loads` [N] and `velocities` [m/s] belong to the nodes. Velocities before the index `first` are
-    below the sweep's.
+    `loads` [N] and `velocities` [m/s] belong to the nodes. The sweep's velocities begin at the
+    index `first`.
     """
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()

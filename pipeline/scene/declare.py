@@ -52,7 +52,7 @@ _Class = TypeVar("_Class")
 def declared(table: type[_Class]) -> type[_Class]:
     """Class decorator: the class is a table of a scene file, and its fields are the entries.
 
-    Messages name the table by its class, such as "random surface", or by its `form_name`.
+    Messages name the table by its class, such as "random surface", or by the class's `form_name`.
     """
     return dataclass(frozen=True, kw_only=True)(table)
 

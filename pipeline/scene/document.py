@@ -119,7 +119,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Set entries of a document, after leaving out those listed as ``without``.
+    """Set entries of a document, after removing the entries listed under ``without``.
 
     `overrides` has the entries by key path, such as "pin.radius".
     """

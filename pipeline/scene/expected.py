@@ -22,7 +22,7 @@ def expect_contacts(
 ) -> dict[str, Array]:
     """Estimate contact and wear at the end of each point, in closed form.
 
-    Returns arrays with the names and units of `Facts`, by load or by load and velocity.
+    Returns arrays by name, with names and units as in `Facts` and axes load, or load and velocity.
     `rms_height` is the Rq of the disk [m].
 
     Examples

@@ -16,7 +16,7 @@ from tribo import InputError, TriboError
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
-    """The sweep of a store after another run: variants of both runs, other data from `sweep`.
+    """Sweep of a store after another run: variants of both runs, other data from `sweep`.
 
     Which steps and fields are stored, and how the fidelity was chosen, stays as `before`. If single
     points were chosen, `chosen` is empty, since the store has them.

@@ -15,7 +15,7 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """Variable for all input arrays of a scene, by its name; {} without arrays.
+    """The variable that holds all input arrays of a scene, as {name: variable}; {} without arrays.
 
     `sizes` has the number of values of each array, by SHA-256.
     """

@@ -137,7 +137,7 @@ def made_coordinates(
 ) -> dict[str, Array]:
     """Coordinates that are computed from the scene: time, load and distance by step; scene ids.
 
-    They are NaN at unused steps before the first step of a point. `ids` are the scene ids of the
+    Values are NaN at unused steps before the first step of a point. `ids` are the scene ids of the
     sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims

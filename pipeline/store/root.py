@@ -116,7 +116,7 @@ class Root:
     def documents(self) -> dict[str, bytes]:
         """JSON documents of all groups by key; the last is the root document, with all metadata.
 
-        Zarr does not make them, since it would write the root document in two steps. The other
+        They are not made by Zarr, which would write the root document in two steps. The other
         documents repeat parts of it, for programs that consolidate the metadata again.
         """
         values = (FORMAT, self.axes, self.block, self.history, self._inputs, self.text, self.ids)

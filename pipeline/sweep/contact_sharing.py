@@ -40,7 +40,7 @@ def contact_sources(
     places: Sequence[float | None],
     velocities: Sequence[float],
 ) -> Mapping[Variant, ContactSource]:
-    """Find for each variant the first variant with the same contacts, whose solutions it reuses.
+    """Find for each variant the first variant with the same contacts, to reuse the solutions.
 
     `places` has the velocity of each variant with a single velocity [m/s], else None. `velocities`
     are the velocities of all other variants.

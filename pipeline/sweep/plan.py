@@ -181,7 +181,7 @@ def run_points(
     trunks: Trunks | None = None,
     progress: Report = silent,
 ) -> tuple[PointResult, ...]:
-    """Simulate points that share a contact: one point, or several variants at one load.
+    """Simulate points that share a contact: a single point, or several variants at one load.
 
     `trunks` are ramps of other points, which these points continue and lengthen. `progress` is
     called after each step.

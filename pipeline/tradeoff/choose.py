@@ -22,7 +22,7 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """Sweep with the cheapest fidelity whose error is within `accuracy`.
+    """Change a sweep to the cheapest fidelity whose error is within `accuracy`.
 
     An existing store keeps its fidelity. Raises a `StoreMismatchError` if this fidelity is less
     accurate, or was not chosen for an accuracy.

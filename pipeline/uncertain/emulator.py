@@ -321,7 +321,7 @@ def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
     """Errors of rows that are left out together, divided by predicted errors, (n_row, n_output).
 
     With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
-    (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y.
+    (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y, and `rows` is I.
     """
     covariance = np.linalg.inv(inverse[np.ix_(rows, rows)])
     missed: Array = covariance @ weights[rows] / np.sqrt(np.diag(covariance))[:, None]

@@ -183,8 +183,8 @@ class Ensemble:
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
         """The ensemble judged under conditions of a table's row; see `Conditions.row_conditions`.
 
-        These conditions replace the scene's conditions and drawn ones. Raises an `InputError` if
-        the emulated rises depend on them.
+        These conditions replace the scene's and drawn conditions. Raises an `InputError` if the
+        emulated rises depend on them.
         """
         if not own:
             return self
@@ -255,7 +255,7 @@ class Ensemble:
         critical: float | Array | None = None,
         was_measured: bool = False,
     ) -> Array:
-        """Logarithm of the limit of the rise [K], for a friction coefficient of 1, shape (n,).
+        """ln(limit of the rise [K]) for n draws (n,), at a friction coefficient of 1.
 
         `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A friction that
         `was_measured` already includes the effect of temperature.

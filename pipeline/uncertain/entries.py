@@ -214,7 +214,7 @@ def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
 def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
     """Read the distribution of one input from its form and `parameters`.
 
-    Raises a `UnitError` or `InputError` if it is faulty.
+    Raises a `UnitError` or `InputError` if the distribution is faulty.
     """
     if path.partition(".")[0] in _FIXED or "." not in path:
         raise InputError(

@@ -34,7 +34,7 @@ class Unknown:
 
     Its parameters [SI] depend on its kind: mean and standard deviation (normal); median and factor,
     within which two thirds lie (log-normal); lowest and highest value (uniform); or equally likely
-    values (list). Correlations are between normal scores, with earlier inputs. `written` is for
+    values (list). Correlations with earlier inputs are between normal scores. `written` is for
     display only.
     """
 

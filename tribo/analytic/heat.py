@@ -71,9 +71,9 @@ def moving_band_rise(
 ) -> Array:
     """Steady temperature rise by a band source on a moving half-space [K], shape of `position`.
 
-    ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at
-    V > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). In closed form,
-    since the integral of e^{±u} K₀(u) from 0 to U is U e^{±U} (K₀(U) ± K₁(U)) ∓ 1.
+    ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at V
+    > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). It is computed in
+    closed form: the integral of e^{±u} K₀(u) from 0 to U is U e^{±U} (K₀(U) ± K₁(U)) ∓ 1.
 
     Examples
     --------
@@ -168,12 +168,12 @@ def moving_ellipse_rise(
 ) -> float:
     """Highest steady rise under a flux q₀√(1 − x²/a² − y²/b²) on a body that moves along x [K].
 
-    The highest value along the middle row, y = 0, of the sum of moving point sources (Carslaw &
-    Jaeger, §10.7), in polar coordinates about the point that they warm:
+    It is the highest rise on the middle line, y = 0. The rise at a point is a sum of moving point
+    sources (Carslaw & Jaeger, §10.7), here in polar coordinates about this point:
 
         θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ,
 
-    φ = 0 upstream. Accurate to 1e-4 for ratios of the semi-axes up to 20.
+    with φ = 0 upstream. The result is accurate to 1e-4 for ratios of the semi-axes up to 20.
 
     Examples
     --------

@@ -108,13 +108,13 @@ class RowMetric:
     def nearest(self, field: Array, total: float, highest: float) -> Array:
         """The field nearest to `field` that sums to `total` and lies between 0 and `highest`.
 
-        Within row i it is clip(q + sᵢ), q being the given field, with
+        Within row i the result is clip(q + sᵢ), with the given field q and
 
             d·sᵢ + (c/n)(Σ clip(q + sᵢ) − Qᵢ) = μ,   Qᵢ = Σ q,                                (2)
 
-        for every row. As a rule, three steps of Newton's method find μ and all sᵢ at once. If not,
-        one root is found inside another, each by Newton's method in a bracket: the left-hand side
-        grows with sᵢ, and the sum of all with μ.
+        for every row. Usually three steps of Newton's method find μ and all sᵢ at once. Otherwise
+        sᵢ is found for each trial μ, both by Newton's method in a bracket: the left-hand side grows
+        with sᵢ, and the sum of the field with μ.
         """
         q, sums = field, self._sums(field)
         for _ in range(3):
@@ -129,7 +129,7 @@ class RowMetric:
     def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) for μ and all sᵢ together; result as of `_shift_and_clip`, None on failure.
+        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip` does, or None.
 
         `sums` are Qᵢ; see `nearest` for `total` and `highest`.
         """

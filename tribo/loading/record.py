@@ -166,8 +166,8 @@ class MeasuredLoad:
     def linear_fit(self) -> tuple[float, float]:
         """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).
 
-        Least squares over the rows between 10 % and 90 % of the peak, ends included:
-        the dashed line in Fig. 8 of Bosman & de Rooij.
+        The line fits, by least squares, the rows from 10 % to 90 % of the peak, like the dashed
+        line in Fig. 8 of Bosman & de Rooij.
 
         Examples
         --------
@@ -204,10 +204,11 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of the steps done at each reading, and its time [s]; None for steps of equal time.
+    """Share of all steps done at each reading, and its time [s]; None if steps are equal in time.
 
     The share is the mean of two shares: of the duration, and of the load's travel up and down.
-    Travel within a dead band does not count, so that noise adds nothing.
+    Travel within a dead band does not count, so that noise adds nothing. Steps are equal in time if
+    the two shares are nearly equal.
     """
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end

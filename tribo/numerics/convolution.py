@@ -190,7 +190,7 @@ class Convolution:
     def cropped(self, shape: tuple[int, int]) -> Self:
         """Return the map between fields on a part of the patch of `shape` elements.
 
-        Only a free axis can be shorter than the patch.
+        A periodic axis must be as long as the patch.
         """
         grid = Grid(shape, self.grid.spacing, self.grid.periodic)
         modes = self.spectrum.astype(np.complex128)

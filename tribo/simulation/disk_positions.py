@@ -60,8 +60,9 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """Number of parts into which a step is cut; in each part the disk has another position.
 
     In each part the disk's roughness wears an imprint into the pin. There are enough parts to keep
-    imprints below a limit. A small imprint of a wave is kS/λ of its height, with the distance S [m]
-    and the compliance λ of the half-space to the wave. The mean over all waves counts.
+    the imprint below a limit. A wave of the roughness leaves an imprint of kS/λ times its height,
+    with the distance S [m] and the compliance λ of the half-space to this wave; the mean over all
+    waves is taken.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)

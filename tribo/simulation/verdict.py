@@ -229,7 +229,7 @@ def rise_limit(conditions: Judging) -> float:
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Index of the step of highest rise among steps at `load` or above; else of the last step.
+    """Index of the step with the highest rise, of steps at `load` or above; else of the last step.
 
     `rise` and `normal_load` [N] have the steps on their last axis.
     """
@@ -251,7 +251,7 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Rises per unit friction for which Eq. (1) of `friction` gives the solved temperatures [K].
+    """Rises per unit friction [K] that Eq. (1) of `friction` turns into the solved temperatures.
 
     `coupled` is `CoupledRise.rise`. Where it is NaN, the result is `rise`. Where it is infinite,
     the contact ignites, and the temperature is taken at the highest friction of the law.

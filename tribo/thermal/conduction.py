@@ -219,8 +219,8 @@ def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> Non
 def _leaving_length(grid: Grid, drift: float) -> float:
     """Diffusion length at which a source has moved from one end of the patch to the other [m].
 
-    From then on its heat does not diffuse back into the patch. Infinite at rest, and if the patch
-    repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
+    From then on its heat does not diffuse back into the patch. The length is infinite at rest, and
+    if the patch repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
     """
     if grid.periodic[0]:
         return math.inf
@@ -234,7 +234,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s [m] on a panel of the integral, and the kernel's x factor times weight at each.
+    """Nodes s [m] on a panel of the integral, and at each the kernel's factor along x times weight.
 
     `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on [−1, 1]. With `filon`
     the weights are from `filon_weights`.

@@ -186,7 +186,7 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise at the time `now` left by earlier fluxes [K], and their spectra without faded modes.
+    """Rise at the time `now` due to earlier fluxes [K], and spectra of these without faded modes.
 
     `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux at each.
     """

@@ -87,7 +87,7 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
 
 
 def wavenumbers(axis: Axis, s: float) -> Array:
-    """Wavenumbers of modes not yet faded at diffusion length s, shape (aliases, modes) [rad/m].
+    """Wavenumbers of modes that have not faded at diffusion length s, (aliases, modes) [rad/m].
 
     Sampling at the element centres folds the modes m + pn onto the mode m.
     """

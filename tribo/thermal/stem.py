@@ -80,8 +80,9 @@ class Stem:
 def stem_fraction(time: float | Array) -> Array:
     """Resistance of a rod after a dimensionless time τ, divided by its steady resistance.
 
-    The heated end of a rod of length L, under a constant flow from time 0 and with its other end at
-    its starting temperature, is warmer by the flow times the resistance R = L/(K A) times
+    A rod of length L gets a constant heat flow at one end from time 0, while the other end keeps
+    its temperature. The heated end warms by flow × resistance, with the steady resistance R = L/(K
+    A) times
 
         1 − (8/π²) Σ exp(−n²π²τ/4)/n²,  n = 1, 3, 5 …,  τ = κt/L²
 

@@ -92,7 +92,8 @@ def track_warming(
 def strip_response(width: float, body_width: float, spread: Array) -> Array:
     """Warming in the middle of a strip whose heat spread by √(κt), relative to a heated plane.
 
-    In a body of a width W the strip of width B has images at a distance W, or in Fourier space
+    In a body of width W the strip of width B has images at multiples of W. In Fourier space the
+    warming is
 
         B/W (1 + 2 Σ sinc(kB/W) exp(−(2πk/W)²κt)),  k = 1, 2 …
 
