@@ -96,11 +96,10 @@ class Curve:
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
-    def __call__(self, places: Array, continued: bool = False, is_line: bool = False) -> Array:
+    def __call__(self, places: Array, continued: bool = False) -> Array:
         """Ordinates at abscissae `places`, (p,) or (..., p), for each row; NaN outside the points.
 
-        If `continued`, a curve of positive points is extended by a power law through its two
-        outermost points. With `is_line` the exponent is `line_exponent`.
+        If `continued`, a curve of positive points is extended by power laws; see `end_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
@@ -123,7 +122,7 @@ class Curve:
         if continued:
             for end, beyond in ((0, places < first[..., None]), (-1, places > last[..., None])):
                 x, y = (part[..., None] for part in self.end(end))
-                slope = (self.line_exponent if is_line else self.end_exponent)(end)[..., None]
+                slope = self.end_exponent(end)[..., None]
                 beyond = beyond & np.isfinite(slope)
                 ratio = np.divide(places, x, out=np.ones(places.shape), where=beyond)
                 result = np.where(beyond, y * ratio**slope, result)
@@ -131,16 +130,16 @@ class Curve:
 
     @np.errstate(divide="ignore", invalid="ignore")
     def end_exponent(self, end: int) -> Array:
-        """Exponent of the power law through the first two points (`end` 0) or last two (-1)."""
+        """Exponent of the power law beyond the first point (`end` 0) or the last (-1); NaN if none.
+
+        The law passes through the two outermost points, but its exponent is at least `LEAST_SLOPE`.
+        For a single point it is 1.
+        """
         number, (first, last) = self.ends[end], self.ends
         other = np.clip(number + (1 if end == 0 else -1), first, last)
         rise, run = (self._at(part, number) - self._at(part, other) for part in self._cubics[1::-1])
-        return np.where(self.is_log, rise / run, np.nan)
-
-    def line_exponent(self, end: int) -> Array:
-        """Exponent to extrapolate from an end: at least `LEAST_SLOPE`; 1 for a single point."""
-        exponent = np.maximum(self.end_exponent(end), LEAST_SLOPE)
-        return np.where((self.count == 1) & self.is_log, 1.0, exponent)
+        exponent = np.where(self.count == 1, 1.0, np.maximum(rise / run, LEAST_SLOPE))
+        return np.where(self.is_log, exponent, np.nan)
 
     @property
     def _numbers(self) -> Indices:

@@ -207,20 +207,32 @@ class PointField:
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
         """Rises [K] at k loads and velocities (m, k), and a mask that is False if extrapolated."""
-        within, continued = (
-            Curve(self.loads, self._load_rises(velocities, beyond))(loads[:, None])[..., 0]
-            for beyond in (False, True)
-        )
-        is_within = np.isfinite(within)
-        return np.where(is_within, within, continued), is_within
+        rises, marks, _ = self._rows(velocities)
+        rise, mark = (Curve(self.loads, part)(loads[:, None])[..., 0] for part in (rises, marks))
+        return rise, mark == 1
 
-    def _load_rises(self, velocities: Array, continued: bool = False) -> Array:
-        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor.
+    def _rows(self, velocities: Array) -> tuple[Array, ...]:
+        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor; marks.
 
-        Beyond the computed points rises are NaN, or extrapolated if `continued`.
+        Beyond the points of a load, its rises are extrapolated by power laws. A load with a single
+        point has only the rise at that point.
+
+        The first marks are 1 within the points of a load. The second are 1 where wear is certain:
+        within the points, below the lowest if wear is mild there, and above the highest if it is
+        severe. All others are 2. So a curve over load of marks is 1 only between two loads with 1.
         """
-        rises = self._curves(velocities, continued).swapaxes(-1, -2)
-        return np.asarray(rises * self.conditions.friction_factor(velocities)[:, None])
+        curves, factor = self._curves, self.conditions.friction_factor(velocities)
+        limit = math.nan if self.conditions.critical_temperature is None else self.limit
+        ends = (curves.end(end) for end in (0, -1))
+        (low, first), (high, last) = ((x[..., None], y[..., None]) for x, y in ends)
+        is_within = (low <= velocities) & (velocities <= high)
+        is_mild = (velocities < low) & Criterion.is_mild(first * factor, limit)
+        is_severe = (velocities > high) & Criterion.is_severe(last * factor, limit)
+        is_known = is_within | (curves.count > 1)[..., None]
+        rises = np.where(is_known, curves(velocities, continued=True) * factor, np.nan)
+        kinds = is_within, is_within | is_mild | is_severe
+        marks = (np.where(np.isfinite(rises), 2.0 - kind, np.nan) for kind in kinds)
+        return tuple(part.swapaxes(-1, -2) for part in (rises, *marks))
 
     @property
     def loads(self) -> Array:
@@ -244,29 +256,8 @@ class PointField:
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves of rise over load at each surface and velocity of the points.
-
-        There are three sets of curves: through computed rises only, also through rises from
-        `_extended_rises`, and through rises extrapolated at every load.
-        """
-        x, factor = self.velocities, self.conditions.friction_factor(self.velocities)
-        parts = self._curves(x) * factor, self._extended_rises(x), self._curves(x, True) * factor
-        return tuple(Curve(self.loads, rows.swapaxes(-1, -2)) for rows in parts)
-
-    def _extended_rises(self, velocities: Array) -> Array:
-        """Rises [K] (m, n_load, n) at n velocities; NaN if extrapolating might change the outcome.
-
-        Rises are extrapolated to lower velocities if wear is mild at the lowest computed one, and
-        to higher velocities if wear is severe at the highest.
-        """
-        factor = self.conditions.friction_factor(velocities)
-        ends = (self._curves.end(end) for end in (0, -1))
-        (low, first), (high, last) = ((x[..., None], y[..., None]) for x, y in ends)
-        beyond = self._curves(velocities, continued=True)
-        is_mild = (velocities < low) & Criterion.is_mild(first * factor, self.limit)
-        is_severe = (velocities > high) & Criterion.is_severe(last * factor, self.limit)
-        found = np.where(is_mild, np.minimum(beyond, first), self._curves(velocities))
-        return np.asarray(np.where(is_severe, np.maximum(beyond, last), found) * factor)
+        """Curves over load of rises and marks, at each surface and velocity; see `_rows`."""
+        return tuple(Curve(self.loads, part) for part in self._rows(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
@@ -318,8 +309,8 @@ class PointField:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated, and extended where wear is certainly mild or severe. Where `is_filled` (k,) is
-        True, a line of the sweep is also interpolated, so that other points fill its gaps.
+        interpolated where wear is certain; see `_rows`. Where `is_filled` (k,) is True, a line of
+        the sweep is also interpolated, so that other points fill its gaps.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -327,25 +318,23 @@ class PointField:
         if axis == "load":
             x, other, place, along, rises = other, x, velocities, loads, rises.swapaxes(-1, -2)
         is_row = np.isin(place, other) & np.logical_not(is_filled)
-        has_curve = self.conditions.has_friction_curve
+        turns_back = self.conditions.has_friction_curve and axis == "velocity"
         if axis == "load":
-            computed = self._load_rises(velocities)
-            far = going_on = self._extended_rises(velocities).swapaxes(-1, -2)
+            far, *marks = self._rows(velocities)
         else:
-            computed, going_on, far = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
-            if has_curve:  # with friction by velocity, rises beyond the points are no power law
-                going_on = computed
+            far, *marks = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
         computed, going_on, far = (
             np.where(is_row[:, None], rises[:, nearest], part)
-            for part in (computed, going_on, np.where(np.isfinite(computed), computed, far))
+            for part in (*(np.where(mark == 1, far, np.nan) for mark in marks), far)
         )
+        if turns_back:  # with friction by velocity, rises beyond the points are no power law
+            going_on = computed
         done = np.where(np.isfinite(computed), x, np.nan)
         rise, is_within = self._rise(loads, velocities)
         rise = np.where(is_row, np.nan, rise)
         line = _inserted(x, going_on, along, np.where(is_within, rise, np.nan))
         beyond = _inserted(x, far, along, rise)  # with the rise known at the place
-        turns_back = has_curve and axis == "velocity"
         if turns_back:
             line = along_friction(*line, factor)
         continued = continued_friction(*beyond, factor) if turns_back else Curve(*beyond)
@@ -402,7 +391,7 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
     places = np.sort(np.concatenate([far, within, heat.x], axis=-1), axis=-1)
     places[..., 1:] = np.where(places[..., 1:] == places[..., :-1], np.nan, places[..., 1:])
     places = np.sort(places, axis=-1)
-    return Curve(places, heat(places, continued=True, is_line=True) * factor(places))
+    return Curve(places, heat(places, continued=True) * factor(places))
 
 
 def fields(data: Results) -> list[Field]:

@@ -172,7 +172,7 @@ class Line:
 
     def _continued_end(self, end: int) -> Array:
         """Velocity or load beyond an end (0 or -1) at which its power law reaches the limit."""
-        parts = *self.curve.end(end), self.curve.line_exponent(end)
+        parts = *self.curve.end(end), self.curve.end_exponent(end)
         x, y, slope = (part[self.rows] for part in parts)
         with np.errstate(all="ignore"):
             turn: Array = x * (self.limit / y) ** (1 / slope)

@@ -258,17 +258,9 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
-    is_within = np.isin(state[..., ::by_load, :], (COMPUTED, INTERPOLATED))[..., None, None]
-    goes_on = is_within | (done.sum(axis=-1) > 1)[..., None, None, None]
-    within, several, every = (
-        along(np.where(kept, rows, np.nan), loads, fine_loads, -4)
-        for kept in (is_within, goes_on, True)
-    )
-    plane = np.where(np.isfinite(within), within, several)
-    # A row with no computed row beside it is extrapolated far beyond its points.
-    is_alone = np.isfinite(plane).sum(axis=-3, keepdims=True) == 1
-    is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
-    plane = np.where(is_alone & is_beyond, every, plane)
+    # A load with a single point has a rise at that point alone.
+    is_known = (state[..., ::by_load, :] == COMPUTED) | (done.sum(axis=-1) > 1)[..., None]
+    plane = along(np.where(is_known[..., None, None], rows, np.nan), loads, fine_loads, -4)
     # If points are missing, a line at a load or velocity of the sweep uses only its own points.
     count = done.reshape(by_surface).sum(axis=-1)
     own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))
@@ -380,9 +372,9 @@ _MOST = 400_000  # most values of a table: 2 MB of a page
 _FAR = 1e6  # velocity of an outermost node over the nearest velocity of the sweep
 _PARTS_BEYOND = 16  # parts of an interval of the friction curve beyond the sweep's velocities
 _STEPS, _WIDEST = 241, 7.0  # number of tabulated distances, up to sinh of the second number
-COMPUTED, INTERPOLATED, BETWEEN, EXTRAPOLATED = 1, 2, 3, 4
-"""States of nodes. BETWEEN: between two loads, only one of which has points on both sides."""
-_ORIGINS = ("", "computed there", "interpolated", "extrapolated", "extrapolated")  # by state
+COMPUTED, INTERPOLATED, EXTRAPOLATED = 1, 2, 3
+"""States of nodes."""
+_ORIGINS = ("", "computed there", "interpolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
@@ -410,7 +402,7 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     Values that are not finite are left out. If `continued`, values are extrapolated by the power
     laws of `Curve`.
     """
-    fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued, is_line=True)
+    fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued)
     return np.moveaxis(fine, -1, axis)
 
 
@@ -434,10 +426,10 @@ def rows_along(
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
-    """State of each grid node (surface, load, velocity), as a code from 1 to 4.
+    """State of each grid node (surface, load, velocity), as a code.
 
-    It is `COMPUTED`, `INTERPOLATED`, `EXTRAPOLATED`, or `BETWEEN` for a node between two loads of
-    which only one has points on both sides.
+    It is `COMPUTED`, `EXTRAPOLATED`, or `INTERPOLATED`: both loads beside the node have points on
+    both sides of its velocity.
 
     `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
     divides intervals of load and of velocity. `places` are node numbers along velocity, 0 at the
@@ -452,8 +444,7 @@ def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     (a, b), (c, d) = ([end[..., row, :] for row in beside] for end in (low, high))
     is_done = np.logical_and(*(is_any[..., row, :] for row in beside))
     in_both = is_done & (places >= np.maximum(a, b)) & (places <= np.minimum(c, d))
-    in_one = is_done & (places >= np.minimum(a, b)) & (places <= np.maximum(c, d))
-    state = np.select([in_both, in_one], [INTERPOLATED, BETWEEN], EXTRAPOLATED)
+    state = np.where(in_both, INTERPOLATED, EXTRAPOLATED)
     of_points = np.flatnonzero((places >= 0) & (places % parts[1] == 0))[:count]
     on_points = np.zeros(state.shape, dtype=bool)
     on_points[..., :: parts[0], :][..., of_points] = done

@@ -1,9 +1,8 @@
 /* The deciding rise on a fine grid, tabulated by Python, and where it crosses a limit. */
 
 const [POINT_DONE, POINT_FAILED] = ["1", "2"];
-/** State of nodes between two loads, only one of which has points on both sides. Lower states: both have. */
-const NODE_BETWEEN = "3";
 const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
+const NODE_EXTRAPOLATED = "3"; // computed or interpolated nodes have lower states
 
 /** Index in a table, by load k, velocity j. @param {number} surface @param {number} k @param {number} j */
 function indexOf(surface, k, j) {
@@ -41,24 +40,27 @@ function planeOf(conditions) {
   }));
 }
 
-/** `planeOf`, but NaN beyond the computed points. Between two loads it is also NaN unless wear changes
- * within the points of both. @param {Conditions} conditions */
+/** `planeOf`, but NaN beyond the computed points where wear is not certain at both loads beside a node. It is
+ * below a lowest velocity at which it is mild, and above a highest at which it is severe.
+ * @param {Conditions} conditions */
 function knownPlane(conditions) {
   const [{ state, beside, fine }, plane, limit] = [content, planeOf(conditions), heatOf(conditions).limit];
-  const across = fine.velocity.length;
-  const isWithin = (/** @type {number} */ node) => state[node] < NODE_BETWEEN;
-  const isTurning = (/** @type {number} */ row) => {
-    const nodes = fine.velocity.map((_, j) => row * across + j).filter(isWithin);
-    return new Set(nodes.map((node) => plane[node] > limit)).size > 1;
+  const [across, isBent] = [fine.velocity.length, hasFrictionCurve && !conditions.strip_friction];
+  const isWithin = (/** @type {number} */ node) => state[node] < NODE_EXTRAPOLATED;
+  const isCertain = (/** @type {number} */ row) => {
+    const nodes = fine.velocity.map((_, j) => row * across + j);
+    const within = nodes.filter(isWithin);
+    const [first, last] = [within[0], within[within.length - 1]];
+    return nodes.map((node) => isWithin(node) || (node < first && plane[first] <= limit) ||
+      (node > last && plane[last] > limit));
   };
   return kept(JSON.stringify(conditions), () => {
-    const rows = state.includes(NODE_BETWEEN) ? plane.length / across : 0;
-    const turns = Array.from({ length: rows }, (_, row) => isTurning(row));
+    const rows = Array.from({ length: surfaces().length * beside.length }, (_, row) => isCertain(row));
     return plane.map((rise, node) => {
-      if (isWithin(node)) return rise;
-      const row = Math.floor(node / across);
-      const isEnclosed = beside[row % beside.length].every((own) => turns[row - row % beside.length + own]);
-      return state[node] === NODE_BETWEEN && isEnclosed ? rise : NaN;
+      const [row, j] = [Math.floor(node / across), node % across];
+      const isEnclosed = !isBent && row < rows.length &&
+        beside[row % beside.length].every((own) => rows[row - row % beside.length + own][j]);
+      return isWithin(node) || isEnclosed ? rise : NaN;
     });
   });
 }

@@ -106,6 +106,7 @@ def of_two_bulks(**conditions):
 
 KINDS = {
     "one surface": one,
+    "ragged ends": lambda: one(status={(x, v): 0 for x in _LOADS[::2] for v in _VELOCITIES[5:]}),
     "zero velocity": with_zero_velocity,
     "several surfaces": lambda: over_surfaces(count=3),
     "a hold": held,
