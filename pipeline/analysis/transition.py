@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import functools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,8 +18,9 @@ from pipeline.quantities import UNITS
 from tribo import Criterion
 from tribo.types import Array, Mask
 
-CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = range(7)
+Outcome = enum.IntEnum("Outcome", "CROSSES MILD SEVERE UNKNOWN ABOVE BELOW SEVERAL", start=0)
 """Codes of the outcome along a line; see `outcomes`."""
+CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = Outcome
 
 
 @functools.cache

@@ -28,7 +28,7 @@ from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import totals
-from pipeline.analysis.transition import outcomes, range_of
+from pipeline.analysis.transition import Outcome, outcomes, range_of
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, coloured, packed_fields
@@ -112,6 +112,7 @@ def _page_facts(data: Results) -> dict[str, Any]:
         "origins": _ORIGINS,
         "friction_band": sweep.declared.friction.band,
         "range": {name: range_of(data, name) for name in ("load", "velocity")},
+        "codes": {code.name: code for code in Outcome},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
         "loads": data.loads.tolist(),
         "velocities": data.velocities.tolist(),

@@ -1,7 +1,6 @@
 /* The deciding rise on a fine grid, tabulated by Python, and where it crosses a limit. */
 
 const [POINT_DONE, POINT_FAILED] = ["1", "2"];
-const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL] = [0, 1, 2, 3, 4, 5, 6];
 const NODE_EXTRAPOLATED = "3"; // computed or interpolated nodes have lower states
 
 /** Index in a table, by load k, velocity j. @param {number} surface @param {number} k @param {number} j */

@@ -4,6 +4,7 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
+const { CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL } = content.codes;
 /** Computed planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;

@@ -103,6 +103,7 @@ type Content = {
   numbers: { label: string; unit: string; values: Float32Array }[];
   deciding: string;
   outcomes: { velocity: string[]; load: string[] };
+  codes: Record<string, number>;
   range: { velocity: Ends; load: Ends };
   messages: { [place: string]: string };
   fields: Fields;
