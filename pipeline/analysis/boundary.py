@@ -194,10 +194,9 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     return result
 
 
-_STEPS = 241  # velocities at which the ends of the error band are sought
+_STEPS = 241  # velocities, and most points beside, at which the ends of the error band are sought
 _BEYOND = 3.0  # the band is sought up to this factor beyond the computed velocities
 _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is smaller at it
-_MOST_POINTS = 2 * _STEPS  # beside which the ends are sought; denser ones hardly differ
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
@@ -207,7 +206,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
     bands = np.full((len(loads), 2), math.nan)
     if velocities.max() > 0:
         grid = np.geomspace(velocities.min() / _BEYOND, velocities.max() * _BEYOND, _STEPS)
-        beside = np.multiply.outer(_BESIDE, velocities[:: 1 + len(velocities) // _MOST_POINTS])
+        beside = np.multiply.outer(_BESIDE, velocities[:: 1 + len(velocities) // _STEPS])
         bands = error_band(field, loads, np.union1d(grid, beside), scatter)
     for name, ends, words in (
         ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
