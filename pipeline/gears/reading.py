@@ -43,8 +43,8 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
         TOML file, or the name of a shipped pair, such as ``"fzg_a"``. The file may extend another
         file.
     overrides : mapping, optional
-        Values that replace entries of the file, by path, such as ``{"pinion.roughness": "0.8
-        um"}``. If they change the duty, also give its temperature.
+        Values that replace entries of the file, by path, such as
+        ``{"pinion.roughness": "0.8 um"}``. If they change the duty, also give its temperature.
 
     Raises
     ------

@@ -303,7 +303,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load increment of the ramp (trunk) to a load [N]; loads with equal ones share states."""
+        """Load increment of the ramp (trunk) to a load [N]; equal increments share states."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)
@@ -345,7 +345,7 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _elements(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Grid of elements of ``block × block`` pixels, or if `is_plane` as long as the patch."""
+    """Grid of elements of ``block × block`` pixels; as long as the patch if `is_plane`."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)
