@@ -12,15 +12,15 @@ from pipeline import interrupts
 def run() -> None:
     """Run the command line of this process, and exit with its code."""
     sys.unraisablehook = _report
-    interrupts.handle(lambda number, frame: _leave(130, "irg: interrupted\n"))
+    interrupts.handle(lambda number, frame: _end_process(130, "irg: interrupted\n"))
     from pipeline.cli import main  # takes 0.3 s
 
     code = main()
-    interrupts.handle(lambda number, frame: _leave(code))
+    interrupts.handle(lambda number, frame: _end_process(code))
     sys.exit(code)
 
 
-def _leave(code: int, line: str = "") -> None:
+def _end_process(code: int, line: str = "") -> None:
     """Print a line on stderr, and end the process at once with exit code `code`."""
     os.write(2, line.encode())
     os._exit(code)

@@ -65,7 +65,8 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for several surfaces: median, band, counts of outcomes.
 
-    Samples only have the velocities of some probabilities. See `_surface` for `name` and `axis`.
+    For samples there are only velocities at which severe wear has a certain probability. See
+    `_surface` for `name` and `axis`.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

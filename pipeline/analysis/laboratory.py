@@ -109,7 +109,7 @@ def _known_comparison(data: Results, field: PointField, test: Measurement) -> Co
 
 
 def _update_error(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
-    """Update the model's own error `plain` by tests compared with the model, `found`.
+    """Update the model's own error `plain` by `found`, tests compared with the model.
 
     In each run only the transition farthest from the model counts, and the farthest wrong outcome
     on each side of it. If a transition was measured but none is computed, that is a wrong outcome.

@@ -66,10 +66,10 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest root mean square of residuals, if any number of wrong outcomes is included.
+        """Largest root mean square of residuals, for any number of wrong outcomes included.
 
         `known` is the sum of squares of the transitions' residuals and the prior. `squares` are
-        squared residuals of wrong outcomes; the largest come first, and are included first.
+        squared residuals of wrong outcomes, the largest first; they are included in this order.
         """
         sums = enumerate(itertools.accumulate(squares, initial=known), self.degrees)
         return math.sqrt(max(total / count for count, total in sums))

@@ -146,7 +146,7 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k places (load, velocity): True if all points around solved friction."""
+        """Mask of k places: True if friction by temperature was solved at all points around."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
@@ -167,20 +167,23 @@ class RisePlane:
         point.
         """
         along = _slots(self.velocities, velocities)
-        rows = self._rows[along, _slots(self.loads, loads)]
-        return rows, self._columns[rows, along[:, None]]
+        rows = self._loads_around[along, _slots(self.loads, loads)]
+        return rows, self._velocities_around[rows, along[:, None]]
 
     @functools.cached_property
-    def _rows(self) -> Indices:
-        """Indices of two loads for each slot of velocity and slot of load; see `_slots`."""
+    def _loads_around(self) -> Indices:
+        """Indices of the two loads to interpolate between, by slot of velocity and of load.
+
+        A slot is a point of an axis or a gap between points; see `_slots`.
+        """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
         return _neighbours(reached)
 
     @functools.cached_property
-    def _columns(self) -> Indices:
-        """Indices of two points for each load and each slot of velocity; see `_slots`."""
+    def _velocities_around(self) -> Indices:
+        """Indices of the two velocities to interpolate between, by load and slot of velocity."""
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -215,7 +218,7 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Number the places on an axis by slots: 2 i + 1 at point i, 2 i between points i − 1 and i."""
+    """Slot of each place on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 

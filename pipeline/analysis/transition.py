@@ -113,10 +113,10 @@ class Line:
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """Velocity or load at which wear changes, nearest to `here` by ratio, or else `first`.
+        """Velocity or load at which wear changes, nearest to `here` by ratio.
 
         With `to_severe` only changes to severe wear count. With `continued` a line without a change
-        is extrapolated.
+        is extrapolated. If wear does not change, the result is `first`.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)

@@ -88,7 +88,7 @@ def _is_molten(scene: Results) -> Mask:
 
 
 def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Mask of all points, from `mark` called for each scene; False if the points are no grid."""
+    """Mask of all points, from `mark` called for each scene; False if points are not on a grid."""
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)

@@ -142,7 +142,7 @@ def _shade_verdicts(
 ) -> list[Artist]:
     """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges.
 
-    `x`, `y` and `excess` are arguments and result of `_excess`.
+    `excess` is the result of `_excess` for `x` and `y`.
     """
     is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))

@@ -340,10 +340,10 @@ def _rises(
 ) -> Iterator[tuple[int, float, float, str]]:
     """Yield rises of friction in a stage: row, level before, level after, why not scuffing.
 
-    The level before is the lowest so far, beginning with `before`, from the previous stage. A rise
-    exceeds it by a share, plus `scatter` [friction]. If `before` is infinite, the first `skipped`
-    rows are left out. If friction rises in these rows, above their lowest value or `start`, that
-    rise is yielded with the reason "begins".
+    The level before is the lowest so far; it begins with `before`, from the previous stage.
+    Friction that exceeds this level by a fixed share and by `scatter` counts as a rise. If `before`
+    is infinite, the first `skipped` rows are left out. If friction rises in these rows, above their
+    lowest value or `start`, that rise is yielded with the reason "begins".
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]
@@ -372,7 +372,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if a rise from a row on reaches `half` of itself in a small share of the stage."""
+    """True if friction rises by `half` within a small share of the stage, near a row."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

@@ -26,7 +26,7 @@ class Tally:
         self.count((), 1)
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
-        """Add points that were written, and report the progress of a run with so many `workers`."""
+        """Count written points, and report progress; `workers` is the number of workers."""
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)

@@ -73,7 +73,7 @@ def _entries_of_extras(path: str) -> tuple[type, ...]:
 
 
 def _forms_of_tests(*own: type) -> List:
-    """Kind of a list of tests, of the forms `own` and of forms that optional parts add."""
+    """Kind of a list of tests in the forms `own`, or in forms that optional parts add."""
     first, *others = own
     brought = (form for one in extras.modules("format") for form in one.FORMS)
     return List(Either(*map(table_of, (first, *brought, *others))))

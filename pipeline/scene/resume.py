@@ -85,7 +85,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Yield, in words, differences between entries that change the result of `part`."""
+    """Yield, in words, changed entries that also change the result of `part`."""
     present = digest(part(old))
     if present == digest(part(new)):
         return

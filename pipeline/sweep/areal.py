@@ -78,8 +78,8 @@ def remove_form(
     Notes
     -----
     The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). Its curvature is removed only if,
-    from the middle to an edge, the form rises or falls by more than the root mean square height
-    above it. So at most 4 % of that height is due to curvature left in.
+    from the middle to an edge, it rises or falls by more than the roughness Rq. So a curvature that
+    is not removed makes up at most 4 % of Rq.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from pipeline.sweep.shown import Line
 def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
     """Yield pairs (subject, text) that say when wear is severe, for a table.
 
-    Entries whose paths are in `drawn` have the text "of each sample".
+    For entries whose paths are in `drawn` the text is "of each sample".
     """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
@@ -28,9 +28,9 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """One line that says when wear is severe under several conditions, without repeats.
+    """Say in one line when wear is severe under several conditions, without repeats.
 
-    Entries whose paths are in `drawn` have the text "of each sample".
+    For entries whose paths are in `drawn` the text is "of each sample".
     """
     each = [
         (
@@ -45,7 +45,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Say above which temperature wear is severe; for paths in `drawn`, "of each sample"."""
+    """Say above which temperature wear is severe: "of each sample" if its path is in `drawn`."""
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"

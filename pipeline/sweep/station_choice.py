@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations (moments of the loading) to store: those of an existing store, else by the scene."""
+    """Stations (moments of the loading) to store: an existing store's, else the scene's."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests

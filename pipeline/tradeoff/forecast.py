@@ -181,7 +181,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Count the steps to a load [N]: shared with higher loads, not shared, with temperature."""
+    """Numbers of steps to a load [N]: shared with higher loads, not shared, with temperature."""
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

@@ -109,7 +109,7 @@ class LeftOut(NamedTuple):
 
     @property
     def is_right(self) -> bool:
-        """True if the share `held` is known and, in whole percent, from 85 to 95 %."""
+        """True if the share `held` is known, and is 85 to 95 % when rounded to whole percent."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 

@@ -251,10 +251,10 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits all runs but one; `draws` and `inferred` were found without that run.
+    """True if the model fits all runs but one.
 
-    `scatter` is the assumed relative scatter of velocities; `inferred` has its 5, 50 and 95 %
-    quantiles.
+    `draws` and `inferred` were found without that run. `scatter` is the assumed relative scatter of
+    velocities; `inferred` has its 5, 50 and 95 % quantiles.
     """
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends

@@ -139,7 +139,7 @@ def _seed(model: Joint) -> int:
 
 
 def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
-    """5, 50 and 95 % quantiles of `scatters` (n_scatter,), weighted by (n, n_scatter)."""
+    """5, 50 and 95 % quantiles of `scatters` (n_scatter,), from `weights` (n, n_scatter)."""
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
     return low, middle, high

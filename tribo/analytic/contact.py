@@ -39,7 +39,7 @@ def hertz_line_peak_pressure(
 
     Examples
     --------
-    It carries the load: P = πap₀/2.
+    The pressure carries the load: P = πap₀/2.
 
     >>> P, R, E = 750 / 3.4e-3, 2e-3, 115.385e9
     >>> p0 = hertz_line_peak_pressure(P, R, E)

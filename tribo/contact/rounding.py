@@ -72,7 +72,7 @@ class LowestResidual(NamedTuple):
     convolutions: float = 0.0  # spent until it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
-        """Update the lowest residual with a `residual` reached after so many `convolutions`."""
+        """Update the lowest residual with a `residual` after a number of `convolutions`."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:

@@ -58,9 +58,9 @@ class SoftRows:
 
 
 class RowMetric:
-    """The metric of Eq. (1) on some nodes of a field; all other nodes keep their values.
+    """The metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ of Eq. (1) on some nodes of a field; 1ᵢ are nodes of row i.
 
-    Fields are vectors of the values at these nodes.
+    All other nodes keep their values. Fields are vectors of the values at these nodes.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ class RowMetric:
     def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) for μ and all sᵢ together; return as `_shift_and_clip` does, or None.
+        """Solve Eq. (2) for μ and all sᵢ together; return clip(q + s), s and sums of rows, or None.
 
         `sums` are Qᵢ; see `nearest` for `total` and `highest`.
         """

@@ -172,7 +172,7 @@ class Ramp:
             begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations of the shared ramp (trunk), then that at `normal_load` [N]; see `increment`."""
+        """Stations of the shared ramp (trunk), then one at `normal_load` [N]; see `increment`."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):

@@ -115,8 +115,8 @@ class Neighbourhood:
 class Preconditioner:
     """Approximate inverse of a solid's map on some nodes, at constant load.
 
-    The stencil S undoes the kernel of neighbours. Each row i of nodes yields k·Σp more as a whole
-    (see `tribo.contact.rows`). The approximate inverse of both is
+    The stencil S undoes the kernel of neighbours. In addition, the pressures p of a row i displace
+    the whole row by k·Σp (see `tribo.contact.rows`). The approximate inverse of both is
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 

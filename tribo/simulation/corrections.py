@@ -81,7 +81,7 @@ class Track:
 
     @classmethod
     def under(cls, pin: Pin, body: Material, around: float | Disc) -> Self:
-        """The track of a pin on a body; `around` is its length [m], or the disc with this rim.
+        """The track of a pin on a body; `around` is its length [m], or the disc whose rim it is.
 
         Examples
         --------

@@ -16,7 +16,7 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
     """Solve the contact at further positions of the disk, to average the heat over them.
 
     Returns the state with the mean heat if `state` has heat already, else with the pressures at
-    these positions. Pressure and wear stay those with the unshifted disk. `before` is the state one
+    these positions. Pressure and wear remain as with the unshifted disk. `before` is the state one
     step earlier, with the history of the heat.
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []

@@ -68,7 +68,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Ascending ages before a state [s], and the share of its load that was missing at each."""
+    """Ascending ages before a state [s], and the share of the present load missing at each."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])

@@ -185,7 +185,7 @@ class Scene:
 
     @property
     def sweeps_over(self) -> bool:
-        """True if the pin wears over many disk positions: swept wear, rough, y not periodic."""
+        """True if wear is swept over many disk positions: the disk is rough, y not periodic."""
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
@@ -303,7 +303,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load increment of the ramp (trunk) to a load [N]; equal increments share states."""
+        """Load increment of the ramp (trunk) to a load [N]; loads of equal increment share it."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

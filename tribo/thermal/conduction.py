@@ -234,7 +234,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s [m] on a panel of the integral, and at each the kernel's factor along x times weight.
+    """Nodes s [m] on a panel of the integral, and the kernel's factor along x at each, weighted.
 
     `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on [−1, 1]. With `filon`
     the weights are from `filon_weights`.

@@ -186,9 +186,9 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise at the time `now` due to earlier fluxes [K], and spectra of these without faded modes.
+    """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes.
 
-    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux at each.
+    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux at each end.
     """
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)

@@ -34,9 +34,10 @@ class Axis:
 
         `drift` is ``|V|/(4κ)`` [1/m].
 
-        At shorter lengths the series needs many modes. Samples need images of the source once heat
-        has spread over the period, and many nodes once a source has passed many elements. At rest
-        the series needs no more modes than elements once heat has spread over four elements.
+        At shorter lengths the series has many modes. At greater lengths samples cost more, for two
+        reasons: heat has spread over the period, so that images of the source count, or a moving
+        source has passed many elements. At rest the limit is where heat has spread over four
+        elements: there the series has no more modes than the axis has elements.
         """
         if not self.periodic or self.nearest_image:
             return math.inf

@@ -50,13 +50,13 @@ def panels(
             if drift:
                 # Seen from the centre of an element, a source that passes quickly is either over
                 # it or not, while its edges stay away from all centres.
-                step = max(step, min(low, _undisturbed(drift, low, side)))
+                step = max(step, min(low, _growth_until_edge(drift, low, side)))
         high = min(low + step, end)
         yield low, high
         low = high
 
 
-def _undisturbed(drift: float, low: float, side: float) -> float:
+def _growth_until_edge(drift: float, low: float, side: float) -> float:
     """Growth of s from `low` [m] until an edge of the moving source is next felt at a centre.
 
     It is 0 or less if an edge is felt there now. An edge passes a centre where drift·s² is an odd
