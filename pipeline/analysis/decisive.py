@@ -45,8 +45,8 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
         the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
         critical temperature, ``failed_fraction``, the share of the contact area above it. If
-        friction depends on temperature, each value is for the friction at that temperature; only
-        for the deciding temperature a run solves the contact.
+        friction depends on temperature, each value is for the friction at that temperature; a run
+        solves the contact only for the deciding temperature.
 
     Examples
     --------

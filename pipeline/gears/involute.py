@@ -72,7 +72,7 @@ class Involutes:
     profile_shifts : tuple of float
         Profile shift coefficients x.
     centre_distance : float
-                Centre distance [m].
+        Centre distance [m].
     tip_diameters : tuple of float
         Tip diameters [m].
     face_width : float

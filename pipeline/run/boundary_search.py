@@ -97,7 +97,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """ln(velocity) and ln(rise/factor) at the known points of a load; None without points."""
+        """ln(velocity) and ln(rise/friction) at the known points of a load; None without points."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()

@@ -224,7 +224,7 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator by which lines give most numbers, in rows as long as the headings."""
+    """Find the separator by which most cells are numbers, in rows as long as the headings."""
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 

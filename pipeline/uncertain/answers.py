@@ -41,7 +41,7 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 
 
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Find changes of wear on each line (n, m) of excess over nodes `x` (m,).
+    """Find changes of wear on `lines` (n, m) of ln(rise/limit) at the places `x` (m,).
 
     Returns two arrays (n, m - 1) with a value for each interval: 1 if wear turns severe, −1 if it
     turns mild, else 0; and the place of the change.

@@ -99,17 +99,17 @@ class LeftOut(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Standard error of the share `held`, if the true share is 90 %."""
+        """Standard error of the share of samples inside their 90 % bands, if it is truly 90 %."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
     def is_known(self) -> bool:
-        """True if there are enough contacts to estimate the share `held`."""
+        """True if there are enough contacts to estimate the share of samples inside their bands."""
         return self.contacts >= JUDGED
 
     @property
     def is_right(self) -> bool:
-        """True if the share `held` is known, and is 85 to 95 % when rounded to whole percent."""
+        """True if the share of samples inside their bands is known, and 85 to 95 % when rounded."""
         return self.is_known and 0.85 <= round(self.held, 2) <= 0.95
 
 

@@ -71,7 +71,7 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
 
     Examples
     --------
-    It carries the load: F = 2πa²p₀/3.
+    The pressure carries the load: F = 2πa²p₀/3.
 
     >>> p0 = hertz_point_peak_pressure(10.0, 10e-3, 115.385e9)
     >>> a = hertz_point_radius(10.0, 10e-3, 115.385e9)

@@ -177,7 +177,8 @@ def moving_ellipse_rise(
 
     Examples
     --------
-    The fit of Tian & Kennedy (J. Tribology 116, 1994) to a circle, q̄ = 2q₀/3 in the mean:
+    Compared with the fit of Tian & Kennedy (J. Tribology 116, 1994) for a circle, whose mean flux
+    is q̄ = 2q₀/3:
 
     >>> rise = moving_ellipse_rise(1.5e9, 1e-4, 1e-4, 1.0, 45.0, 1.2275e-5)
     >>> fit = 2.32 * 1e9 * 1e-4 / (45.0 * math.sqrt(math.pi * (1.234 + 1e-4 / (2 * 1.2275e-5))))

@@ -34,7 +34,7 @@ def worn_line_width(worn_area: float, radius: float) -> float:
 
     Examples
     --------
-    The segment is two thirds of its width times its height:
+    The area of the segment is two thirds of its width times its height:
 
     >>> A, R = 8.3e-10, 2e-3
     >>> w = worn_line_width(A, R)
@@ -52,7 +52,7 @@ def worn_point_width(worn_volume: float, radius: float) -> float:
 
     Examples
     --------
-    The cap is half its base times its height:
+    The volume of the cap is half of its base times its height:
 
     >>> V, R = 5e-15, 5e-3
     >>> w = worn_point_width(V, R)

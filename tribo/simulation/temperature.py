@@ -35,8 +35,8 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     time 0 (Bosman & de Rooij), whatever the heat model of the fidelity.
 
     The temperature depends on pressure and time of the contact, but not on the wear before. So
-    thermal constants, elements and velocity [m/s] may differ from those for the contact. See
-    `contacts`.
+    thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
+    See `contacts`.
 
     Examples
     --------

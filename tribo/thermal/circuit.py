@@ -62,7 +62,7 @@ def circuit_rise(
     >>> f"{circuit_rise(90.0, 0.1, 100.0, pin_resistance=1e9):.3f} K"
     '100.000 K'
 
-    If the disk is warmer by 10 K, the contact is warmer by nine tenths of that:
+    If the disk is warmer by 10 K, the contact is warmer by 9 K:
 
     >>> f"{circuit_rise(90.0, 0.1, 100.0, disk_warming=10.0) - 90:.3f} K"
     '9.000 K'

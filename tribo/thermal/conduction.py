@@ -68,8 +68,8 @@ class ConductingHalfSpace(Convolution):
 
     Examples
     --------
-    A square at rest in its steady state is 4a ln(1 + √2)/(πK) warm at its centre, a being half
-    a side.
+    The steady rise per flux at the centre of a square at rest is 4a ln(1 + √2)/(πK), with half a
+    side a.
 
     >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
     >>> square = Grid((1, 1), (2e-6, 2e-6), periodic=(False, False))

@@ -137,8 +137,8 @@ def partition_with_history(
 
     Examples
     --------
-    A plane under a flux that grows with time, in four steps or in one: 2/3 of what the final flux
-    gives if it acts all the time, and half of it flows into each body.
+    Under a flux that grows in proportion to time, a plane gets 2/3 of the rise that the final flux
+    would cause if it had acted from the start. Half of the heat flows into each body.
 
     >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
     >>> plane = Grid((2, 2), (1e-6, 1e-6), periodic=(True, True))

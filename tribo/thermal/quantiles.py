@@ -73,7 +73,7 @@ def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
 
     Examples
     --------
-    A response of 0.8 everywhere moves all quantiles alike:
+    A response of 0.8 everywhere moves all quantiles by the same amount:
 
     >>> rise, everywhere = np.arange(101.0)[None, :], np.ones((1, 101), bool)
     >>> kept = bulk_ratio_quantiles(rise, np.full(rise.shape, 0.8), everywhere)

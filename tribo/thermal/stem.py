@@ -58,7 +58,8 @@ class Stem:
 
         Examples
         --------
-        A long rod under a load that has grown evenly is two thirds as warm as under a constant one:
+        Under a load that has grown evenly, a long rod is two thirds as warm as under a constant
+        load:
 
         >>> rod = Stem(1.0, settling_time=1e4)
         >>> grown = rod.resistance_under(np.array([5.0]), np.array([750.0]))

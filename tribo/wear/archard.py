@@ -161,7 +161,7 @@ class Wear:
 
         Examples
         --------
-        The paper's grid at 1.25 m/s and 0.05 s an increment, far beyond `EXPLICIT_LIMIT`:
+        The paper's grid at 1.25 m/s, with increments of 0.05 s, is far beyond `EXPLICIT_LIMIT`:
 
         >>> from tribo.numerics import Grid
         >>> solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
