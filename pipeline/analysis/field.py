@@ -212,14 +212,15 @@ class PointField:
         return rise, mark == 1
 
     def _rows(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K] at k velocities and all loads (m, k, n_load), times the friction factor; marks.
+        """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks.
 
-        Beyond the points of a load, its rises are extrapolated by power laws. A load with a single
-        point has only the rise at that point.
+        Rises include the effect of velocity on friction. Beyond the points of a load they are
+        extrapolated by power laws. A load with a single point has only the rise at that point.
 
         The first marks are 1 within the points of a load. The second are 1 where wear is certain:
         within the points, below the lowest if wear is mild there, and above the highest if it is
-        severe. All others are 2. So a curve over load of marks is 1 only between two loads with 1.
+        severe. All other marks are 2. So a curve of marks over load is 1 only between two loads
+        with 1.
         """
         curves, factor = self._curves, self.conditions.friction_factor(velocities)
         limit = math.nan if self.conditions.critical_temperature is None else self.limit

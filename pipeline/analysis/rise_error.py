@@ -294,7 +294,7 @@ def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(grid: RisePlane, axis: str) -> float:
-    """Root mean square error of ln(rise) per gap in ln(x) along `axis`, by leaving points out."""
+    """Root mean square error of ln(rise) at points left out, per gap in ln(x) along `axis`."""
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.

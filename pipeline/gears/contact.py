@@ -23,8 +23,7 @@ from tribo.material import minimum_line_film
 class MeshPlace:
     """The contact of pinion (1) and wheel (2) at one place on the path of contact.
 
-    Radii are normal to the line of contact. Velocities are those of the flanks relative to this
-    line.
+    Radii are normal to the line of contact. Velocities of the flanks are relative to this line.
     """
 
     letter: str  #: Letter of the place, A to E; empty for places in between.

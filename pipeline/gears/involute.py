@@ -172,7 +172,7 @@ class Involutes:
         return self.face_width * math.sin(self.helix_angle) / (math.pi * self.module)
 
     def radii(self, place: float) -> tuple[float, float]:
-        """Radii of curvature of both flanks at a place, normal to the line of contact [m].
+        """Radii of curvature of both flanks at a place g, normal to the line of contact [m].
 
         In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to the line
         of contact, which is inclined by βb, they are larger by 1/cos βb.

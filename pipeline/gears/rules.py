@@ -228,7 +228,7 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε of ISO/TR 13989-2: mean flash temperature over that at the tip.
+    """Contact ratio factor Xε of ISO/TR 13989-2: flash temperature, mean divided by value at tip.
 
     `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
     """

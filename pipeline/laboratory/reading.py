@@ -90,7 +90,7 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings, from a row of units above that begins with the cell `first`."""
+    """Append units to the headings; they stand in a row above that begins with the cell `first`."""
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
     for k, unit in enumerate(units[: len(heads)]):
@@ -140,7 +140,7 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep (`is_kept`) or leave out rows that have `values` in columns, by heading or quantity."""
+    """Keep or leave out (not `is_kept`) rows that have `values`, by heading or quantity."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:

@@ -429,8 +429,8 @@ def rows_along(
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     """State of each grid node (surface, load, velocity), as a code.
 
-    It is `COMPUTED`, `EXTRAPOLATED`, or `INTERPOLATED`: both loads beside the node have points on
-    both sides of its velocity.
+    It is `COMPUTED` at points; `INTERPOLATED` if both loads beside the node have points on both
+    sides of its velocity; else `EXTRAPOLATED`.
 
     `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
     divides intervals of load and of velocity. `places` are node numbers along velocity, 0 at the

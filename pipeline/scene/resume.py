@@ -18,8 +18,8 @@ from tribo import InputError, TriboError
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store after another run: variants of both runs, other data from `sweep`.
 
-    Which steps and fields are stored, and how the fidelity was chosen, stays as `before`. If single
-    points were chosen, `chosen` is empty, since the store has them.
+    Which steps and fields are stored, and how the fidelity was chosen, stays as in `before`. If
+    single points were chosen, `chosen` is empty, since the store has them.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -75,7 +75,7 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Yield, in words, entries that differ in the first common variant with another simulation."""
+    """Yield, in words, entries that differ in the first common variant simulated differently."""
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*effective_changes(old, new, lambda one: one.scene)]:

@@ -178,7 +178,7 @@ def read_block(store: Store, block: Slices) -> dict[str, Any]:
 def stored_entries(
     store: Store, block: Slices, values: Mapping[str, Any]
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
-    """Yield index, point and values by variable of each point in a chunk that is not pending.
+    """Yield index, point and values by variable of each point in a chunk, except pending points.
 
     `values` are from `read_block`. A damaged value is None.
     """
@@ -213,7 +213,8 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
     """Yield name, and correct data to write, of coordinates that differ from the root document.
 
-    Coordinates differ if a run was killed while the store grew. Plain xarray reads them.
+    Coordinates differ if a run was killed while the store grew. Without this package xarray would
+    read them.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

@@ -149,7 +149,7 @@ def _storable(value: Any) -> Any:
 
 
 def _source_sha256(code: Any) -> str:
-    """SHA-256 of the file that defines a class or function, or of its source without a file.
+    """SHA-256 of the file that defines a class or function, or of its source if not in a file.
 
     The hash is kept as an attribute of the class, and goes to workers with the class. So it belongs
     to the code that runs, even if the file is edited later.
@@ -163,7 +163,7 @@ def _source_sha256(code: Any) -> str:
 
 
 def _source(code: Any) -> bytes:
-    """Content of the file that defines a class or function, or its source without a file."""
+    """Content of the file that defines a class or function, or its source if there is no file."""
     file = getattr(sys.modules.get(code.__module__), "__file__", None)
     if file and Path(file).is_file():
         return Path(file).read_bytes()

@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations (moments of the loading) to store: an existing store's, else the scene's."""
+    """Stations (moments of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests

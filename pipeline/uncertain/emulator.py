@@ -71,7 +71,7 @@ class Emulator:
         """Predict sums of outputs weighted by `between`, and their standard errors, both (n, m).
 
         `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between
-        outputs. Errors are against a simulation.
+        outputs. The standard errors are for the difference from a simulation.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T

@@ -171,7 +171,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
-    """Quantiles, at `shares`, of the sum of uniform numbers from 0 to `one` and 0 to `other`."""
+    """Quantiles at `shares` of the sum of two uniform numbers, up to `one` and up to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2

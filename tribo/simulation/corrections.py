@@ -269,8 +269,8 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Correct the rises in `columns`, which are per unit friction [K].
 
-        `columns` has all of `NEEDED`, and the rises, among them those for unequal bulk
-        temperatures. All other columns are returned unchanged.
+        `columns` has all of `NEEDED`, and the rises, including rises for unequal bulk temperatures.
+        All other columns are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))

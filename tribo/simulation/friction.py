@@ -233,5 +233,5 @@ class SolvedFriction:
 
 
 def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
-    """Split a curve into intervals: (temperatures, frictions) at all lower, and all upper ends."""
+    """Ends of a curve's intervals: (temperatures, frictions) at lower ends, then at upper ends."""
     return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])

@@ -67,7 +67,7 @@ class Disc:
         return ", ".join(parts)
 
     def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
-        """Warming of the rim a time after heat was spread around it, per (heat per area)/ρc [1/m].
+        """Warming of the rim an `age` after heat was spread over it, per (heat per area)/ρc [1/m].
 
         The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
         over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in Solids*,
