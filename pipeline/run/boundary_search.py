@@ -151,7 +151,8 @@ class BoundarySearch:
     def _next(self, root: _Root, curvature: float) -> set[float]:
         """Velocities to compute next on both sides of a crossing, on the coarsest grid possible.
 
-        `curvature` is κ. The set is empty once the crossing is known to the tolerance.
+        `curvature` is κ of `_curvatures`. The set is empty once the crossing is known to the
+        tolerance.
         """
         if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()

@@ -40,7 +40,7 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Entry of each key with a value, and the table's form with this key unless all have it."""
+        """Pairs (entry, form of table) of keys with values; no form if all forms have the key."""
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:

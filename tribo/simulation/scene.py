@@ -303,7 +303,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load increment of the ramp (trunk) to a load [N]; loads of equal increment share it."""
+        """Load increment of the ramp (trunk) to a load [N]; it is equal for loads on one ramp."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

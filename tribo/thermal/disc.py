@@ -67,11 +67,11 @@ class Disc:
         return ", ".join(parts)
 
     def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
-        """Warming of the rim an `age` after heat was spread over it, per (heat per area)/ρc [1/m].
+        """Warming of the rim at a time after heat was spread over it, per (heat per area)/ρc [1/m].
 
-        The temperature of the rim, r = a, an age t after heat was spread evenly over it, is a sum
-        over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in Solids*,
-        2nd ed., 1959, §7.7, §7.9 and §7.10),
+        The temperature of the rim, r = a, at a time t after heat was spread evenly over it, is a
+        sum over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in
+        Solids*, 2nd ed., 1959, §7.7, §7.9 and §7.10),
 
             1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² Fo),  Fo = κt/a²,
 
