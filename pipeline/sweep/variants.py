@@ -94,7 +94,7 @@ class Variants:
 
     @cached_property
     def by_name(self) -> dict[Variant, Row]:
-        """Rows by name: a tuple of (dimension, label) pairs."""
+        """Rows by name; a name is a tuple of (dimension, label) pairs."""
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row.labels[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):

@@ -121,8 +121,8 @@ class Preconditioner:
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
     The result is shifted to sum to 0. If the stencil stays within a row, yᵢ is S1ᵢ, and (1) is the
-    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If it reaches beyond, k must be small; then (1) is nearly
-    symmetric, too.
+    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil reaches into other rows, k must be small; then
+    (1) is nearly symmetric, too.
 
     Examples
     --------
