@@ -29,14 +29,14 @@ class Difference:
     """Differences between two stores A and B, as data frames."""
 
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
-    #: Critical velocities at loads that both have, each under its own conditions: ``load [N]``,
-    #: ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
+    #: Critical velocities at loads of both stores, each store under its own conditions: ``load
+    #: [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
     boundary: pd.DataFrame
     #: Points that are done in only one store or have different rises: ``load [N]``, ``velocity
     #: [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``, ``change
     #: [%]``.
     points: pd.DataFrame
-    alike: int  #: Number of points that are done in both with equal rises.
+    alike: int  #: Number of points that are done in both stores with equal rises.
 
 
 @np.errstate(under="ignore")

@@ -53,8 +53,8 @@ class Margin:
     load: float  #: Normal load on the whole pin [N].
     velocity: float  #: Sliding velocity [m/s].
     probability: float  #: Probability that the next run is severe.
-    lowest: float  #: The same if the numerical error makes contacts colder.
-    highest: float  #: The same if the numerical error makes contacts hotter.
+    lowest: float  #: This probability if the numerical error makes contacts colder.
+    highest: float  #: This probability if the numerical error makes contacts hotter.
     decisive_temperature: float  #: Temperature of the contact that decides [K].
     error: RiseError  #: Numerical error of that temperature by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
@@ -65,8 +65,8 @@ class Margin:
     #: if wear is severe at the lowest velocity.
     critical_velocity: float
     critical_load: float  #: Lowest load at this velocity at which wear turns severe [N], or NaN.
-    velocity_outcome: str  #: Outcome along velocity: why there is none, or ranges of severe wear.
-    load_outcome: str  #: The same along the load.
+    velocity_outcome: str  #: Why there is no critical velocity, or ranges of severe wear.
+    load_outcome: str  #: Why there is no critical load, or ranges of severe wear.
     is_computed: bool  #: True if this point is done, so that nothing is interpolated.
     is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
     members: int  #: Number of surfaces, or of draws of unknown inputs.

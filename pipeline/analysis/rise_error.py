@@ -48,8 +48,8 @@ Found by `python -m tests.promises.errors`.
 """
 
 _OF_WARNED = {
-    # Largest errors seen with these three warnings, which are rare in the campaign. That of coarse
-    # pixels is the same in `fine`.
+    # Largest errors seen with these three warnings, which are rare in the campaign. The error of
+    # coarse pixels is the same in `fine`.
     WarningKind.FEW_STEPS: 0.10,
     WarningKind.FEW_TURNS: 0.10,
     WarningKind.COARSE_PIXELS: 0.70,

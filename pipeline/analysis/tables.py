@@ -28,7 +28,7 @@ _HEAD = re.compile(r"(.+) \[(.+)\]")
 _BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
 _LONG = 1e4  # numbers from here on are printed without decimals
 _COLUMNS = 100  # most letters in a line of a table
-_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # width of a broken heading, least one of a broken cell
+_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # widths of a broken heading, and of a broken cell at least
 
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:

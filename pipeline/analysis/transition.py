@@ -45,8 +45,8 @@ class Line:
     is compared with several limits.
     """
 
-    #: Rises [K] over velocities [m/s] or loads [N]. It may extend beyond the computed ones, if wear
-    #: does not change there.
+    #: Rises [K] over velocities [m/s] or loads [N]. The curve may extend beyond the computed
+    #: values, if wear does not change there.
     curve: Curve
     limit: Array  # rise above which wear is severe [K]
     ends: tuple[float, float]  # lowest and highest velocity or load of the sweep

@@ -30,7 +30,7 @@ _STANDARD_DEVIATIONS = 4.0  # a rise below this multiple of friction's noise is 
 _OF_SINE = 2 * math.sqrt(2) / math.pi  # mean of a rectified sine over its rms
 _SINE_TOLERANCE = 0.02  # relative deviation of mean/rms from that ratio, for a sine
 _SWING = 0.25  # amplitude of an oscillating signal, at least, over its mean
-_MANY = 50  # so many oscillations are strokes, whatever the number of rows
+_MANY = 50  # this many oscillations are strokes, whatever the number of rows
 _COMMANDS = "load", "velocity"
 
 

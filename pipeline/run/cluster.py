@@ -98,8 +98,8 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
             silence_logs=logging.CRITICAL,
         )
     except (OSError, RuntimeError, AssertionError) as error:
-        # One worker that is killed as it starts fails all. An assertion of Dask's fails where one
-        # has not even begun in time.
+        # If one worker is killed as it starts, all of them fail. If a worker has not even begun in
+        # time, an assertion of Dask fails.
         if tries > 1 and not isinstance(error, TimeoutError | AssertionError):
             return _start_cluster(workers, dashboard, tries - 1)
         raise ExecutionError(

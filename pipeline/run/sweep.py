@@ -42,7 +42,7 @@ from tribo.errors import require_positive
 class Outcome:
     """Result of a run: how many points are done, which failed, and how long it took."""
 
-    #: Number of points of the sweep, and of those among them that are done.
+    #: Number of points of the sweep, and of its points that are done.
     total: int
     done: int
     computed: int  #: Number of points that this run completed.

@@ -185,8 +185,8 @@ class Quantity(Kind):
     example: str
     zero: bool = False
     usual: tuple[float, float] | None = None  # in the unit of the example
-    ends: tuple[str, str] | None = None  # bounds, if not those of its dimension
-    name: str = ""  # in messages, if not that of its dimension
+    ends: tuple[str, str] | None = None  # bounds, if not the dimension's
+    name: str = ""  # in messages, if not the dimension's
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"

@@ -261,7 +261,7 @@ def _unit(unit: str) -> Unit:
         zero, one_unit = (registry.Quantity(Decimal(k), parsed).to_base_units() for k in (0, 1))
     except pint.UndefinedUnitError as error:
         raise InputError(f"has an unknown unit: {error}") from error
-    except Exception as error:  # pint raises more than its own
+    except Exception as error:  # pint raises errors that are not its own
         raise InputError("has a unit that cannot be read") from error
     size = one_unit.magnitude - zero.magnitude
     for cf, one in DIMENSIONS.items():

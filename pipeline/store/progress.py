@@ -40,7 +40,7 @@ class Summary:
     #: Name and title of the scene.
     name: str
     title: str
-    #: Number of points that the scene asks for, and of those among them that are done and to do.
+    #: Number of points that the scene asks for, and of these that are done and to do.
     total: int
     done: int
     pending: int

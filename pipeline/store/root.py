@@ -219,7 +219,7 @@ def read_metadata(place: StorePlace) -> dict[str, Document]:
     with io_errors(place):
         for key in sorted(place.keys()):
             if key.endswith(f"/{ROOT}"):
-                with suppress(ValueError):  # one that is damaged
+                with suppress(ValueError):  # a damaged document
                     found[key[: -len(ROOT) - 1]] = json.loads(place.read(key) or b"{}")
     return found
 

@@ -177,7 +177,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     first = sweep.variants.rows[0].labels
     table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
     front = tuple(sweep.variants.axes)
-    absent = {*ROWS, POINT}  # the table of variants adds those that it has
+    absent = {*ROWS, POINT}  # the table of variants adds its own
     if sweep.chosen is not None:
         front, absent = (POINT,), {*ROWS}
         table |= {name: COORDINATES[name] for name in PLANE}

@@ -9,14 +9,14 @@ from pipeline.sweep.variants import Row, Variant
 from tribo import Scene
 from tribo.simulation import inseparable, mechanics, wear_number
 
-_DIGITS = 12  # digits of a wear number that are compared: equal ones differ by rounding
+_DIGITS = 12  # digits of a wear number that are compared: equal numbers differ by rounding
 
 
 class ContactSource(NamedTuple):
     """The variant whose contact solutions another variant reuses, and at which velocities."""
 
     variant: Variant
-    ratio: float = 1.0  # velocity of the source over that of the variant, at the same wear number
+    ratio: float = 1.0  # velocity of the source over the variant's, at the same wear number
     places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:

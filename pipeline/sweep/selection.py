@@ -75,7 +75,7 @@ class Choice:
     fidelity: Fidelity
     velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
     velocity_error: float  # largest at any point, without sign
-    error_at_any_load: float  # largest to expect: that at the points, and a margin
+    error_at_any_load: float  # largest error to expect: at the points, plus a margin
     seconds: float  # processor time of the points [s]
 
 

@@ -20,7 +20,7 @@ from tribo.types import Array
 _MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
 _IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height counts as rounding
-_LAY = 2.0  # correlation length along grooves over that across, from which there is a lay
+_LAY = 2.0  # correlation length along grooves over the one across, from which there is a lay
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,10 +45,10 @@ class Judged(NamedTuple):
     tests: tuple[Test, ...]
     #: 5, 50 and 95 % quantiles of the critical velocity at the run's test, given all tests [m/s].
     critical_velocity: tuple[float, float, float]
-    #: Probability of its outcome, or of a transition at least as far off, given all other runs.
+    #: Probability of this outcome, or of a transition at least as far off, given all other runs.
     probability: float
     limit: float  #: Probability below which the run contradicts the other runs.
-    is_blamed: bool = True  #: True if the model fits the other runs, so that this one is wrong.
+    is_blamed: bool = True  #: True if the model fits the other runs, so that this run is wrong.
 
     @property
     def test(self) -> Test:

@@ -42,7 +42,7 @@ class Sensitivity:
     spread: tuple[float, ...]
     #: Relative standard error of the emulated critical velocity against a simulation, by load.
     velocity_error: tuple[float, ...]
-    #: True if the indices are those of the posterior, given the tests.
+    #: True if the indices are for the posterior, given the tests.
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:

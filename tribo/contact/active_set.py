@@ -20,8 +20,8 @@ from tribo.types import Array, Nodes
 Stencil = Callable[[Array, Array], Array]
 
 # Conjugate gradient iterations in the first active-set step. Each further step may take twice as
-# many as the one before. It ends once the residual has fallen to the first fraction, or, if no node
-# has entered or left the free nodes, to the second.
+# many as the step before. A step ends once the residual has fallen to the first fraction; if no
+# node has entered or left the free nodes, to the second.
 _INNER_ITERATIONS = 2
 _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 

@@ -120,7 +120,7 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
     s = shortest * np.exp(np.arange(0.0, math.log(longest / shortest) + _STEP, _STEP))
     weights = math.sqrt(math.pi) / 2 * _STEP * s
     # What is left out at either end is a geometric series. At shorter s, E_a E_b is 4 on the
-    # element and 0 off it; at longer ones it falls like 1/s², or all waves have faded.
+    # element and 0 off it; at longer s it falls like 1/s², or all waves have faded.
     weights[0] /= -math.expm1(-_STEP)
     if not endless:
         weights[-1] /= -math.expm1(-_STEP)

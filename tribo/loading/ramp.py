@@ -143,7 +143,7 @@ class Ramp:
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
         for station in self._rise(normal_load, increments):
-            yield station  # `yield from` would not keep the last one
+            yield station  # `yield from` would not keep the last station
         ends = self._hold_ends(station.time / 2, hold_increments or increments)
         for number, held in enumerate(ends, 1):
             yield Station(

@@ -19,7 +19,7 @@ from tribo.numerics.sizes import largest
 from tribo.types import Array, Nodes
 
 # Coupling within rows, in units of an element's influence on itself. Above this, it is better to
-# invert the influence within a row exactly than to include that between rows.
+# invert the influence within a row exactly than to include the influence between rows.
 _RIGID = 0.3
 
 

@@ -23,7 +23,7 @@ from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_MAPS = 4  # thermal maps: those of both bodies, for a contact and the next one
+_MOST_MAPS = 4  # thermal maps: of both bodies, for a contact and the next contact
 _MOST_BYTES = 2**28  # for thermal kernels, and as many for contacts
 
 Value = TypeVar("Value")
@@ -46,7 +46,7 @@ class Cache(Generic[Value]):
     def __init__(self, size_of: Callable[[Value], int], limit: int) -> None:
         self._size_of, self._limit, self._size = size_of, limit, 0
         self._values: OrderedDict[Hashable, Value] = OrderedDict()
-        self._lock = threading.RLock()  # a contact may need another one, on smaller elements
+        self._lock = threading.RLock()  # a contact may need a contact on smaller elements
 
     def get(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the value of a key; compute it if it is not cached."""

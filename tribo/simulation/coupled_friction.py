@@ -40,9 +40,9 @@ Outcome = Literal["solved", "ignites", "not converged"]
 
 _MOST_ROUNDS = 60
 _CLOSE = 2e-4  # change of a temperature in a round, over the highest rise, at which it is solved
-_TOLERANCE = 1e-3  # tolerance of the partitions, where that of the fidelity is larger
+_TOLERANCE = 1e-3  # tolerance of the partitions, where the fidelity's is larger
 _LOOSEST = 0.1  # largest tolerance of a partition that adds little
-_GROWN = 1.25  # mean rise over the cold one, from which a contact that heats ever faster ignites
+_GROWN = 1.25  # mean rise over the cold rise, from which a contact that heats ever faster ignites
 _KEPT = 4  # rounds that Anderson mixing combines
 
 

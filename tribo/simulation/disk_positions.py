@@ -36,17 +36,17 @@ _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 # Positions of the disk over which a temperature is averaged: at most the first number, and no more
 # than have the second number of pixels in Hertzian contact. Between 50, 100, 200 and 400 steps,
 # rises under five balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one
-# position, and by 0.03 to 0.9 % as a mean; under others that wear heavily by up to 2.6 % from 50 to
+# position, and by 0.03 to 0.9 % as a mean; under pins that wear heavily by up to 2.6 % from 50 to
 # 100. Under a ball of 2 mm at 10 N that wears off 2.4 µm the rise moves by 0.5 % from 9 to 19
 # positions, and by 0.8 % from 19 to 38.
 _MOST_POSITIONS, _PIXELS = 100, 1e5
-# If there would be fewer positions than this, the disk's own is enough: from one position to
-# another the rise under the shipped ball differs by 0.4 %.
+# If there would be fewer positions than this, the unshifted disk is enough: between positions the
+# rise under the shipped ball differs by 0.4 %.
 _FEWEST_POSITIONS = 5
-# From so many positions on, steps of wear have so many times the parts. Otherwise the rise under
-# one of the balls above (140 elements) differed by 3.0 %, not 0.5 %.
+# From the first number of positions on, the number of parts of a step of wear is multiplied by the
+# second. Otherwise the rise under a ball above (140 elements) differed by 3.0 %, not 0.5 %.
 _FEW, _MORE_PARTS = 20, 3
-_SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elements have the same
+_SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elements allow the same
 
 
 class Pass(NamedTuple):

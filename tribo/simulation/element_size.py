@@ -36,7 +36,7 @@ from tribo.types import Array
 # 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
 # 8 %, with 2 up to 28 %.
 FEWEST_ACROSS, FEWEST_ROWS = 12, 6
-_FULL = 2.0  # area by Eq. (1) over the nominal one, from which on summits no longer stand apart
+_FULL = 2.0  # area by Eq. (1) over the nominal area, from which on summits no longer stand apart
 _MANY = 2000  # touching elements from which on contacts have the tolerance of the fidelity
 TIGHTEST = 1e-3  # least tolerance of a contact, for few elements
 _ON_POSITIONS = 2.0  # factor on the size of elements where the rise is a mean over positions

@@ -16,7 +16,7 @@ from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
 
-_FARTHEST = 2.0  # largest step of the load, over the last one, for which contacts are extrapolated
+_FARTHEST = 2.0  # largest step of the load, over the last step, for which contacts are extrapolated
 
 
 def start(scene: Scene) -> State:

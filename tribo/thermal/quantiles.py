@@ -54,7 +54,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
         raise InputError("no element is in contact; quantiles of the temperature need at least one")
     ordered = np.sort(rise[contact])
     places = np.asarray(QUANTILES) * (ordered.size - 1)
-    # The same as np.quantile, which for so many quantiles takes several times as long.
+    # The same as np.quantile, which takes several times as long for this many quantiles.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
 
