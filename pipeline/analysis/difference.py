@@ -65,7 +65,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
         require_one_scene(data.entry_dims)
         data.require_lists(*PLANE)
-    points, alike = _points(first, second)
+    points, alike = _differing_points(first, second)
     rows = differing_entries(first.sweep, second.sweep)  # in the order of the scene
     entries = frame_of(("entry", "a", "b"), ((path, x or None, y or None) for path, x, y in rows))
     return Difference(entries, _boundary(first, second), points, alike)
@@ -104,7 +104,7 @@ def _critical_velocities(data: Results) -> pd.DataFrame:
     return pd.DataFrame({"load": loads, "velocity": velocity, "outcome": outcome})
 
 
-def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
+def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
     """Frame of points that differ or are done in one store only, and the number of equal points."""
     heads = (
         "load [N]", "velocity [m/s]", "variant", "state a", "state b", "rise a [K]", "rise b [K]",
@@ -112,7 +112,7 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
     )  # fmt: skip
     has_seeds = any("realization" in data.front for data in (a, b))
     place = ["load", "velocity", "variant"]
-    states = (_states(data, has_seeds) for data in (a, b))
+    states = (_point_states(data, has_seeds) for data in (a, b))
     both = pd.merge(*states, on=place, how="outer", suffixes=(" a", " b"))
     both = both.fillna({"state a": "absent", "state b": "absent"})
     is_done = both[["state a", "state b"]] == "done"
@@ -123,7 +123,7 @@ def _points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
     return frame_of(heads, rows.itertuples(index=False, name=None)), int(is_alike.sum())
 
 
-def _states(data: Results, has_seeds: bool) -> pd.DataFrame:
+def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
     """Frame of points with load, velocity, variant, state and highest rise [K].
 
     Pending points are included if the last run was to compute them. If there is only one surface,

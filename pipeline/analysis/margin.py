@@ -163,7 +163,7 @@ def answers(
     is_known = np.array([not reason for reason in here.reasons])
     if not is_known.any():
         return [*here.reasons]
-    columns = _columns(field, loads[is_known], velocities[is_known], scatter, here, is_known)
+    columns = _margin_columns(field, loads[is_known], velocities[is_known], scatter, here, is_known)
     columns["tested"] = [tuple(tests) for tests in itertools.compress(tested, is_known)]
     notes = scene_caveats(field.source, field.conditions)
     columns["caveats"] = [(*own, *notes) for own in columns["caveats"]]
@@ -180,7 +180,7 @@ def answers(
     return [reason or next(margins) for reason in here.reasons]
 
 
-def _columns(
+def _margin_columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
     """Attributes of `Margin` by name, with values for the k places at which `is_known` is True.

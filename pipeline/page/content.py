@@ -73,7 +73,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     sweep, conditions = data.sweep, data.conditions
     require_one_oil(sweep)
     unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
-    ratios, shares, done = sorted([*unequal, 0.0]), _shares(data, conditions), data.done
+    ratios, shares, done = sorted([*unequal, 0.0]), _tabulated_shares(data, conditions), data.done
     columns = corrected_columns(data.columns, conditions)
     # Axes: load, velocity, bulk ratio, share or quantile, step.
     deciding, quantiles = _tables(columns, data.shares, conditions.decisive, ratios, shares)
@@ -208,7 +208,7 @@ def content_of_samples(data: Results) -> dict[str, Any]:
     }
 
 
-def _shares(data: Results, conditions: Conditions) -> list[float]:
+def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
     """Failing shares at which rises are tabulated; the page interpolates between them.
 
     There is only one share if the criterion does not depend on it.

@@ -132,7 +132,7 @@ def run_sweep(
     if choose_next:
         sweep = choose_next(opened(out) if before else other, retry_failed)
     with writing(out, sweep, report) as store:
-        for note in _notes(store, before) if before else ():
+        for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
@@ -183,7 +183,7 @@ def _rounds(
         sweep, store = following, open_grown(store.place, following, store.lock)
 
 
-def _notes(store: Store, before: Sweep) -> Iterator[str]:
+def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:
     """Notes for the user if a store is resumed under other conditions or program versions.
 
     `before` is the sweep as it was in the store.

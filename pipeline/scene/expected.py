@@ -40,7 +40,7 @@ def expect_contacts(
     slid, wear = np.outer(durations, velocities), scene.wear
     rates = [wear_over(wear, 0.0, end).specific_wear_rate if wear else 0.0 for end in slid.flat]
     worn = np.reshape(rates, slid.shape) * np.outer(impulses, velocities)
-    widths, depths = _worn(scene, max(velocities), half_widths[:, None], worn)
+    widths, depths = _worn_contact(scene, max(velocities), half_widths[:, None], worn)
     if rms_height:
         widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)
     made = {
@@ -61,7 +61,7 @@ def _course(scene: Scene, load: float) -> tuple[float, float]:
     return float(times[-1]), float(np.trapezoid(loads, times))
 
 
-def _worn(
+def _worn_contact(
     scene: Scene, fastest: float, half_widths: Array, worn_volumes: Array
 ) -> tuple[Array, Array]:
     """Width of the contact of a smooth, worn pin, and greatest wear depth [m].

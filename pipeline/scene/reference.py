@@ -189,7 +189,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
         copies = [(folder / name, path.parent / Path(name).name) for name in beside]
     elif full:
         head = "".join(itertools.takewhile(lambda line: line[0] == "#", text.splitlines(True)))
-        text = "\n".join([head + _MARKS, *_lines(tomllib.loads(text)), ""])
+        text = "\n".join([head + _MARKS, *_scene_lines(tomllib.loads(text)), ""])
     files = [path, *(copy for _, copy in copies)]
     for file in files:
         if file.exists() or file.is_symlink():
@@ -206,7 +206,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
 _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
-def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
+def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
     """Yield lines of a scene file with every entry of the format, as comments if not in the scene.
 
     `entries` has the scene's entries, as nested tables.

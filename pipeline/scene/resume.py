@@ -19,7 +19,7 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store after another run: variants of both runs, other data from `sweep`.
 
     Which steps and fields are stored, and how the fidelity was chosen, stays as in `before`. If
-    single points were chosen, `chosen` is empty, since the store has them.
+    `sweep` has chosen points, the result's `chosen` is empty, since the store has the points.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader

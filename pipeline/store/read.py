@@ -78,7 +78,7 @@ class _Backend(BackendEntrypoint):
         """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
         _require_chunks(store)
-        root, rows = _plane(store.root)
+        root, rows = _plane_of_points(store.root)
         present = root.coordinates()
         coords = {*present, "own_grid"} - {INPUTS}
         marks = {"status": store.flags, "asked": store.asked}
@@ -110,7 +110,7 @@ def _require_chunks(store: Store) -> None:
             raise StoreError(damaged(store.place, name))
 
 
-def _plane(root: Root) -> tuple[Root, Indices | None]:
+def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
     """Give a store of single points the axes of a dataset; return its root document and an array.
 
     A boundary search stores single points. The dataset has all their loads and velocities as axes.
@@ -133,7 +133,7 @@ def _plane(root: Root) -> tuple[Root, Indices | None]:
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data.
 
-    `rows` are the numbers of stored points from `_plane`.
+    `rows` are the numbers of stored points from `_plane_of_points`.
     """
 
     def __init__(self, store: Store, name: str, rows: Indices | None) -> None:

@@ -159,11 +159,11 @@ class Variants:
             wanted = " and ".join(f"{key} {value}" for key, value in name)
             ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
             raise InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
-        drawn = {one.key for one in self._drawn}
+        drawn = {one.key for one in self._drawn_columns}
         return {key: one for key, one in own[0].values.items() if key not in drawn}
 
     @property
-    def _drawn(self) -> tuple[Column, ...]:
+    def _drawn_columns(self) -> tuple[Column, ...]:
         """Columns whose labels are random draws, or are determined by random draws."""
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
@@ -176,7 +176,7 @@ class Variants:
 
     def samples_of(self, name: Variant) -> Variants:
         """Table of the rows that were drawn for one variant; a single row if no rows were drawn."""
-        columns = self._drawn
+        columns = self._drawn_columns
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
         return Variants(columns, tuple(rows), self.draw) if columns else Variants()

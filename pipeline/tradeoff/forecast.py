@@ -85,7 +85,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     scene = sweep.samples_of(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
-    work = _Work(scene, contact_time, heat_time, is_course)
+    work = _TaskTimes(scene, contact_time, heat_time, is_course)
     alone = makespan(every, 1, work)[1]
     steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
@@ -103,7 +103,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 
 @dataclass(slots=True)
-class _Work:
+class _TaskTimes:
     """Estimates the time of a sweep's tasks, by counting contacts and heat partitions to solve."""
 
     sweep: Sweep

@@ -46,20 +46,20 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
     scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
     # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
-    _run(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
+    _simulated_rise(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
     forget_contacts()
     began = time.process_time()
     runs, trunks = dict[Point, tuple[float, State]](), Trunks()
     for point in (point for task in tasks(points, scene) for point in task.points):
         variant = scene.variant(point.variant)
-        runs[point] = _run(variant, point.load, point.velocity, trunks)
+        runs[point] = _simulated_rise(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
     rises = tuple(runs[point][0] for point in points)
     fewest = min(int(np.count_nonzero(state.pressure)) for _, state in runs.values())
     return Probe(fidelity, rises, fewest, seconds)
 
 
-def _run(
+def _simulated_rise(
     sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
     """Simulate a point; return its highest rise [K] at full load for friction 1, and the state."""
@@ -105,7 +105,7 @@ def points_near_boundary(
     limit = rise_limit(sweep.conditions)
 
     def rise_at(place: Target, velocity: float) -> float:
-        return _run(scene.variant(place.variant), place.load, velocity)[0]
+        return _simulated_rise(scene.variant(place.variant), place.load, velocity)[0]
 
     for place in places:
         rise = partial(rise_at, place)

@@ -158,7 +158,7 @@ def trade(
         [*candidates.items()],
         progress,
         name=lambda stage: stage[0],
-        weight=lambda stage: _work(sweep, stage[1], places),
+        weight=lambda stage: _cost(sweep, stage[1], places),
     )
     _, exact = next(stages)
     reference = probe(sweep, exact, near)
@@ -171,12 +171,12 @@ def trade(
         else:
             choices.append(_choice(name, tried, reference, exponents))
     # By work, not time, so that the choice is the same on every machine.
-    choices.sort(key=lambda choice: _work(sweep, choice.fidelity, places))
+    choices.sort(key=lambda choice: _cost(sweep, choice.fidelity, places))
     choices.append(_choice("reference", reference, reference, exponents))
     return Trade(sweep.title, near, tuple(choices), tuple(failed))
 
 
-def _work(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
+def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
     """Approximate cost of simulating the targets `places`: steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)

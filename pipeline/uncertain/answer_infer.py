@@ -70,7 +70,7 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         inferred = pipeline.critical_temperatures(
             sweep, out=options.kept, workers=options.workers, progress=progress
         )
-    frame = _transitions(inferred)
+    frame = _transition_frame(inferred)
     if tested:
         return _bounds_result(inferred, [str(test.outcome) for test in tested], frame)
     measured = counted(len(frame), "measured transition", "measured transitions")
@@ -113,7 +113,7 @@ def _bounds_result(
     return Result(document, text, frames=[frame])
 
 
-def _transitions(inferred: CriticalTemperatures) -> pd.DataFrame:
+def _transition_frame(inferred: CriticalTemperatures) -> pd.DataFrame:
     """Data frame of transitions: load, velocity, friction and critical temperature."""
     seeds = inferred.surfaces if inferred.spreads[0] else ()
     heads = (

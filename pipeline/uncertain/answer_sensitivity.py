@@ -27,13 +27,13 @@ def sensitivity(options: argparse.Namespace) -> Result:
         samples = single_field(ds)
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(samples.ensemble, samples.given_draws)
-    frame = _indices(indices)
+    frame = _index_frame(indices)
     text = [*wrapped(samples.basis), *_describe_indices(indices, frame)]
     draw = partial(pipeline.plot, indices, title=samples.ensemble.title)
     return Result(indices.as_dict(), text, pipeline.warned(ds), [frame], draw)
 
 
-def _indices(indices: Sensitivity) -> pd.DataFrame:
+def _index_frame(indices: Sensitivity) -> pd.DataFrame:
     """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
     heads = (
         "load [N]", "input", "first", "first low", "first high", "total", "total low", "total high",

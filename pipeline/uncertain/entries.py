@@ -97,7 +97,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
         faults.note("unknown", f"{one}, because the scene also gives a value")
     if len(inputs) > MOST_INPUTS:
         faults.refuse("unknown", f"{len(inputs)} inputs are unknown; give {MOST_INPUTS} at most")
-    layers = [_layer(one, sweep, faults) for one in inputs]
+    layers = [_first_affected_part(one, sweep, faults) for one in inputs]
     if len(faults) > before:
         return sweep
     if count is None:
@@ -127,7 +127,7 @@ def _inputs(
     table, inputs = scene.unknown, []
     for path, shape in table.items():
         with faults.at(f"unknown.{quoted(path)}"):
-            one = _input(path, shape.form, shape.parameters)
+            one = _read_input(path, shape.form, shape.parameters)
             varies = shape.varies or path.endswith(".seed")
             inputs.append(replace(one, varies=varies))
     joint = _correlated(inputs, table, faults)
@@ -211,7 +211,7 @@ def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
     return made
 
 
-def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
+def _read_input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
     """Read the distribution of one input from its form and `parameters`.
 
     Raises a `UnitError` or `InputError` if the distribution is faulty.
@@ -237,7 +237,7 @@ def _input(path: str, kind: Form, parameters: tuple[Any, ...]) -> Unknown:
     return Unknown(path, kind, values, si, shown)
 
 
-def _layer(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
+def _first_affected_part(one: Unknown, sweep: Sweep, faults: Faults) -> Layer:
     """First part of a simulation that an input affects, found by trying extreme values."""
     key, highest = f"unknown.{quoted(one.path)}", max(sweep.plane.loads)
     is_simulated, is_judged, is_heat_alone = False, False, True

@@ -97,7 +97,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
             f"{grid.periodic}; use 'periodic'"
         )
     s, weights = _widths(grid, kernel)
-    along_x, along_y = (_factor(grid, axis, kernel, s) for axis in (0, 1))
+    along_x, along_y = (_factor_transform(grid, axis, kernel, s) for axis in (0, 1))
     quarter = (along_x * weights[:, None]).T @ along_y
     if kernel == "periodic":
         # The mean along a periodic axis has an infinite constant, which is left out.
@@ -127,18 +127,18 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
     return s, weights
 
 
-def _factor(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
+def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
     """Transform of the factor E of Eq. (1) along one axis, with images, shape (widths, modes)."""
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
-        return _even_transform(_values(length // 2 + 1, step, s), length)
+        return _even_transform(_factor_values(length // 2 + 1, step, s), length)
     if kernel == "nearest-image":
-        values = _values(n + 1, step, s)
+        values = _factor_values(n + 1, step, s)
         return _even_transform(values + values[:, ::-1], n)
     return _all_images(n, s / step)
 
 
-def _values(n: int, step: float, s: Array) -> Array:
+def _factor_values(n: int, step: float, s: Array) -> Array:
     """Factor E of Eq. (1) for widths s at 0 to n − 1 times `step`, the side of an element."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
@@ -152,7 +152,7 @@ def _all_images(n: int, s: Array) -> Array:
     narrow, wide = s[s < _WIDE], s[s >= _WIDE, None, None]
     mu = np.arange(n // 2 + 1) / n
     offsets = np.arange(_OFFSETS)
-    both_sides = np.where(offsets > 0, 2, 1) * _values(_OFFSETS, 1.0, narrow)
+    both_sides = np.where(offsets > 0, 2, 1) * _factor_values(_OFFSETS, 1.0, narrow)
     left = both_sides @ np.cos(2 * np.pi * offsets[:, None] * mu)
     waves = mu + np.array([[-1], [0], [1]])
     right = 2 * np.einsum("pm,spm->sm", np.sinc(waves), np.exp(-((np.pi * waves * wide) ** 2)))

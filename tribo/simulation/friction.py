@@ -133,7 +133,7 @@ class Friction:
         if not self.by_temperature or self.coefficient == 0:
             return bulk + self.coefficient * rise
         # Between two nodes µ is linear, and (T − T_b)/µ a hyperbola, which only rises or falls.
-        nodes, limits = self._limits(bulk)
+        nodes, limits = self._rises_at_nodes(bulk)
         frictions = self.at(temperature=nodes)
         above = np.clip(np.searchsorted(limits, rise), 1, len(nodes) - 1)
         low, high = nodes[above - 1], nodes[above]
@@ -152,7 +152,7 @@ class Friction:
             return np.full(np.shape(temperature), np.inf)[()]
         if not self.by_temperature:
             return (temperature - bulk) / self.coefficient
-        nodes, limits = self._limits(bulk)
+        nodes, limits = self._rises_at_nodes(bulk)
         below = np.clip(np.searchsorted(nodes, temperature) - 1, 0, len(nodes) - 1)
         above, low = temperature - bulk, np.where(below > 0, nodes[below] - bulk, np.inf)
         steep = limits[below] * (np.maximum(above, 0.0) / low) ** _LEAST
@@ -197,7 +197,7 @@ class Friction:
         """Upper bound of the contact temperature for a rise above `bulk` at friction 1 [K]."""
         return bulk + self.highest(bulk) * rise
 
-    def _limits(self, bulk: float) -> tuple[Array, Array]:
+    def _rises_at_nodes(self, bulk: float) -> tuple[Array, Array]:
         """Temperatures of the friction curve above `bulk`, and the rise at each [K]."""
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk

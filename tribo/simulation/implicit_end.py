@@ -53,8 +53,8 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
-    worn = _worn(scene, after)
-    new = worn & ~_worn(scene, before)
+    worn = _is_worn(scene, after)
+    new = worn & ~_is_worn(scene, before)
     # An element that comes into contact between the stages has to lose in the last one what it did
     # not lose in the first, and there carries up to (1 − γ)/γ = 2.4 times its share. The worn shape
     # is right all the same, since the next stages make up for it.
@@ -62,7 +62,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
     return load > max(_NEW, _RIM * np.count_nonzero(new) / np.count_nonzero(worn))
 
 
-def _worn(scene: Scene, state: State) -> Mask:
+def _is_worn(scene: Scene, state: State) -> Mask:
     """True at elements where the pressure of a state wears the pin (whole rows with swept wear)."""
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":

@@ -48,7 +48,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     if state.heat is None or not speed or not scene.friction_heat:
         return 0.0
     ages, lacking = _missing_load(scene, state)
-    length, heated = _lengths(scene, state)
+    length, heated = _loaded_and_heated_lengths(scene, state)
     velocities, share = scene.velocities_at(speed), state.heat.pin_heat_share
     warming = sum(
         part**2 * _excess_warming(body, velocity, heated, ages, lacking)
@@ -75,7 +75,7 @@ def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
     return (times[-1] - times)[::-1], (1 - loads / loads[-1])[::-1]
 
 
-def _lengths(scene: Scene, state: State) -> tuple[float, float]:
+def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float]:
     """Lengths along y [m]: of the part that carries the load, and of the part that is heated."""
     if scene.pin.length is None:
         touched = np.count_nonzero(state.pressure.any(axis=0)) / state.pressure.shape[1]

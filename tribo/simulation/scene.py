@@ -196,7 +196,7 @@ class Scene:
         For a smooth cylinder on a smooth disk, on a patch that repeats along y, nothing depends on
         y. There elements are as long as the patch, and stand for whole rows.
         """
-        return _elements(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
+        return _element_grid(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
     @property
     def is_plane(self) -> bool:
@@ -344,7 +344,7 @@ class Scene:
 
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
-def _elements(pixels: Grid, block: int, is_plane: bool) -> Grid:
+def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
     """Grid of elements of ``block × block`` pixels; as long as the patch if `is_plane`."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:

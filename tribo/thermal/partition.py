@@ -141,7 +141,7 @@ def partition_heat(
     if not target.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), math.nan, 0, 0.0)
     if method == "uniform":
-        return _uniform(pin(heat_flux), target, delta, heat_flux, contact)
+        return _divide_uniformly(pin(heat_flux), target, delta, heat_flux, contact)
 
     both, near = _join_maps(pin, disk)
     if not near.influence[1, 0] > 0:
@@ -228,7 +228,7 @@ def _iterate_flux(
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))
     precondition = functools.partial(near.on(nodes), near.inverse)
-    return _iterate(
+    return _conjugate_residuals(
         _node_map(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations
     )
 
@@ -252,7 +252,7 @@ def _norm(vector: Array) -> float:
     return math.sqrt(float(vector @ vector))
 
 
-def _uniform(
+def _divide_uniformly(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
     """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩.
@@ -268,7 +268,7 @@ def _uniform(
     return HeatPartition(share * rise, share * heat_flux, share, 0, residual)
 
 
-def _iterate(
+def _conjugate_residuals(
     operator: Callable[[Array], Array],
     precondition: Callable[[Array], Array],
     target: Array,

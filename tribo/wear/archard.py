@@ -43,10 +43,11 @@ class Stage(NamedTuple):
 class RungeKutta:
     """A scheme for dh/dS = k p(h, F), of one or more stages.
 
-    Stage i has the load Fᵢ at the fraction cᵢ of the step, as if the load changed linearly. It is
-    solved for its pressure pᵢ on the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step
-    ends at h + k dS Σ bᵢpᵢ. For a step over the distance S at the mean load F̄, dS is S F̄/Σ bᵢFᵢ:
-    so the worn volume is kF̄S, whatever the load does within the step.
+    k is the specific wear rate; cᵢ, bᵢ and γ are the scheme's ``fractions``, ``weights`` and
+    ``implicitness``. Stage i has the load Fᵢ at the fraction cᵢ of the step, as if the load changed
+    linearly. It is solved for its pressure pᵢ on the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ +
+    γpᵢ). The step ends at h + k dS Σ bᵢpᵢ. For a step over the distance S at the mean load F̄, dS
+    is S F̄/Σ bᵢFᵢ: so the worn volume is kF̄S, whatever the load does within the step.
     """
 
     fractions: tuple[float, ...]  # c
@@ -209,7 +210,7 @@ class RollingWear(Wear):
         """Half-space whose displacement includes the wear over a sliding distance [m]."""
         spectrum = solid.spectrum.copy()
         waves = slice(1) if self.pattern == "swept" else slice(None)
-        spectrum[0, waves] += self._compliance(solid, distance)
+        spectrum[0, waves] += self._wear_compliance(solid, distance)
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
@@ -217,9 +218,9 @@ class RollingWear(Wear):
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
             return 0.0
-        return self._compliance(solid, distance) / float(waves[waves > 0].min())
+        return self._wear_compliance(solid, distance) / float(waves[waves > 0].min())
 
-    def _compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
+    def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
         """Depth worn per mean pressure along x [m/Pa], scaled for the padding of the transform."""
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
