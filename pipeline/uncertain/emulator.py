@@ -269,7 +269,7 @@ def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     """Group of each row (its contact), and masks of rows to leave out in cross-validation.
 
     There is a mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of
-    rows at the highest.
+    rows at the highest velocities.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)

@@ -67,7 +67,7 @@ def advance(
     station : Station
         Time and load at the end of the step.
     velocity : float
-        Sliding velocity [m/s]: the disk's along +x, unless the scene has a motion.
+        Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
     guess : ndarray, shape (nx, ny), optional
         Guess of the first contact's pressure [Pa]; extrapolated from the last two states if not
         given.

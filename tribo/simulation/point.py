@@ -34,7 +34,7 @@ def simulate(
     normal_load : float
         Load on the whole pin at the end [N].
     velocity : float
-        Sliding velocity [m/s]: the disk's along +x, unless the scene has a motion.
+        Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
     trunks : Trunks, optional
         Ramps of other points, which this point continues and lengthens. The result is bit for bit
         the same as without them.

@@ -72,7 +72,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 
 
 def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature with the disk at the position to which the state's pressure belongs."""
+    """Temperature due to the present heat, with the disk where the state's pressure was solved."""
     contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:
