@@ -259,9 +259,13 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
-    # A load with a single point has a rise at that point alone.
+    # A load with a single point has a rise at that point alone. Far nodes end each line.
     is_known = (state[..., ::by_load, :] == COMPUTED) | (done.sum(axis=-1) > 1)[..., None]
     plane = along(np.where(is_known[..., None, None], rows, np.nan), loads, fine_loads, -4)
+    is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
+    factor = conditions.friction_factor(nodes)[:, None, None]
+    far = along(plane / factor, nodes, nodes, -3, continued=True) * factor
+    plane = np.where(is_beyond & np.isnan(plane), far, plane)
     # If points are missing, a line at a load or velocity of the sweep uses only its own points.
     count = done.reshape(by_surface).sum(axis=-1)
     own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))

@@ -11,7 +11,6 @@ from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
 from pipeline.cli import main
-from pipeline.page.content import BETWEEN, EXTRAPOLATED
 from tests.helpers import page_sweeps, synthetic
 from tests.helpers.javascript import run
 from tests.helpers.samples import dataset, ensemble
@@ -145,9 +144,8 @@ def test_the_page_judges_its_nodes_as_their_margins_are(name):
         if row["verdict"] == "not known":
             continue
         state, hot = max(page["states"]), row["decisive temperature [°C]"] + 273.15
-        if state not in (BETWEEN, EXTRAPOLATED):
-            likely = clipped(page["probabilities"][1])
-            assert likely == pytest.approx(row["probability"], **ON_THE_PAGE)
+        likely = clipped(page["probabilities"][1])
+        assert likely == pytest.approx(row["probability"], **ON_THE_PAGE)
         assert page["temperature"] == pytest.approx(hot, rel=1e-6 if state == 1 else 1e-3)
     assert verdicts & {"mild", "severe"} or name == "one column"
 
