@@ -205,7 +205,10 @@ _COLUMNS = column_heads(
     "load_factor", "critical_load", "load_outcome",
 )  # fmt: skip
 """Column headings by the name of the field of `Margin`."""
-LONG = ("critical velocity [m/s]", "critical load [N]", "velocity outcome", "load outcome", "notes")
+LONG = (
+    "temperature error [K]", "distance low [K]", "distance high [K]", "critical velocity [m/s]",
+    "critical load [N]", "velocity outcome", "load outcome", "notes",
+)  # fmt: skip
 """Columns left out on a terminal or a page, which are too narrow."""
 
 

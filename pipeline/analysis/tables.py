@@ -28,7 +28,8 @@ _HEAD = re.compile(r"(.+) \[(.+)\]")
 _BEYOND = {math.inf: "above the sweep", -math.inf: "below the sweep"}
 _LONG = 1e4  # numbers from here on are printed without decimals
 _COLUMNS = 100  # most letters in a line of a table
-_HEAD_LETTERS, _FEWEST_LETTERS = 11, 20  # widths of a broken heading, and of a broken cell at least
+_LAYOUTS = (11, 1000, "  "), (8, 22, " ")  # most letters of a heading and of a cell, and the gap
+_FEWEST_LETTERS = 20  # least width of a broken last column
 
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
@@ -64,27 +65,33 @@ def upright(frame: pd.DataFrame) -> pd.DataFrame:
 def lines_of(frame: pd.DataFrame) -> list[str]:
     """Lines of text with aligned columns, headings first.
 
-    To keep lines to 100 letters, headings and cells of the last column are broken between words,
-    and columns move closer.
+    To keep lines to 100 letters, headings and cells of the last column are broken between words. If
+    this is not enough, all cells are broken, and columns move closer.
     """
-    heads = [
-        textwrap.wrap(str(head), _HEAD_LETTERS, break_long_words=False, break_on_hyphens=False)
-        for head in frame
-    ]
-    rows = _cells(frame, "-")
-    columns = zip(*rows, strict=True) if rows else [()] * len(heads)
-    widths = [max(map(len, [*head, *column])) for head, column in zip(heads, columns, strict=True)]
-    fewest = min(widths[-1], _FEWEST_LETTERS)
-    gap = " " if sum(width + 2 for width in widths[:-1]) + fewest > _COLUMNS else "  "
-    room = max(_COLUMNS - sum(width + len(gap) for width in widths[:-1]), _FEWEST_LETTERS)
+    texts = _cells(frame, "-")
+    for head_letters, letters, gap in _LAYOUTS:
+        heads = [_broken(str(head), head_letters) for head in frame]
+        rows = [[_broken(text, letters) for text in row] for row in texts]
+        columns = (itertools.chain(*column) for column in zip(heads, *rows, strict=True))
+        widths = [max(map(len, column)) for column in columns]
+        room = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
+        if room >= min(widths[-1], _FEWEST_LETTERS):
+            break
     lines = [*itertools.zip_longest(*heads, fillvalue="")]
-    for *cells, last in rows:
-        parts = textwrap.wrap(last, room, break_long_words=False, break_on_hyphens=False) or [""]
-        lines += itertools.zip_longest(*([cell] for cell in cells), parts, fillvalue="")
+    for row in texts:
+        parts = map(_broken, row, [*widths[:-1], max(room, _FEWEST_LETTERS)])
+        lines += itertools.zip_longest(*parts, fillvalue="")
     return [
         gap.join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines
     ]
+
+
+def _broken(text: str, width: int) -> list[str]:
+    """Lines of a text, broken between words to at most `width` letters."""
+    if len(text) <= width:  # the wrapping is slow
+        return [text]
+    return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def html_of(frame: pd.DataFrame) -> str:

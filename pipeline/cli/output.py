@@ -6,6 +6,7 @@ Progress is one changing line on a terminal; elsewhere it is a line every ten se
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import re
 import sys
@@ -85,15 +86,13 @@ def show_text(text: Iterable[str | pd.DataFrame]) -> None:
     print("\n".join(map(_shown, "\n".join(lines).split("\n"))), flush=True)
 
 
-def wrapped(lines: Iterable[str]) -> list[str]:
-    """Lines wrapped at 100 characters, continued lines indented."""
-    found = list[str]()
-    for line in lines:
-        parts = textwrap.wrap(
-            line, _COLUMNS, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
-        )
-        found += parts or [""]
-    return found
+def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
+    """Text with its lines wrapped at 100 characters, continued lines indented; frames stay."""
+    wrap = textwrap.TextWrapper(
+        _COLUMNS, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+    ).wrap
+    parts = ((wrap(one) or [""]) if isinstance(one, str) else [one] for one in text)
+    return [*itertools.chain(*parts)]
 
 
 def counted(number: int, one: str, several: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import itertools
 from collections.abc import Sequence
 
 import pandas as pd
@@ -77,8 +76,7 @@ def boundary(options: argparse.Namespace) -> Result:
     if options.by == "test":
         if tests is None:
             raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
-        lines = (wrapped([one]) if isinstance(one, str) else [one] for one in test_parts(tests))
-        return Result(text=itertools.chain(*lines), frames=[tests])
+        return Result(text=wrapped(test_parts(tests)), frames=[tests])
     with working("finding the boundary"):
         crossings = pipeline.boundary(data)
     table = boundary_frame(crossings, options.by)

@@ -12,7 +12,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import conditions_in, values_in
-from pipeline.cli.output import Result, working
+from pipeline.cli.output import Result, working, wrapped
 from pipeline.quantities import display
 from pipeline.sweep.remarks import remarks
 from pipeline.uncertain.inputs import CRITICAL, QUANTILES
@@ -29,11 +29,11 @@ def posterior(options: argparse.Namespace, store: Path) -> Result:
         )
     with working("weighing the inputs by the tests"):
         weighed = pipeline.posterior(ensemble, **values_in(options, "scatter"))
-    document, text = weighed.as_dict(), list(_describe_inputs(weighed))
+    document, text = weighed.as_dict(), wrapped(_describe_inputs(weighed))
     with working("comparing the oils"):
         compared = list(contrasts(weighed))
     document["differences"] = [one._asdict() for one in compared]
-    text += map(_describe_contrast, compared)
+    text += wrapped(map(_describe_contrast, compared))
     draw = partial(pipeline.plot, weighed)
     return Result(document, text, pipeline.warned(ds), [_summary_frame(weighed)], draw)
 
