@@ -73,7 +73,7 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
         heads = [_broken(str(head), head_letters) for head in frame]
         rows = [[_broken(text, letters) for text in row] for row in texts]
         columns = (itertools.chain(*column) for column in zip(heads, *rows, strict=True))
-        widths = [max(map(len, column)) for column in columns]
+        widths = [max(map(len, column), default=0) for column in columns]
         room = _COLUMNS - sum(width + len(gap) for width in widths[:-1])
         if room >= min(widths[-1], _FEWEST_LETTERS):
             break
@@ -88,9 +88,9 @@ def lines_of(frame: pd.DataFrame) -> list[str]:
 
 
 def _broken(text: str, width: int) -> list[str]:
-    """Lines of a text, broken between words to at most `width` letters."""
+    """Lines of a text, broken between words to at most `width` letters; none without text."""
     if len(text) <= width:  # the wrapping is slow
-        return [text]
+        return [text] * bool(text)
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
 
 
