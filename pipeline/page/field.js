@@ -48,10 +48,9 @@ function knownPlane(conditions) {
   const isWithin = (/** @type {number} */ node) => state[node] < NODE_EXTRAPOLATED;
   const isCertain = (/** @type {number} */ row) => {
     const nodes = fine.velocity.map((_, j) => row * across + j);
-    const within = nodes.filter(isWithin);
-    const [first, last] = [within[0], within[within.length - 1]];
-    return nodes.map((node) => isWithin(node) || (node < first && plane[first] <= limit) ||
-      (node > last && plane[last] > limit));
+    const [first, last] = [nodes.find(isWithin) ?? NaN, nodes.filter(isWithin).pop() ?? NaN];
+    return nodes.map((node) => isWithin(node) || (last > first && // a single point tells of itself alone
+      ((node < first && plane[first] <= limit) || (node > last && plane[last] > limit))));
   };
   return kept(JSON.stringify(conditions), () => {
     const rows = Array.from({ length: surfaces().length * beside.length }, (_, row) => isCertain(row));
@@ -82,9 +81,10 @@ function transitions(axis, node, conditions) {
   const turnsBack = axis === "velocity" && hasFrictionCurve && !conditions.strip_friction;
   return surfaces().map((surface) => {
     const own = axis === "load" ? columns[`${surface} ${node}`] : undefined;
-    const y = fine[axis].map((_, n) => known[own !== undefined ? own + n
-      : axis === "load" ? indexOf(surface, n, node) : indexOf(surface, node, n)]);
-    const x = fine[axis].filter((_, n) => !Number.isNaN(y[n]));
+    const nodes = fine[axis].map((_, n) => own !== undefined ? own + n
+      : axis === "load" ? indexOf(surface, n, node) : indexOf(surface, node, n));
+    const y = nodes.map((place) => known[place]);
+    const x = fine[axis].filter((_, n) => content.state[nodes[n]] < NODE_EXTRAPOLATED);
     const [from, to] = [x[0] ?? NaN, x[x.length - 1] ?? NaN];
     const severe = rangesAbove(fine[axis], y, limit);
     const places = severe.flat().filter((place) => place > 0 && place < Infinity);
