@@ -207,11 +207,11 @@ class PointField:
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
         """Rises [K] at k loads and velocities (m, k), and a mask that is False if extrapolated."""
-        rises, marks, _ = self._rows(velocities)
+        rises, marks, _ = self._rises_and_marks(velocities)
         rise, mark = (Curve(self.loads, part)(loads[:, None])[..., 0] for part in (rises, marks))
         return rise, mark == 1
 
-    def _rows(self, velocities: Array) -> tuple[Array, ...]:
+    def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
         """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks.
 
         Rises include the effect of velocity on friction. Beyond the points of a load they are
@@ -257,8 +257,8 @@ class PointField:
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves over load of rises and marks, at each surface and velocity; see `_rows`."""
-        return tuple(Curve(self.loads, part) for part in self._rows(self.velocities))
+        """Curves over load of `_rises_and_marks`, at each surface and velocity of the points."""
+        return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
@@ -310,8 +310,8 @@ class PointField:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated where wear is certain; see `_rows`. Where `is_filled` (k,) is True, a line of
-        the sweep is also interpolated, so that other points fill its gaps.
+        interpolated where `_rises_and_marks` calls wear certain. Where `is_filled` (k,) is True, a
+        line of the sweep is also interpolated, so that other points fill its gaps.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -321,7 +321,7 @@ class PointField:
         is_row = np.isin(place, other) & np.logical_not(is_filled)
         turns_back = self.conditions.has_friction_curve and axis == "velocity"
         if axis == "load":
-            far, *marks = self._rows(velocities)
+            far, *marks = self._rises_and_marks(velocities)
         else:
             far, *marks = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)

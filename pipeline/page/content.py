@@ -256,16 +256,16 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
     fine_loads, by_surface = divided(loads, by_load), (-1, loads.size, velocities.size)
-    rows, nodes = rows_along(rises, velocities, by_velocity, conditions)
+    heat, nodes = heat_along(rises, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
     # A load with a single point has a rise at that point alone. Far nodes end each line.
     is_known = (state[..., ::by_load, :] == COMPUTED) | (done.sum(axis=-1) > 1)[..., None]
-    plane = along(np.where(is_known[..., None, None], rows, np.nan), loads, fine_loads, -4)
+    plane = along(np.where(is_known[..., None, None], heat, np.nan), loads, fine_loads, -4)
     is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
-    factor = conditions.friction_factor(nodes)[:, None, None]
-    far = along(plane / factor, nodes, nodes, -3, continued=True) * factor
-    plane = np.where(is_beyond & np.isnan(plane), far, plane)
+    plane = np.where(is_beyond, along(plane, nodes, nodes, -3, continued=True), plane)
+    factor = conditions.friction_factor(nodes)
+    plane, rows = (part * factor[:, None, None] for part in (plane, heat))
     # If points are missing, a line at a load or velocity of the sweep uses only its own points.
     count = done.reshape(by_surface).sum(axis=-1)
     own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))
@@ -285,7 +285,7 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
         "beside": beside.T.tolist(),
         "measured": _tests(data, fine_loads, nodes[: own_nodes[-1] + 1], first),
-        "friction_factors": conditions.friction_factor(nodes).tolist(),
+        "friction_factors": factor.tolist(),
         "friction_by_temperature": [
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
         ],
@@ -411,13 +411,13 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     return np.moveaxis(fine, -1, axis)
 
 
-def rows_along(
+def heat_along(
     rises: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises [K] at each load on a finer grid of velocities; also returns these velocities [m/s].
+    """Rises over the friction factor [K] on a finer grid of velocities, and these velocities [m/s].
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
-    the sweep. Outside the sweep, rise/friction is extrapolated as a power law of the velocity.
+    the sweep. Outside the points of a load, values are extrapolated by a power law of the velocity.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -427,7 +427,7 @@ def rows_along(
     far = known[0] / _FAR, known[-1] * _FAR
     nodes = np.concatenate([far[:1], np.union1d(fine, beyond), far[1:]])
     heat = rises / factor(velocities)[:, None, None]
-    return along(heat, velocities, nodes, -3, continued=True) * factor(nodes)[:, None, None], nodes
+    return along(heat, velocities, nodes, -3, continued=True), nodes
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:

@@ -1,7 +1,6 @@
 /* The deciding rise on a fine grid, tabulated by Python, and where it crosses a limit. */
 
-const [POINT_DONE, POINT_FAILED] = ["1", "2"];
-const NODE_EXTRAPOLATED = "3"; // computed or interpolated nodes have lower states
+const [POINT_DONE, POINT_FAILED, NODE_EXTRAPOLATED] = ["1", "2", "3"]; // other nodes are below "3"
 
 /** Index in a table, by load k, velocity j. @param {number} surface @param {number} k @param {number} j */
 function indexOf(surface, k, j) {
@@ -39,12 +38,12 @@ function planeOf(conditions) {
   }));
 }
 
-/** `planeOf`, but NaN beyond the computed points where wear is not certain at both loads beside a node. It is
- * below a lowest velocity at which it is mild, and above a highest at which it is severe.
+/** `planeOf`, but NaN beyond the computed points, unless wear is certain at both loads beside the node: below
+ * a lowest velocity at which it is mild, or above a highest at which it is severe.
  * @param {Conditions} conditions */
 function knownPlane(conditions) {
   const [{ state, beside, fine }, plane, limit] = [content, planeOf(conditions), heatOf(conditions).limit];
-  const [across, isBent] = [fine.velocity.length, hasFrictionCurve && !conditions.strip_friction];
+  const across = fine.velocity.length;
   const isWithin = (/** @type {number} */ node) => state[node] < NODE_EXTRAPOLATED;
   const isCertain = (/** @type {number} */ row) => {
     const nodes = fine.velocity.map((_, j) => row * across + j);
@@ -56,7 +55,7 @@ function knownPlane(conditions) {
     const rows = Array.from({ length: surfaces().length * beside.length }, (_, row) => isCertain(row));
     return plane.map((rise, node) => {
       const [row, j] = [Math.floor(node / across), node % across];
-      const isEnclosed = !isBent && row < rows.length &&
+      const isEnclosed = !hasFrictionCurve(conditions) && row < rows.length &&
         beside[row % beside.length].every((own) => rows[row - row % beside.length + own][j]);
       return isWithin(node) || isEnclosed ? rise : NaN;
     });
@@ -78,7 +77,7 @@ function rangesAbove(x, y, limit) {
 function transitions(axis, node, conditions) {
   const [known, { limit }] = [knownPlane(conditions), heatOf(conditions)];
   const { fine, range, columns } = content;
-  const turnsBack = axis === "velocity" && hasFrictionCurve && !conditions.strip_friction;
+  const turnsBack = axis === "velocity" && hasFrictionCurve(conditions);
   return surfaces().map((surface) => {
     const own = axis === "load" ? columns[`${surface} ${node}`] : undefined;
     const nodes = fine[axis].map((_, n) => own !== undefined ? own + n

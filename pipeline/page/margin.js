@@ -14,7 +14,7 @@ function judgedTests() {
     const at = surfaces().map((one) => indexOf(one, ...nearestNode({ load: test.load, velocity })));
     const isHot = at.filter((node) => planeOf(own)[node] > limit).length > at.length / 2;
     const isRight = test.outcome && (test.outcome === "severe") === isHot;
-    const mayTurn = (hasFrictionCurve && !own.strip_friction) || isHot === test.velocity < velocity;
+    const mayTurn = hasFrictionCurve(own) || isHot === test.velocity < velocity;
     const isTurn = !test.outcome && expected > 0 && expected < Infinity;
     const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 &&
       critical < Infinity && (isRight || isTurn || !mayTurn || test.velocity === velocity);

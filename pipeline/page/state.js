@@ -8,7 +8,8 @@ const { CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL } = content.codes;
 /** Computed planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 const hasShare = content.shares.length > 1;
-const hasFrictionCurve = new Set(content.friction_factors).size > 1; // friction depends on velocity
+/** Whether friction depends on velocity. @type {(conditions: Conditions) => boolean} */
+const hasFrictionCurve = (one) => !one.strip_friction && new Set(content.friction_factors).size > 1;
 /** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
  * load: number, velocity: number}} */
 const chosen = {

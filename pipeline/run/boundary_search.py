@@ -161,7 +161,7 @@ class BoundarySearch:
             if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:
                 break
             number = round((root.place + math.log(self.scale / self.lowest)) / span, 9)
-            nodes = {self._at_node(whole(number), level) for whole in (math.floor, math.ceil)}
+            nodes = {self._node_velocity(whole(number), level) for whole in (math.floor, math.ceil)}
             low, high = root.low + _ROUNDING, root.high - _ROUNDING
             if inside := {velocity for velocity in nodes if low < math.log(velocity) < high}:
                 return inside
@@ -176,7 +176,7 @@ class BoundarySearch:
     def _span(self) -> float:
         return math.log(self.highest / self.lowest) / self._intervals
 
-    def _at_node(self, number: int, level: int) -> float:
+    def _node_velocity(self, number: int, level: int) -> float:
         """Velocity at node `number` of a grid halved `level` times, limited to the range."""
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale

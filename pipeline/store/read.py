@@ -82,7 +82,7 @@ class _Backend(BackendEntrypoint):
         present = root.coordinates()
         coords = {*present, "own_grid"} - {INPUTS}
         marks = {"status": store.flags, "asked": store.asked}
-        present |= {name: _on_grid(values, rows) for name, values in marks.items()}
+        present |= {name: _grid_values(values, rows) for name, values in marks.items()}
         variables = {}
         for name, variable in root.variables.items():
             values = present.get(name)
@@ -140,7 +140,7 @@ class _Masked(BackendArray):
         self._place, self._name, self._rows = store.place, name, rows
         self._array = array = store.arrays[name]
         mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
-        self._mask = _on_grid(mask, rows)
+        self._mask = _grid_values(mask, rows)
         self._inner = array.shape[mask.ndim :]
         self.shape, self.dtype = (*self._mask.shape, *self._inner), array.dtype
         if self.dtype.kind == "T":  # text as Python's, the only one xarray writes to netCDF
@@ -167,7 +167,7 @@ class _Masked(BackendArray):
         return values
 
 
-def _on_grid(values: Any, rows: Indices | None) -> Any:
+def _grid_values(values: Any, rows: Indices | None) -> Any:
     """Put values of stored points on the grid of loads and velocities, with 0 elsewhere."""
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 

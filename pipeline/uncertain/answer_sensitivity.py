@@ -55,7 +55,7 @@ def _index_frame(indices: Sensitivity) -> pd.DataFrame:
 
 def _describe_indices(indices: Sensitivity, frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """Yield the table of Sobol' indices, then notes on missing indices and emulator errors."""
-    yield short(frame, ["total low", "total high"])  # as wide as those of the first indices
+    yield short(frame, ["total low", "total high"])  # -o and --json have them
     if not np.isfinite(indices.total).all():
         given_measured = "given the measurements"
         reason = given_measured if indices.given_measured else "as stated in the scene"

@@ -167,7 +167,7 @@ def contacts(
     for station in stations[len(shared) :]:
         if station.holding and reached and not (is_worn or scene.remembers_heat):
             is_requested = station is stations[-1] or station.index in requested
-            yield replace(_at_later_time(reached, station, velocity), is_requested=is_requested)
+            yield replace(_later_state(reached, station, velocity), is_requested=is_requested)
             continue
         before, state = _last_part(levels, velocity, state, station)
         is_reached = station.normal_load == normal_load and not station.holding
@@ -252,10 +252,10 @@ def _unworn(
 
     # The contact under a load does not depend on when the load is reached.
     contact = unworn_contact((mechanics(scene), station.normal_load, normal_load), compute)
-    return _at_later_time(contact, station, velocity)
+    return _later_state(contact, station, velocity)
 
 
-def _at_later_time(contact: State, station: Station, velocity: float) -> State:
+def _later_state(contact: State, station: Station, velocity: float) -> State:
     """State of a contact without wear at a later moment of the loading, at the same load."""
     return replace(
         contact,

@@ -42,6 +42,8 @@ return argument.map(({ conditions, places }) => {
       medianTurn(transitions(axis, node, chosen.conditions), firstTurn) || Infinity;
     return {
       place: [f, v], temperature: quantileOf(rises.map(temperature), 0.5), error, probabilities,
+      outcomes: Object.entries({ velocity: k, load: j }).map(([axis, node]) =>
+        content.outcomes[axis][transitions(axis, node, chosen.conditions)[0].outcome]),
       verdict, velocity: way("velocity", k), load: way("load", j),
       states: surfaces().map((one) => Number(state(one, k, j))), words: modelError().words,
       isWhole: content.fine.load.every((_, i) => content.inner.every((_, n) =>

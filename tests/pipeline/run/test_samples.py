@@ -128,6 +128,8 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
     assert len(said("infer", store, "-o", tmp_path / "p.png")["tests"]) == 1
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
+    printed = irg("sensitivity", store) + irg("infer", store)
+    assert max(map(len, printed.splitlines())) <= 100
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s],gear\n500,1.3,1\n900,2,2\n")
     first, beyond = said("margin", store, "--points", duty)
