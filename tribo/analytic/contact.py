@@ -165,7 +165,11 @@ def hertz_ellipse(
 
 
 class HertzContact(NamedTuple):
-    """Elastic contact of a smooth pin and a plane; see `hertz_contact`."""
+    """Elastic contact of a smooth pin and a plane; see `hertz_contact`.
+
+    It has half the width along x [m], the highest pressure [Pa], and the width along y over the
+    width along x.
+    """
 
     half_width: float  # along x [m]
     peak_pressure: float  # p₀ [Pa]

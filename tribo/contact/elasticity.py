@@ -88,7 +88,10 @@ class ElasticHalfSpace(Convolution):
 
 
 def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
-    """Transform of ∫∫ 1/r over one element and its images, shape (mx, my // 2 + 1)."""
+    """Transform of ∫∫ 1/r over one element and its images, shape (mx, my // 2 + 1).
+
+    ``(mx, my)`` is the `padded_shape` of the grid.
+    """
     if kernel not in get_args(ElasticKernel):
         raise InputError(f"kernel is {kernel!r}; allowed are {', '.join(get_args(ElasticKernel))}")
     if kernel == "nearest-image" and sum(grid.periodic) != 1:
@@ -128,7 +131,10 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Transform of the factor E of Eq. (1) along one axis, with images, shape (widths, modes)."""
+    """Transform of the factor E of Eq. (1) along one axis, with images, shape (widths, modes).
+
+    `s` has the widths of the Gaussians [m].
+    """
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
         return _even_transform(_factor_values(length // 2 + 1, step, s), length)

@@ -25,15 +25,16 @@ _MOST_SHIFTS = 3  # moves of the datum; one is enough unless heights have no dig
 
 
 def update_error(updates: int, rounding: float, displacement: float) -> float:
-    """Bound on the error of a displacement [m] that was updated several times, not recomputed.
+    """Bound on the rounding error of a displacement [m] that was updated, not recomputed.
 
-    `displacement` is the largest displacement [m], and `rounding` the machine epsilon.
+    `updates` is the number of updates, `displacement` the largest displacement [m], and `rounding`
+    the machine epsilon.
     """
     return (_UPDATE_ERROR + _ERROR_PER_UPDATE * updates) * rounding * displacement
 
 
 def transform_error(rounding: float, displacement: float) -> float:
-    """Bound on the error of a displacement [m] that was just computed.
+    """Bound on the rounding error of a displacement [m] that one convolution has computed.
 
     `displacement` is the largest displacement [m], and `rounding` the machine epsilon.
     """

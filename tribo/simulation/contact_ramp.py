@@ -202,7 +202,10 @@ def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station:
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States before and after the last part of a step, on the coarsest level; see `parts_of`."""
+    """States before and after the last part of a step, on the coarsest level; see `parts_of`.
+
+    `levels` is the scene on ever finer grids; `before` is the state before the whole step.
+    """
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
@@ -223,7 +226,7 @@ def _solve_requested(
 ) -> State:
     """Repeat the step from `before` to `after` on the finest level, and request its temperature.
 
-    `course` is stored in the returned state.
+    `levels` is the scene on ever finer grids. `course` is stored in the returned state.
     """
     if not after.pressure.any():
         return after
@@ -240,7 +243,7 @@ def _unworn(
 ) -> State:
     """State at a station on the way to `normal_load` [N], if it does not depend on earlier steps.
 
-    The state is cached for all velocities.
+    `levels` is the scene on ever finer grids. The state is cached for all velocities.
     """
     scene = levels[-1]
 

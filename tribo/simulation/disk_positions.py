@@ -95,8 +95,8 @@ def passes(
 ) -> Iterator[Pass]:
     """Yield the contacts to solve in the step from `state` to `station`, in order.
 
-    `distance` is the distance slid in the step [m]. If `observed`, the disk is unshifted in the
-    last contact.
+    The pin wears by `wear` over the `distance` slid in the step [m]. `scheme` integrates the wear;
+    by default it is the fidelity's. If `observed`, the disk is unshifted in the last contact.
     """
     if not wear or not distance:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))

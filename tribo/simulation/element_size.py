@@ -44,7 +44,7 @@ _HIGHEST = 0.9  # quantile of the heights from which on pixels belong to summits
 
 
 class Summits(NamedTuple):
-    """Widths and slope of the summits of a surface."""
+    """Summits of a surface: mean widths along x and y [pixels], and root mean square slope."""
 
     widths: tuple[float, float]  # along x and y, in pixels
     slope: float  # root mean square

@@ -31,7 +31,7 @@ def end_implicitly(
 ) -> State:
     """Repeat the end of a step implicitly if much new area has come into contact; return the state.
 
-    `before` and `after` are on the same grid.
+    The step leads from the state `before` to the state `after`, at `station`, on one grid.
     """
     if not _comes_into_contact(scene, before, after, velocity):
         return after

@@ -134,7 +134,10 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Worn volume of the whole pin at a station [m³], from its wear law since `state`."""
+    """Volume that the whole pin has lost from the start to a station [m³].
+
+    `wear` is for the step from `state`, and `element_area` for the whole pin [m²].
+    """
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law:  # the rate is known for this step alone
         before = float(state.wear_depth.sum()) * element_area

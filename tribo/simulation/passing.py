@@ -17,7 +17,7 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
 
     Returns the state with the mean heat if `state` has heat already, else with the pressures at
     these positions. Pressure and wear remain as with the unshifted disk. `before` is the state one
-    step earlier, with the history of the heat.
+    step earlier, with the history of the heat, and `velocity` the sliding velocity [m/s].
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
     for shift in further_positions(scene, state.normal_load):

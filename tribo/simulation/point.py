@@ -72,8 +72,8 @@ def simulate(
 def heated(scene: Scene, contact: State, velocity: float) -> State:
     """Add the temperature at a velocity [m/s] to a state from `contacts`, if it is requested.
 
-    The scene may have any thermal constants. At this velocity it must have the wear number of the
-    contact.
+    The scene's thermal constants and velocity may differ from those used for the contact. The wear
+    number must be the same.
 
     Examples
     --------

@@ -103,8 +103,9 @@ class Trunks:
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
         """Continue a cached ramp up to the last of the stations, and yield the new states.
 
-        Ramps are cached by `key`; `advance` computes a state from the one before. Returns the state
-        at the last station, and the value of `note` at all stations.
+        The ramp starts from the state `begin`, and is cached by `key`; `advance` computes a state
+        from the one before. Returns the state at the last station, and for each station the value
+        that `note` records.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

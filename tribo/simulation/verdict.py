@@ -68,7 +68,7 @@ class Judging(ABC):
 
     @property
     def bulk_ratio(self) -> float:
-        """Bulk temperature of the disk minus that of the pin, divided by `rise_factor` [K]."""
+        """Bulk temperature of the disk minus the pin's, per unit friction (`rise_factor`) [K]."""
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 

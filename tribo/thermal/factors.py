@@ -48,7 +48,7 @@ class Axis:
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Transform of the kernel's factor E at a panel's nodes s, (nodes, modes); real at rest.
+    """Transform of the kernel's factor E at a panel's nodes s [m], (nodes, modes); real at rest.
 
     `low` is the lower end of the panel [m], and `drift` is ``|V|/(4κ)`` [1/m].
     """
@@ -63,8 +63,9 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
 def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
 
+    `s` are the diffusion lengths at the nodes, and `shift` is how far the source has moved [m].
     Only the elements within reach of the source are evaluated. Elements of all periods fall on
-    the same `length` places and add up. `shift` is how far the source has moved at each node [m].
+    the same `length` places and add up.
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

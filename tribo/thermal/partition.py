@@ -120,7 +120,6 @@ def partition_heat(
     A conductor three times as good takes three quarters of the heat.
 
     >>> from tribo import Grid, Material
-
     >>> from tribo.thermal import ConductingHalfSpace
     >>> patch = Grid((8, 8), (1e-6, 1e-6))
     >>> poor, good = (Material(210e9, 0.3, K, K * 100.0, 1.0) for K in (15.0, 45.0))

@@ -221,6 +221,9 @@ class RollingWear(Wear):
         return self._wear_compliance(solid, distance) / float(waves[waves > 0].min())
 
     def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Depth worn per mean pressure along x [m/Pa], scaled for the padding of the transform."""
+        """Depth worn over a sliding distance [m] per mean pressure along x [m/Pa].
+
+        It is scaled for the padding of the transform.
+        """
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
