@@ -176,9 +176,10 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Abscissae (n,) at which some curves cross a limit.
+        """Abscissae of n crossings, (n,), found by halving the interval of each.
 
-        `rows` has the numbers of the curves, `pieces` the interval of each crossing; both are (n,).
+        Each crossing has the number of its curve in `rows`, the number of its interval in `pieces`,
+        and the ordinate that is crossed in `limit`, all (n,).
         """
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)

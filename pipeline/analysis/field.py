@@ -80,7 +80,10 @@ class Field(Protocol):
         """Lines of text on what answers are based on besides computed points, such as tests."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field judged under conditions of a table's row; see `Conditions.row_conditions`."""
+        """The field judged under an operating point's own conditions, such as its friction.
+
+        See `Conditions.row_conditions`.
+        """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """Deciding temperatures at loads and velocities, and whether these are computed points."""
@@ -88,7 +91,7 @@ class Field(Protocol):
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The first axis has the parts of `RiseError`, for the member with the largest error.
+        The first axis has the parts of `RiseError`, for the surface or draw of largest error.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
@@ -124,7 +127,7 @@ class Here(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PointField:
-    """Field interpolated between the computed points of a scene, or of a table's row."""
+    """Field interpolated between the computed points of a scene, or of one row of its table."""
 
     planes: tuple[RisePlane, ...]  # one for each surface, without friction by velocity
     conditions: Conditions
@@ -153,7 +156,7 @@ class PointField:
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """The field judged under the conditions of a table's row, in place of the scene's."""
+        """The field judged under an operating point's own conditions; see `Field.judged_by`."""
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
@@ -380,9 +383,8 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
     """Curve of rises [K] that reaches far beyond the velocities [m/s] of the points.
 
-    The rise per friction is a power law of the velocity.
-
-    Rows without a power law are NaN. `factor` returns the friction factor at velocities.
+    The rise per friction is a power law of the velocity. Curves without a power law are NaN.
+    `factor` returns the friction factor at velocities.
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))

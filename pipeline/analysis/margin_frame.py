@@ -220,7 +220,10 @@ def _value(margin: Margin, name: str) -> Any:
 
 
 def _label_names(found: Sequence[Judged]) -> list[str]:
-    """Names of the coordinates that identify the rows of `found`, if need be the row number."""
+    """Names of the coordinates that identify the operating points `found`.
+
+    The number of a row of the sweep's table is left out, unless there is nothing else.
+    """
     names = [name for one in found[:1] for name in one.field.source.labels]
     return [name for name in names if name != VARIANT] or names
 

@@ -209,7 +209,8 @@ def rise_errors(
 ) -> Array:
     """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
-    The last part of each error is 0.
+    `velocity_error` is the relative error of the boundary velocity due to the preset, or None. The
+    last part, of effects counted after the simulation, is 0.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -325,7 +326,10 @@ def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
 
 
 def warned_errors(flags: Indices, durations: Array) -> Array:
-    """Relative errors due to warnings, from flags and durations [s]; NaN if unknown."""
+    """Relative errors of rises due to warnings of their points; NaN if unknown.
+
+    `flags` are sums of `WarningKind` codes, and `durations` the times of loading [s].
+    """
     is_warm = (flags & int(WarningKind.PRESENT_HEAT)) > 0
     warm = np.interp(np.log(np.where(is_warm, durations, 1.0)), np.log(_DURATIONS), _TOO_WARM)
     errors = np.where(is_warm, warm, 0.0)

@@ -41,8 +41,8 @@ def outcomes(axis: str) -> Mapping[int, str]:
 class Line:
     """Rise along velocity at a load, or along load at a velocity, and where wear changes.
 
-    Arrays may have leading axes: a curve for each member and place of a field. With `rows` a curve
-    is compared with several limits.
+    Arrays may have leading axes: a curve for each member and place of a `Field`. To compare a curve
+    with several limits, `rows` has the number of the curve for each limit.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. The curve may extend beyond the computed
@@ -113,10 +113,11 @@ class Line:
     def nearest(
         self, here: Array | float, to_severe: bool = False, continued: bool = False
     ) -> Array:
-        """Velocity or load at which wear changes, nearest to `here` by ratio.
+        """Velocity [m/s] or load [N] at which wear changes, nearest to `here` by ratio.
 
-        With `to_severe` only changes to severe wear count. With `continued` a line without a change
-        is extrapolated. If wear does not change, the result is `first`.
+        With `to_severe` only changes from mild to severe wear count. With `continued`, a line on
+        which wear does not change is extrapolated. If wear does not change there either, the result
+        is infinite (all mild) or -infinite (all severe), as `Line.first`.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)

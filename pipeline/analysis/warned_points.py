@@ -116,7 +116,10 @@ _APART = 1.1  # least ratio of two velocities that give an exponent
 
 
 def _rises_slowly(scene: Results) -> Mask:
-    """Mask of points where the rise grows slowly with velocity, at equal bulk temperatures."""
+    """Mask of points where the rise grows with a power of the velocity below `SLOWEST`.
+
+    The rise is for bodies of equal bulk temperature, and friction 1.
+    """
     stored = scene.sweep.conditions
     kind = stored.criterion if stored.criterion in CRITERIA else "share"
     plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
@@ -125,7 +128,10 @@ def _rises_slowly(scene: Results) -> Mask:
 
 
 def exponents(x: Array, y: Array) -> Array:
-    """Exponent d ln(y)/d ln(x) at each point, from neighbours far enough apart, or NaN."""
+    """Exponent d ln(y)/d ln(x) at each point of a curve y(x), from neighbours around it.
+
+    It is NaN if no neighbours are far enough apart.
+    """
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])

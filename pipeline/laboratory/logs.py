@@ -148,10 +148,11 @@ def _row_of(sheet: Sheet) -> type | None:
 
 
 def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
-    """Read the outcomes of a log's rows; `words` has the user's meanings of words.
+    """Find what the words in a log's column of outcomes mean, and store it in ``log.words``.
 
-    The word "" stands for empty cells. Rows without an outcome are left out. If all rows with an
-    outcome have the same one, an empty cell may mean the opposite. Then a fault asks the user.
+    `words` has the meanings that the user gives, with "" for empty cells. Rows without an outcome
+    are left out. If all other rows have the same outcome, an empty cell may mean the opposite: then
+    a fault asks the user.
     """
     sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]

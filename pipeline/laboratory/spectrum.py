@@ -121,9 +121,10 @@ class _Periodogram:
         return cls(power[is_compared] / power[is_compared].mean(), q_x, q_y, is_compared)
 
     def spectrum(self, parameters: Array) -> Array:
-        """Spectrum (n_compared,) smoothed by the window, up to a constant factor.
+        """Self-affine spectrum at the modes that are compared, up to a constant factor.
 
-        `parameters` are ln(correlation length [m]) along x and along y, and the Hurst exponent.
+        It is smoothed by the Hann window, as the periodogram is. `parameters` are ln(correlation
+        length [m]) along x and along y, and the Hurst exponent.
         """
         length_x, length_y, hurst = np.exp(parameters[0]), np.exp(parameters[1]), parameters[2]
         squares = (self.q_x * length_x) ** 2 + (self.q_y * length_y) ** 2

@@ -104,7 +104,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
 
 
 def _page_facts(data: Results) -> dict[str, Any]:
-    """Data for the page: name of the scene, values and ranges of its axes, surfaces."""
+    """Data for the page: the scene's name, the values and ranges of its axes, its surfaces."""
     sweep = data.sweep
     return {
         "name": sweep.name,
@@ -319,7 +319,8 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 def _model_facts(data: Results) -> dict[str, Any]:
     """Distribution of the model's own error, and probabilities at which a verdict is decided.
 
-    The standardised Student's t distribution is tabulated for each number of transitions.
+    The distribution, Student's t, depends on the number of transitions compared with the model. The
+    page finds this number under the reader's conditions, so that each possible one is tabulated.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))

@@ -133,7 +133,10 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` if a value is outside the bounds, or its amount outside a range."""
+        """Raise `UnfitError` if a value is outside the kind's bounds, or too large or small.
+
+        The absolute value must be from `smallest` to `largest`, or 0.
+        """
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:

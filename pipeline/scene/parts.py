@@ -70,7 +70,10 @@ class Contents:
         return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
-        """Path of the file that a table names; None if the file's content is known from a store."""
+        """Path of the file that a table names; None if the file's content is known from a store.
+
+        `path` is the table's key path.
+        """
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:

@@ -36,11 +36,14 @@ class Section(NamedTuple):
 
     @property
     def header(self) -> str:
-        """The line that begins the table in a file."""
+        """Line that begins the table in a scene file, such as "[pin]" or "[[measured]]"."""
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Pairs (entry, form of table) of keys with values; no form if all forms have the key."""
+        """Keys that hold values, each with its entry and the form of the table that has the key.
+
+        The form is empty if all forms of the table have the key.
+        """
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}
         for table in forms:

@@ -224,7 +224,10 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator by which most cells are numbers, in rows as long as the headings."""
+    """Find the separator by which most cells are numbers, in rows as long as the headings.
+
+    With `names`, a separator by which headings name quantities is preferred.
+    """
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
 
@@ -280,7 +283,10 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """Find the row of headings that names most quantities; return their number, and its index."""
+    """Find the row of headings that names most quantities.
+
+    Returns the number of these quantities, and the index of the row.
+    """
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])

@@ -106,9 +106,9 @@ class Unit(NamedTuple):
 @functools.lru_cache(maxsize=65536)  # samples repeat nearly all of their entries
 @exact_decimals()
 def exact_si(text: str, like: str) -> Decimal:
-    """Value in SI of a text such as ``"0.27 um"``, of the dimension of `like`, without rounding.
+    """Value in SI of a text such as ``"0.27 um"``, without rounding.
 
-    Hardness numbers are converted to a pressure.
+    `like` is any quantity of the required dimension. Hardness numbers are converted to a pressure.
     """
     needed = si_unit(like)
     if needed == "m s-1" and (turns := _TURNS.fullmatch(text)):
@@ -152,9 +152,9 @@ def to_si(text: str, like: str) -> float:
 
 
 def difference_in_si(text: str, like: str) -> float:
-    """Value in SI of a difference such as ``"8 K"``, of the dimension of `like`.
+    """Value in SI of a difference such as ``"8 K"``.
 
-    Raises a `UnitError` for a temperature in °C.
+    `like` is any quantity of the required dimension. Raises a `UnitError` for a temperature in °C.
     """
     difference = to_si(text, like)
     if _read(text)[1].zero:
@@ -185,7 +185,10 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 
 @functools.cache
 def is_unit(unit: str, like: str | None = None) -> bool:
-    """True for a unit, or with `like` for a unit of its dimension; % is a unit without `like`."""
+    """True for a unit, or if `like` is given, for a unit of the same dimension as `like`.
+
+    Without `like`, % is a unit.
+    """
     try:
         found = si_unit(f"1 {unit}")
     except UnitError:

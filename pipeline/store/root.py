@@ -238,7 +238,10 @@ def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
 
 
 def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
-    """Raise a `StoreMismatchError` unless a sweep can continue the store with a root document."""
+    """Raise a `StoreMismatchError` unless a sweep can continue the store at `place`.
+
+    `root` is the root document of the store.
+    """
     if differing := [*misfits(root.sweep, sweep)]:
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(

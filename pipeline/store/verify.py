@@ -140,7 +140,10 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
-    """Read statuses and requests of a chunk of points into `store`; add damage to `damage`."""
+    """Read statuses and requests of a chunk of points into `store`; add damage to `damage`.
+
+    `numbers` are the chunk's indices, and `block` has its slices, along the dimensions of points.
+    """
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, numbers)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
@@ -150,7 +153,10 @@ def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) ->
 
 
 def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
-    """Add a damaged chunk to `damage`, so that fill values replace it."""
+    """Add a damaged chunk of the variable `name` to `damage`, so that fill values replace it.
+
+    See `_read_flags` for `numbers` and `block`.
+    """
     damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
 
 

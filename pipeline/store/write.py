@@ -56,7 +56,8 @@ class Store:
 
     `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
     `flags` has the status of each point, and `asked` is 1 for each point that the last run was to
-    compute. If `is_damaged`, both are 0, and not read.
+    compute. With `is_damaged`, these two are not read, since their chunks may be damaged; they are
+    0 then.
     """
 
     def __init__(
@@ -256,7 +257,10 @@ class Writer:
         self._waiting += records
 
     def written(self, at_once: bool = False) -> list[PointRecord]:
-        """Return records written since the last call; write more if it is time, or `at_once`."""
+        """Return records written since the last call, and begin to write waiting records.
+
+        Writing begins `at_once`, or else only if enough time has passed since it last ended.
+        """
         records = []
         if self._writing and self._writing.done():
             records, self._writing = self._writing.result(), None

@@ -71,8 +71,8 @@ def contact_sources_of_samples(
 ) -> Mapping[Variant, ContactSource]:
     """Find for each sample the first sample with the same contact; `size` samples share a contact.
 
-    `samples` are (name, name of the scene in `scenes`, row). For speed the entries of samples are
-    not read.
+    Each of `samples` is a tuple: name of the sample, name of its scene in `scenes`, and row of the
+    table of variants. For speed the entries of samples are not read.
     """
     same: dict[Scene, Variant] = {}
     alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}

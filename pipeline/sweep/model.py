@@ -316,10 +316,10 @@ class Sweep:
         return replace(self.changed(SEED, seed), variants=Variants())
 
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
-        """The sweep of one load [N] and velocity [m/s], and of the tests unless `alone`.
+        """The sweep at one load [N] and velocity [m/s], without variants.
 
-        In a store of this sweep, `pipeline.margin` at this load and velocity is the verdict of
-        ``irg point``.
+        Unless `alone`, the points of the scene's laboratory tests are also simulated. A model error
+        inferred from the tests then counts in the verdict at this load and velocity.
         """
         tests = () if alone else self.tests
         own = (Point(test.normal_load, test.velocity) for test in tests)

@@ -109,11 +109,11 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
 
 
 def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Correct rises, and convert them to rises above the colder body, per `rise_factor` [K].
+    """Apply corrections to rises, and convert them to rises above the colder body [K].
 
     `columns` has ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...), which
     are above the pin's bulk at friction 1 [K], and the columns named by `columns_needed`. The
-    result has the same columns, with converted rises.
+    result has the same columns; its rises are still per unit friction (`Conditions.rise_factor`).
     """
     columns = corrected_columns(columns, conditions)
     if conditions.bulk_ratio:

@@ -15,7 +15,7 @@ _SOON = 2.0  # [s] before which no time is predicted
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of a long computation: a message in `words`, or how much is done."""
+    """Report on a long computation: a message in `words`, or counts of parts and times [s]."""
 
     words: str = ""  #: The stage that begins, or a note.
     #: Number of parts done, and of all parts; of a sweep its points, earlier runs included.

@@ -50,7 +50,10 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 
 
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield paths at which nested tables differ, each with its value in `after`, or None."""
+    """Yield paths at which nested tables differ, each with its value in `after`, or None.
+
+    Paths begin with `place`.
+    """
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
         path, tables = f"{place}.{key}" if place else key, {type(one), type(other)}

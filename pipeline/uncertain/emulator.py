@@ -57,7 +57,11 @@ _LEAST_SCORE = 1e-3  # least score, for outputs that are predicted exactly
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """Gaussian process that predicts outputs from features, fitted to n rows of data."""
+    """Gaussian process that predicts outputs from features, fitted to n rows of data.
+
+    `features` (n, n_feature) have a row for each sample, and `dimensions` (n_feature,) has the
+    number of the input that each feature belongs to. `constants` are those of the kernel.
+    """
 
     features: Array  # (n, n_feature), with a spread of about 1
     dimensions: Groups  # number of the input that each feature belongs to; an input has one length
@@ -118,8 +122,8 @@ def fit_emulator(
 ) -> Emulator:
     """Fit a Gaussian process to outputs (n, n_output), or read a fit that `keeper` has stored.
 
-    See `Emulator` for `features` and `dimensions`. `contacts` has the number of the contact of each
-    row.
+    `features` are (n, n_feature), a row for each sample. `dimensions` has the number of the input
+    that each feature belongs to, and `contacts` the number of the contact of each sample.
     """
     mean = outputs.mean(axis=0)
     groups, parts = _folds(features[:, 0], contacts)
@@ -332,7 +336,10 @@ _BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the interpolation error."""
+    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the interpolation error.
+
+    `rises` (n, n_load) are the rises of all samples at `loads`.
+    """
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:
         return np.ones(1), 0.0

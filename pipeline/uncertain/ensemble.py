@@ -181,10 +181,10 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble judged under conditions of a table's row; see `Conditions.row_conditions`.
+        """The ensemble judged under an operating point's own conditions, such as its friction.
 
-        These conditions replace the scene's and drawn conditions. Raises an `InputError` if the
-        emulated rises depend on them.
+        They replace conditions of the scene and of its samples; see `Conditions.row_conditions`.
+        Raises an `InputError` if the emulated rises depend on them.
         """
         if not own:
             return self

@@ -141,10 +141,11 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
 
 
 class Runs(NamedTuple):
-    """Bounds and likelihoods of runs by draw and scatter, arrays of shape (n_run, n, n_scatter).
+    """What the tests of each run say: arrays for n draws of the inputs, (n_run, n, n_scatter).
 
-    The tests of a run give bounds of the specimen's deviation, in standard deviations of the
-    scatter: it is between `low` and `high`. At a transition the bounds are equal.
+    All tests of a run have one specimen, whose ln(velocity) deviates from the model. The tests show
+    that this deviation is between `low` and `high`, in standard deviations of the scatter between
+    runs. At a measured transition the two are equal. `log_likelihoods` are of these outcomes.
     """
 
     low: Array

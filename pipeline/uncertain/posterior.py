@@ -57,7 +57,7 @@ class Judged(NamedTuple):
 
     @property
     def since(self) -> Test | None:
-        """Mild test of highest load × velocity in a run that turned severe; None for other runs."""
+        """Last mild test of a run that turned severe: highest load × velocity; else None."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 
