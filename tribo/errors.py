@@ -100,7 +100,10 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def law_errors(name: str) -> Iterator[None]:
-    """Context manager: turn any error in a user's own law into an `InputError` with its name."""
+    """Context manager: turn any error in a user's own law into an `InputError`.
+
+    `name` names the law in the message.
+    """
     try:
         yield
     except TriboError:
@@ -144,5 +147,5 @@ def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def shortened(reason: str) -> str:
-    """Cut `reason` after 80 characters, since it may quote a whole row of a file."""
+    """Cut the text `reason` after 80 characters, since it may quote a whole row of a file."""
     return reason if len(reason) <= 80 else f"{reason[:80]}…"

@@ -187,6 +187,8 @@ def hertz_contact(
 
     Sizes are in metres; `radius` lies in the plane x, z, and `crown_radius` in the plane y, z.
 
+    The load is in N, the contact modulus in Pa.
+
     Examples
     --------
     >>> hertz_contact(10.0, 115.385e9, 10e-3).aspect, hertz_contact(10.0, 1e11, 2e-3, 3e-3).aspect
@@ -239,7 +241,8 @@ def westergaard_half_width(
 ) -> float:
     """Half-width a of each contact on a sinusoidal wave [m]; λ/2 once contact is full.
 
-    p̄ = p* sin²(πa/λ) (Westergaard 1939; Johnson, §13.2), solved for a.
+    p̄ = p* sin²(πa/λ) is solved for a, with the mean pressure p̄, the pressure p* of full contact
+    and the wavelength λ [m] (Westergaard 1939; Johnson, §13.2).
 
     Examples
     --------
@@ -254,6 +257,8 @@ def westergaard_mean_pressure(
     half_width: float, full_contact_pressure: float, wavelength: float
 ) -> float:
     """Mean pressure p̄ = p* sin²(πa/λ) at which contacts on a wave are 2a wide [Pa].
+
+    p* is the pressure of full contact [Pa], and λ the wavelength [m].
 
     Examples
     --------

@@ -21,8 +21,9 @@ _RAYS = 200  # rays in the integral over an ellipse, and nodes on each ray
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:
     """Rise of the surface temperature under a constant flux on the whole surface since time 0 [K].
 
-    θ = 2q√t/(√π e), e = √(Kρc) (Carslaw & Jaeger, §2.9). The sum of all entries of a thermal
-    influence kernel, times q, equals this rise at any velocity.
+    θ = 2q√t/(√π e) with the flux q [W/m²], the time t [s] and the effusivity e = √(Kρc) (Carslaw &
+    Jaeger, §2.9). The sum of all entries of a thermal influence kernel, times q, equals this rise
+    at any velocity.
 
     Examples
     --------
@@ -36,8 +37,8 @@ def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) 
 def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: float) -> float:
     """Rise of the surface temperature at the end of a flux that grows in proportion to time [K].
 
-    θ = 4q√t/(3√π e), two thirds of the rise if the final flux q acted from the start
-    (Carslaw & Jaeger, §2.9).
+    θ = 4q√t/(3√π e) with the final flux q [W/m²], the time t [s] and the effusivity e = √(Kρc), two
+    thirds of the rise if the final flux acted from the start (Carslaw & Jaeger, §2.9).
 
     Examples
     --------
@@ -50,7 +51,8 @@ def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: fl
 def square_source_rise(heat_flux: float, half_side: float, thermal_conductivity: float) -> float:
     """Steady temperature rise at the centre of a square heat source at rest [K].
 
-    θ = 4qa ln(1 + √2)/(πK) with half a side a [m] (Carslaw & Jaeger, §10.5).
+    θ = 4qa ln(1 + √2)/(πK) with the flux q [W/m²], half a side a [m] and the conductivity K [W/(m
+    K)] (Carslaw & Jaeger, §10.5).
 
     Examples
     --------

@@ -27,13 +27,20 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """Number of iterations allowed in the next active-set step, and free nodes of the last step."""
+    """State of the active-set steps.
+
+    It has the number of iterations that the next step may take, and the free nodes of the last
+    step.
+    """
 
     iterations: int = _INNER_ITERATIONS  # most iterations of conjugate gradients
     nodes: Nodes | None = None  # free nodes of the last step
 
     def reduction(self, nodes: Nodes) -> float:
-        """Fraction of the first residual at which the next step may stop, if `nodes` are free."""
+        """Fraction of the first residual at which the next step may stop.
+
+        It is smaller if the free nodes, `nodes`, are those of the last step.
+        """
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION
 
@@ -48,9 +55,9 @@ def active_set_step(
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
-    Conjugate gradients stop once the gap at these nodes is at most `gap_goal` [m], and after `most`
-    convolutions at the latest. Returns the next iterate, and the state for the next active-set
-    step.
+    `judged` is the judgement of the iterate. Conjugate gradients stop once the gap at these nodes
+    is at most `gap_goal` [m], and after `most` convolutions at the latest. Returns the next
+    iterate, and the state for the next active-set step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
@@ -82,8 +89,9 @@ def _conjugate_gradients(
 ) -> tuple[Array, int]:
     """Find the pressure [Pa] that makes the gap equal at all free nodes, ignoring its bounds.
 
-    `goals` are a fraction of the first residual and a gap [m]; reaching either is enough. Returns
-    the pressure at the free nodes, and the number of iterations, at most `most`.
+    The search begins at `pressure`; `judged` has its gap and the free nodes. `goals` are a fraction
+    of the first residual and a gap [m]; reaching either is enough. Returns the pressure at the free
+    nodes, and the number of iterations, at most `most`.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)
@@ -131,9 +139,10 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip a pressure to its bounds [Pa].
+    """Clip the pressure at the free nodes to its bounds [Pa].
 
-    Nodes between the bounds are changed so that the displacement stays about the same.
+    Nodes between the bounds are changed so that the displacement stays about the same. `stencil`
+    applies influences of neighbours at the free nodes; it is from `Neighbourhood.on`.
     """
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)

@@ -16,10 +16,10 @@ _LOCAL_STEPS = 2
 
 
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Improve a guess of the pressure [Pa] by solving for it locally, within its bounds.
+    """Improve a guess of the pressure [Pa] by solving for it among neighbours only.
 
-    `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds.
-    `separation` is the distance of the undeformed surfaces [m].
+    `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds; the
+    result does not. `separation` is the distance of the undeformed surfaces [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

@@ -31,8 +31,9 @@ def gradient_step(
 ) -> tuple[Iterate, Gradient]:
     """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    The displacement is updated along with the pressure, not computed from the pressure. That saves
-    a convolution, but loses digits.
+    `judged` is the judgement of the iterate, and `gradient` the state of the gradient steps. The
+    displacement is updated along with the pressure, not computed from the pressure. That saves a
+    convolution, but loses digits.
     """
     pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
     metric = problem.metric_on(nodes)

@@ -25,12 +25,12 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess the pressure [Pa] from the contact of 2 × 2 blocks; return it, and convolutions used.
+    """Guess the pressure [Pa] from the contact of 2 × 2 blocks; return it, and its cost.
 
     The contact of blocks is itself guessed from a coarser grid. All elements of a block get the
     block's pressure, so that too many are loaded: the iteration drops surplus elements in fewer
-    steps than it finds missing ones. A convolution on a coarser grid counts as a fraction, by the
-    number of elements.
+    steps than it finds missing ones. The cost is a number of convolutions; on a coarser grid each
+    counts as a fraction, by the number of elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -48,11 +48,11 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Improve a guess [Pa] by solving the contact on its loaded part; see `coarser_guess`.
+    """Improve a guess [Pa] by solving the contact on its loaded part; return it, and its cost.
 
-    Along periodic axes the part has all elements. Elements outside the part get 0. A convolution on
-    the part counts as a fraction. If the part is not much smaller than the grid, the guess is
-    returned unchanged.
+    Along periodic axes the part has all elements. Elements outside the part get 0. `limits` end the
+    iteration on the part. The cost is a number of convolutions, in which those on the part count as
+    fractions. If the part is not much smaller than the grid, the guess is returned unchanged.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)

@@ -32,7 +32,7 @@ _GOAL = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """Tolerance and number of convolutions at which an iteration ends."""
+    """When an iteration ends: at which error (tolerance), or after how many convolutions."""
 
     tolerance: float  # largest error
     convolutions: float  # after which to give up, including the convolutions for the guess
@@ -64,7 +64,7 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def after(self, residual: float, has_settled: bool) -> StepCounters:
-        """Update the counters after an iterate with a `residual`.
+        """The counters after one more iterate, whose residual is `residual`.
 
         `has_settled` is True if few nodes are at a wrong bound.
         """
@@ -86,8 +86,9 @@ def iterate(
 ) -> IterationResult:
     """Iterate from a guess [Pa] until the error meets the tolerance, or no longer falls.
 
-    `displacement` is caused by the guess [m]. If it is given, the guess has to carry the load, but
-    may exceed the bounds. `spent` is the number of convolutions that the guess took.
+    `limits` are the tolerance and the number of convolutions. `displacement` is caused by the guess
+    [m]. If it is given, the guess has to carry the load, but may exceed the bounds. `spent` is the
+    number of convolutions that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, spent)
     counters, progress, change = StepCounters(), LowestResidual(), math.inf
@@ -140,7 +141,7 @@ def _first_iterate(
 
 
 def _add_rounding(problem: Problem, state: Iterate, judged: Judgement) -> Judgement:
-    """Add a bound on the rounding error to the residual of `judged`."""
+    """Copy of `judged` whose residual includes a bound on the rounding error of `state`."""
     hidden = transform_error(problem.solid.rounding, largest(state.displacement))
     return judged._replace(residual=judged.residual + hidden / judged.unit)
 

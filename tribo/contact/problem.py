@@ -47,7 +47,7 @@ class Problem:
 
     @property
     def coupling(self) -> float:
-        """Displacement of a whole soft row per pressure on one of its nodes [m/Pa]; 0 if small."""
+        """Displacement of a soft row by unit pressure on one of its nodes [m/Pa]; 0 if small."""
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
@@ -83,7 +83,10 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Soft rows, stencils and a copy of the solid, in single precision if possible; cached."""
+    """Quantities that a `Problem` derives from its solid; cached.
+
+    They are its soft rows, its stencils, and a copy of the solid, in single precision if possible.
+    """
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
@@ -102,7 +105,7 @@ class Iterate(NamedTuple):
     shifts: int = 0  # times the datum was moved
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
-        """The next iterate: a given pressure [Pa], and its displacement, which is computed.
+        """The next iterate: a given pressure [Pa], and the displacement computed from it.
 
         `spent` is the number of convolutions that finding the pressure took.
         """
@@ -118,7 +121,11 @@ class Iterate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """How far an iterate is from the solution: its gap, residual and nodes at wrong bounds."""
+    """How far an iterate is from the solution: its gap, residual and nodes at wrong bounds.
+
+    A node is at a wrong bound if it is unloaded where the bodies overlap, or at the hardness across
+    a gap.
+    """
 
     gap: Array  # with the bodies at the level [m]
     level: float  # approach of the bodies from the datum of the iterate [m]

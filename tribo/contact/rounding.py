@@ -46,9 +46,9 @@ def restore_digits(
 ) -> Iterate | None:
     """Repair an iterate whose rounding errors are too large; None if they are small enough.
 
-    One thing is repaired in each call: the zero level of the gap (datum), the load or the
-    displacement. `slack` is the tolerance minus the residual. If `exhausted`, no convolution is
-    spent on the load.
+    `judged` is the judgement of the iterate. One thing is repaired in each call: the zero level of
+    the gap (datum), the load or the displacement. `slack` is the tolerance minus the residual. If
+    `exhausted`, no convolution is spent on the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
@@ -73,11 +73,14 @@ class LowestResidual(NamedTuple):
     convolutions: float = 0.0  # spent until it was reached
 
     def after(self, residual: float, convolutions: float) -> LowestResidual:
-        """Update the lowest residual with a `residual` after a number of `convolutions`."""
+        """The lowest residual once an iterate has a `residual` after a number of `convolutions`."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual no longer falls; `idle` is the number of failed gradient steps."""
+        """True if the residual of an iterate, judged as `judged`, no longer falls.
+
+        `idle` is the number of gradient steps in a row that failed.
+        """
         waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:
             return False

@@ -31,7 +31,10 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """Rows of elements along x or along y, whichever yield more to a uniform pressure."""
+    """Rows of elements along x or along y, whichever yield more to a uniform pressure.
+
+    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa].
+    """
 
     axis: int  # along which the rows lie
     coupling: float  # c/n of Eq. (1): displacement that nodes of a row add to each other [m/Pa]

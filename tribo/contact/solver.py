@@ -216,7 +216,10 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure [Pa] of a load [N], and the displacement of one element that carries it [m]."""
+    """Mean pressure [Pa] of a load [N] on the whole patch, and the displacement by it [m].
+
+    The displacement is that of one element which carries this pressure alone.
+    """
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 

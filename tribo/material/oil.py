@@ -60,7 +60,7 @@ class Oil:
             raise InputError(f"viscosity is {thin:g} m²/s; it must be at least 3.1e-07 m²/s")
 
     def viscosity(self, temperature: float) -> float:
-        """Dynamic viscosity η at ambient pressure [Pa s].
+        """Dynamic viscosity η at ambient pressure [Pa s], at a temperature [K].
 
         log log(ν + 0.7) is linear in log T, with ν [mm²/s] and T [K] (ASTM D341; Walther 1931).
         """

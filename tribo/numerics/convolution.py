@@ -55,7 +55,11 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel for pairs of elements along `axis`: it maps mean values of pairs to mean values."""
+    """Kernel for pairs of elements along `axis`: it maps mean values of pairs to mean values.
+
+    `kernel` is for single elements, and `offsets` are the distances between pairs, counted in
+    pairs.
+    """
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
     return pairs + (beside[0] + beside[1]) / 2
@@ -242,7 +246,10 @@ class _Buffers(threading.local):
         self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
-        """Return uninitialised arrays for Fourier modes (mx, my//2 + 1), and for rows (nx, my)."""
+        """Return uninitialised arrays for Fourier modes (mx, my//2 + 1), and for rows (nx, my).
+
+        They are in single precision if `single`.
+        """
         key = nx, mx, my, single
         if key in self._kept:
             self._kept.move_to_end(key)

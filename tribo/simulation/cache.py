@@ -32,7 +32,8 @@ Value = TypeVar("Value")
 class Cache(Generic[Value]):
     """A cache of values by key, up to a total size.
 
-    The least recently used values are dropped first. The newest value stays, whatever its size.
+    `size_of` returns the size of a value, in the unit of `limit`. The least recently used values
+    are dropped first. The newest value stays, whatever its size.
 
     Examples
     --------
@@ -68,7 +69,11 @@ class Cache(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """Elastic map and undeformed separation of both bodies, equal at all steps of a loading."""
+    """Elastic map and undeformed separation of both bodies, equal at all steps of a loading.
+
+    `heights` are those of the roughness, and `yielding` is their elastic response; both serve to
+    estimate imprints in the pin.
+    """
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
@@ -100,7 +105,10 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a past flux into a body; cached. See `flux_history_spectrum`."""
+    """Spectrum of the rise due to a past flux into a body; cached.
+
+    See `flux_history_spectrum` for `ages` and `strengths`.
+    """
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
     )

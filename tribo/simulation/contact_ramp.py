@@ -259,7 +259,7 @@ def _unworn(
 
 
 def _later_state(contact: State, station: Station, velocity: float) -> State:
-    """State of a contact without wear at a later moment of the loading, at the same load."""
+    """State of a contact without wear at a later station of the loading, at the same load."""
     return replace(
         contact,
         time=station.time,

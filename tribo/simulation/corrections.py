@@ -375,7 +375,8 @@ def _turn_resistance(
 def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
     """Warming of a track by earlier turns per unit friction, if all heat goes into its body [K].
 
-    `speed` is the track's speed through the contact [m/s].
+    `moment` has the history of the load, and `speed` is the track's speed through the contact
+    [m/s].
     """
     width = track.width or track.aspect * moment.contact_width
     return track_warming(

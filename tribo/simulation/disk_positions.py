@@ -50,7 +50,10 @@ _SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elemen
 
 
 class Pass(NamedTuple):
-    """A contact to be solved within a step of the loading, and the shift of the disk in it."""
+    """A contact to be solved within a step of the loading, and the shift of the disk in it.
+
+    The shift is in elements along x and y; None for the unshifted disk.
+    """
 
     stage: Stage
     shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
@@ -70,7 +73,10 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
-    """Imprint worn into the pin over a distance [m], as a share of the roughness; 0 if unknown."""
+    """Imprint that `wear` leaves in the pin over a distance [m], as a share of the roughness.
+
+    It is 0 if it is not known.
+    """
     heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
     if heights is None or not yielding > 0:
         return 0.0
@@ -158,7 +164,10 @@ def position_count(scene: Scene, normal_load: float) -> int:
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
-    """Shift number `number` of the disk, in elements: a multiple of `units` along each axis."""
+    """Shift of the disk at its position `number`, in elements along x and y.
+
+    Along each axis it is a multiple of `units`.
+    """
     # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (
         unit * int(n / unit * (number * step % 1))

@@ -51,7 +51,7 @@ class Summits(NamedTuple):
 
 
 class _ExpectedContact(NamedTuple):
-    """A contact as it is expected at the lowest load of a ramp, in pixels."""
+    """A contact as expected at the lowest load of a ramp; lengths are in pixels."""
 
     across: float  # width of the smooth contact along x
     touching: float  # elements; squared for a plane scene, as if y were divided like x
@@ -128,7 +128,7 @@ def _lowest_load(scene: Scene, normal_load: float) -> float:
 
 
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
-    """Estimate the contact at a load [N], by Eq. (1) of this module."""
+    """Estimate the contact at a load [N] by Eq. (1) of this module, for a surface's `summits`."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
     on_window = normal_load / pin.patches(scene.grid)
     hertz = pin.hertz(normal_load, modulus)

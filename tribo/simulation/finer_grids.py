@@ -22,7 +22,7 @@ def refine_step(
     """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
     Each grid starts from the result of the grid before, and needs one contact; see `_rewind`.
-    `levels` is the scene on each grid.
+    `levels` is the scene on each grid, and `station` the end of the step.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
@@ -43,7 +43,10 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth [m] from which a single implicit step reaches the wear depth of `after`."""
+    """Wear depth [m] from which a single implicit step reaches the wear depth of `after`.
+
+    `before` is the state before the step.
+    """
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage

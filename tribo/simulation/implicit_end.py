@@ -48,7 +48,10 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages leaves much load on elements unloaded before it."""
+    """True if a step of several stages leaves much load on elements unloaded before it.
+
+    `before` and `after` are the states at both ends of the step.
+    """
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:

@@ -110,8 +110,8 @@ def check_heat(
 ) -> None:
     """Check heat balance and common temperature of a contact.
 
-    `tolerance` is for `HeatPartition.residual`; infinite if the partition does not make the
-    temperatures equal.
+    `heat_flux` is the frictional heat [W/m²], and `split` its partition. `tolerance` is for
+    `HeatPartition.residual`; infinite if the partition does not make the temperatures equal.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
     made = float(heat_flux.sum())
@@ -139,7 +139,10 @@ def check_heat(
 
 @contextmanager
 def guard_range(what: str) -> Iterator[None]:
-    """Context manager: turn numbers beyond double precision into a `RangeError` on `what`."""
+    """Context manager: turn numbers beyond double precision into a `RangeError`.
+
+    `what` names in the message what was computed.
+    """
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
             yield

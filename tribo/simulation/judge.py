@@ -74,7 +74,10 @@ def solve_friction(
 
 
 def _may_change_verdict(conditions: Judging, rise: float) -> bool:
-    """True if solving friction by temperature may change the verdict for a `rise`."""
+    """True if solving friction by temperature may change the verdict for a `rise`.
+
+    The rise is per unit friction [K].
+    """
     if conditions.critical_temperature is None:
         return True
     return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)

@@ -22,7 +22,10 @@ ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
-    """Stations (moments) at the ends of the parts of a step; the last one is `station`."""
+    """Stations (moments) at the ends of the parts of a step; the last one is `station`.
+
+    The step begins at the state `before`.
+    """
     count = _count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
@@ -41,7 +44,10 @@ def _count(scene: Scene, distance: float, velocity: float) -> int:
 
 
 def between(before: State, station: Station, share: float) -> Station:
-    """Station after a share of a step's time, if the load changes linearly within the step."""
+    """Station after a share of a step's time, if the load changes linearly within the step.
+
+    The step leads from the state `before` to `station`.
+    """
     begin, end = before.normal_load, station.normal_load
     load = begin + share * (end - begin)
     impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)

@@ -132,7 +132,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
 
 def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
-    """Reasons for caution about friction by temperature at a point.
+    """Reasons for caution about a point from the solution of its friction by temperature.
 
     Examples
     --------

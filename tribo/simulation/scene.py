@@ -144,7 +144,10 @@ class Scene:
         return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
 
     def windows_worn(self, sliding: float) -> float:
-        """Length of the part of the pin that wears, in windows along x: its track if it rolls."""
+        """Length of the part of the pin that wears, in windows along x: its track if it rolls.
+
+        The pin rolls or not depending on the `sliding` velocity [m/s].
+        """
         if self.velocities_at(sliding).pin == 0:
             return 1.0
         return self.track_length / self.pixels.size[0]
@@ -303,7 +306,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def trunk(self, normal_load: float) -> float:
-        """Load increment of the ramp (trunk) to a load [N]; it is equal for loads on one ramp."""
+        """Load increment of the ramp to a load [N]; loads with equal increments share a ramp."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

@@ -23,7 +23,7 @@ MOST_BYTES = 2**28
 
 
 class Note(NamedTuple):
-    """A value to record after each increment of a ramp, and the value's name."""
+    """A value to record after each increment of a ramp: its name, and a function of the state."""
 
     name: Hashable
     make: Callable[[State], Any]
@@ -47,8 +47,8 @@ class _Trunk:
     def require(self, increments: int, noted: int) -> None:
         """Discard the ramp if it has dropped a state that is needed now.
 
-        Two states are needed: the one after `increments`, and the next one to record, number
-        `noted` + 1.
+        Two states are needed: the one after `increments` increments, and the next one to record,
+        number `noted` + 1.
         """
         if increments and self.gone >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}

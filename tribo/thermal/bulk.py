@@ -103,7 +103,7 @@ def bulk_warming(
 
 
 def _weights(z: Array) -> tuple[Array, Array]:
-    """∫exp(z(1 − u)) du and ∫u exp(z(1 − u)) du from 0 to 1, for z ≤ 0.
+    """∫exp(z(1 − u)) du and ∫u exp(z(1 − u)) du over u from 0 to 1, for z ≤ 0.
 
     Examples
     --------

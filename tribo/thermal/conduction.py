@@ -236,8 +236,8 @@ def _weighted_factor(
 ) -> tuple[Array, Spectrum]:
     """Nodes s [m] on a panel of the integral, and the kernel's factor along x at each, weighted.
 
-    `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on [−1, 1]. With `filon`
-    the weights are from `filon_weights`.
+    `axis` is the x axis, `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on
+    [−1, 1]. With `filon` the weights are from `filon_weights`.
     """
     (low, high), (nodes, weights) = panel, rule
     if not filon:
@@ -250,7 +250,10 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add the outer products of g and f, summed over the nodes, to the first modes of `half`."""
+    """Add the outer products of g and f, summed over the quadrature's nodes, to a spectrum.
+
+    They are added to the first modes of `half` along each axis.
+    """
     block = half[: g.shape[1], : f.shape[1]].view(float)
     block += g.T @ f.view(float)
 

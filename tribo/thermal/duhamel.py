@@ -188,7 +188,8 @@ def _past_rise(
 ) -> tuple[Array, list[Spectrum]]:
     """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes.
 
-    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux at each end.
+    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux into the body at
+    each end. See `partition_with_history` for `spectrum_of`.
     """
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)

@@ -89,7 +89,7 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
 
 
 def wavenumbers(axis: Axis, s: float) -> Array:
-    """Wavenumbers of modes that have not faded at diffusion length s, (aliases, modes) [rad/m].
+    """Wavenumbers of modes that have not faded at diffusion length s [m], (aliases, modes) [rad/m].
 
     Sampling at the element centres folds the modes m + pn onto the mode m.
     """
@@ -101,6 +101,9 @@ def wavenumbers(axis: Axis, s: float) -> Array:
 
 
 def series_terms(axis: Axis, s: Array, k: Array) -> Array:
-    """Transform of the factor E at rest, 2 sinc(ka) exp(−k²s²/4), shape (nodes, aliases, modes)."""
+    """Transform of the factor E at rest, 2 sinc(ka) exp(−k²s²/4), shape (nodes, aliases, modes).
+
+    `s` are diffusion lengths [m], and `k` has the `wavenumbers`.
+    """
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)

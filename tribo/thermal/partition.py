@@ -221,8 +221,8 @@ def _iterate_flux(
 ) -> tuple[Array, int]:
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
 
-    `both` is the sum of the maps of pin and disk, and `target` the temperature [K] that it has to
-    give on the nodes.
+    `both` is the sum of the maps of pin and disk, `near` has its stencils, and `target` is the
+    temperature [K] that it has to give on the nodes. See `partition_heat` for the limits.
     """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))
@@ -233,7 +233,7 @@ def _iterate_flux(
 
 
 def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
-    """The map from flux [W/m²] to temperature [K], both at `nodes` only."""
+    """The map of a body from flux [W/m²] to temperature [K], both at `nodes` only."""
     field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
     ny = body.grid.shape[1]
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
@@ -254,10 +254,10 @@ def _norm(vector: Array) -> float:
 def _divide_uniformly(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
-    """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩.
+    """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, means over the contact.
 
     `rise` is T₁q, `target` the right-hand side on the contact, and `delta` is ΔT_b on the contact
-    [K].
+    [K]; `heat_flux` is q [W/m²].
     """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:
@@ -276,11 +276,12 @@ def _conjugate_residuals(
 ) -> tuple[Array, int]:
     """Solve operator(x) = target by generalised conjugate residuals, preconditioned.
 
+    Iteration ends when the residual is `tolerance` times the norm of `target`, or after
+    `max_iterations`. Returns the solution and the number of iterations.
+
     Each direction's image is made orthogonal to the earlier ones, so that every step minimises the
     residual (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20, 1983). The steps are those of
     GMRES, and cannot break down, since the operator's symmetric part is positive definite.
-    Iteration ends when the residual is `tolerance` times the norm of `target`, or after
-    `max_iterations`. Returns the solution and the number of iterations.
     """
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
     # In one piece: if two arrays are freed together, the allocator returns their memory, and to get

@@ -44,7 +44,10 @@ class Stem:
     def rod(
         cls, length: float, area: float, thermal_conductivity: float, thermal_diffusivity: float
     ) -> Self:
-        """Make a stem from a rod's length [m], cross-section [m²], K [W/(m K)] and κ [m²/s]."""
+        """Make a stem from a rod's length [m], cross-section [m²], conductivity and diffusivity.
+
+        The conductivity is in W/(m K), the diffusivity in m²/s.
+        """
         require_positive(length=length, area=area)
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
@@ -104,7 +107,7 @@ def stem_fraction(time: float | Array) -> Array:
 
 
 def _integrated_fraction(tau: Array) -> Array:
-    """Integral of `stem_fraction` from 0 to the dimensionless times τ."""
+    """Integral of `stem_fraction` from 0 to the dimensionless times `tau`."""
     odd = 2 * np.arange(_TERMS) + 1.0
     series = np.exp(-(odd**2) * (math.pi**2 / 4) * tau[..., None]) / odd**4
     settled = tau - 1 / 3 + 32 / math.pi**4 * series.sum(axis=-1)

@@ -32,7 +32,11 @@ _LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its
 
 
 class Stage(NamedTuple):
-    """A contact to be solved within a step: its load, and the distances slid."""
+    """A contact to be solved within a step: its load [N], and two sliding distances [m].
+
+    Its pressure wears the pin over `distance`. The shape for which it is solved already has the
+    wear by this pressure over `implicit_distance`.
+    """
 
     normal_load: float  # on the whole pin [N]
     distance: float  # slid, over which the pressure of this contact wears the pin [m]
@@ -214,7 +218,10 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without such waves."""
+        """k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without such waves.
+
+        `distance` is the sliding distance dS [m].
+        """
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
             return 0.0
