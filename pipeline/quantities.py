@@ -124,7 +124,7 @@ def as_written(value: Any, unit: str | None) -> Any:
 
 
 def snap(value: float, low: float, high: float) -> float:
-    """Return a value, or the end of the range if the value exceeds it by rounding alone.
+    """Return a value, or `low` or `high` if the value is beyond it by rounding alone.
 
     Examples
     --------

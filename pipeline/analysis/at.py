@@ -274,7 +274,7 @@ def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Datas
 
 
 def _value_index(axis: xr.DataArray, value: float | str) -> int:
-    """Index of a value along an entry's dimension; raises an `InputError` if it is missing."""
+    """Index of a value along the dimension `axis` of an entry; `InputError` if it is missing."""
     values = np.atleast_1d(axis.values).tolist()
     if isinstance(values[0], str):
         matches = [number for number, one in enumerate(values) if one == value]

@@ -142,7 +142,10 @@ def axis_of(name: str, values: Array) -> xr.Variable:
 
 
 def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as attributes of a dataset, with units, except conditions that samples vary."""
+    """Conditions as attributes of a dataset, with units.
+
+    Conditions whose paths are in `sampled` are left out, since each sample has its own.
+    """
     attributes = {
         name: value
         for name, value in attributes_by(conditions).items()
@@ -156,7 +159,10 @@ _TURNS = 64  # most changes of wear stored for a line; more are artefacts of int
 
 
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
-    """Variables on the transitions along `axis`, for each value of the other axis `line`."""
+    """Variables of a boundary that describe transitions along `axis`, by name.
+
+    They have a value for each value of the other axis, `line`.
+    """
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
         places, others = (field.loads[-1:], field.velocities), field.velocities
@@ -200,7 +206,10 @@ _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is 
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
-    """Add the ends of the error band by load, with the model's error and caveats as attributes."""
+    """Add to a boundary the ends of its error band by load; return it.
+
+    The model's own error and the caveats are added as attributes.
+    """
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities
     bands = np.full((len(loads), 2), math.nan)
@@ -244,10 +253,10 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _quantiles(line: Line) -> Array:
-    """Quantiles `BAND` over surfaces of the critical velocity or load, for each of k lines (3, k).
+    """Quantiles over surfaces of the critical velocity or load, for each of k lines (3, k).
 
-    Quantiles are interpolated between ranked surfaces. They are NaN next to a transition of which
-    only bounds are known.
+    The probabilities are those of `BAND`. Quantiles are interpolated between ranked surfaces. They
+    are NaN next to a transition of which only bounds are known.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

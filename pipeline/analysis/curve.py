@@ -92,7 +92,10 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Ordinates (logarithms if `is_log`) at distances `way` into each of `pieces`, (..., p)."""
+        """Ordinates (logarithms if `is_log`) within intervals of the curves, shape (..., p).
+
+        `pieces` has the numbers of the intervals, and `way` the distances from their beginnings.
+        """
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 

@@ -71,9 +71,9 @@ class Origin:
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """Sweep, or only its scene `name`, judged under the conditions `at`.
+    """The sweep of a dataset, or only its scene `name`, judged under the conditions `at`.
 
-    `at` is JSON with values in SI by the path of their entry.
+    `origin` has the text of the sweep. `at` is JSON with values in SI by the path of their entry.
     """
     if name:
         whole = judged_sweep(origin, at)
@@ -115,7 +115,10 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """Pairs (name, value) of all varied entries; empty if an entry still has several values."""
+    """Pairs (name, value) of all varied entries in a dataset, as names a row of the `table`.
+
+    It is empty if an entry still has several values.
+    """
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
     names = [one.name for one in table.chosen]
@@ -324,7 +327,7 @@ def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
     """Restore the dimension ``step`` of a dataset from which a single step was selected.
 
     Raises an `InputError` if the dataset lacks one of the variables `names`, or the last step of
-    points.
+    each point.
     """
     if missing := [name for name in names if name not in ds.variables]:
         raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")

@@ -126,8 +126,8 @@ def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
     """Frame of points with load, velocity, variant, state and highest rise [K].
 
-    Pending points are included if the last run was to compute them. If there is only one surface,
-    its variant is the seed if `has_seeds`, else None.
+    Pending points are included if the last run was to compute them. The variant of a single surface
+    is its seed if `has_seeds`, else None.
     """
     data.require("max_rise")
     values = {

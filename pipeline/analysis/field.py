@@ -102,7 +102,8 @@ class Field(Protocol):
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        `shift` is added to ln(rise); it has one value, or a value for each pair.
+        `scatter` is the distribution of the model's own error. `shift` is added to ln(rise); it has
+        one value, or a value for each pair.
         """
 
 
@@ -209,13 +210,16 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises [K] at k loads and velocities (m, k), and a mask that is False if extrapolated."""
+        """Rises [K] at k loads and velocities on m surfaces (m, k), and a mask of the same shape.
+
+        The mask is False where a rise is extrapolated.
+        """
         rises, marks, _ = self._rises_and_marks(velocities)
         rise, mark = (Curve(self.loads, part)(loads[:, None])[..., 0] for part in (rises, marks))
         return rise, mark == 1
 
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks.
+        """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks, 1 or 2.
 
         Rises include the effect of velocity on friction. Beyond the points of a load they are
         extrapolated by power laws. A load with a single point has only the rise at that point.
@@ -288,7 +292,7 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        The probability is the mean over surfaces. `shift` is added to ln(rise).
+        It is the mean over surfaces. See `Field.probability` for `scatter` and `shift`.
         """
         loads, velocities = places_of(loads, velocities)
         # A row with a single point, on any surface, is filled from other rows.
@@ -313,8 +317,9 @@ class PointField:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated where `_rises_and_marks` calls wear certain. Where `is_filled` (k,) is True, a
-        line of the sweep is also interpolated, so that other points fill its gaps.
+        interpolated, where wear is certain (the second marks of `_rises_and_marks`). Where
+        `is_filled` (k,) is True, a line of the sweep is also interpolated, so that other points
+        fill its gaps.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         x, other, place, along = self.velocities, self.loads, loads, velocities
@@ -406,7 +411,7 @@ def fields(data: Results) -> list[Field]:
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
-    """Field of one scene under `conditions`, by default the scene's own."""
+    """Field of one scene (`whole`) under `conditions`, by default the scene's own."""
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)

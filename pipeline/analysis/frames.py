@@ -56,7 +56,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for a single surface: critical value and outcome.
 
-    `name` is the variable of the critical value. `axis` is the axis of the rows.
+    `name` is the variable of the critical value in the boundary, and `axis` the axis of the rows.
     """
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]

@@ -245,8 +245,9 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
 def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
     """Computed outcome in words, deciding temperature [K], and whether the test agrees.
 
-    A difference within the numerical error and the scatter of the measurement still agrees. The
-    model's own error is not allowed for, as it is inferred from the tests.
+    `found` compares the test with `field`. A difference within the numerical error and the scatter
+    of the measurement still agrees. The model's own error is not allowed for, as it is inferred
+    from the tests.
     """
     here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))

@@ -157,7 +157,7 @@ def answers(
 ) -> list[Margin | str]:
     """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown.
 
-    `tested` has descriptions of the tests near each point.
+    `scatter` is the model's own error. `tested` has descriptions of the tests near each point.
     """
     here = field.temperatures(loads, velocities)
     is_known = np.array([not reason for reason in here.reasons])
@@ -185,7 +185,8 @@ def _margin_columns(
 ) -> dict[str, Sequence[Any]]:
     """Attributes of `Margin` by name, with values for the k places at which `is_known` is True.
 
-    `loads` and `velocities` belong to the k places, `here` to all places.
+    `loads` and `velocities` belong to the k places, `here` to all places. `scatter` is the model's
+    own error.
     """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
@@ -225,7 +226,8 @@ def probabilities(
 ) -> tuple[Array, Array, Array]:
     """Probabilities of severe wear (k,): lowest, as computed, and highest within numerical error.
 
-    `errors` are relative numerical errors, one for each place (k,) or one for all; NaN if unknown.
+    `scatter` is the model's own error. `errors` are relative numerical errors, one for each place
+    (k,) or one for all; NaN if unknown.
     """
     is_known = np.isfinite(errors)
     shift = np.where(is_known, np.log1p(errors), 0.0)
@@ -239,7 +241,8 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Lowest and highest probability that the next run is severe, two arrays (load, velocity).
 
-    The arrays differ because of the numerical error. Loads and velocities may be outside the sweep.
+    The arrays differ because of the numerical error. `scatter` is the model's own error. Loads and
+    velocities may be outside the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -255,9 +258,10 @@ def verdict_plane(
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
     """Velocities [m/s] below which wear is mild and above which it is severe, for k loads (k, 2).
 
-    `velocities` ascend. An end is NaN if it is unknown. If wear is mild at all velocities, the
-    first end is infinite and the second NaN; if severe at all, the first is NaN and the second 0.
-    The second end is searched up to the last velocity whose numerical error is known.
+    `scatter` is the model's own error, and `velocities` are those tried, in ascending order. An end
+    is NaN if it is unknown. If wear is mild at all velocities, the first end is infinite and the
+    second NaN; if severe at all, the first is NaN and the second 0. The second end is searched up
+    to the last velocity whose numerical error is known.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):
@@ -268,7 +272,7 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
 
 def _first_exceeding(chances: Array, velocities: Array, never: float) -> float:
-    """Velocity at which `chances` first exceed 5 %.
+    """Velocity at which `chances` of severe wear, one for each velocity, first exceed 5 %.
 
     It is `never` if they stay below, NaN if the first is above.
     """

@@ -146,7 +146,8 @@ def _judged_places(
 ) -> list[Judged]:
     """Judge `places` by a field; a place is (point, conditions of the point by name).
 
-    The result is in the order of `places`. Places with the same conditions are judged together.
+    `scatter` is the model's own error. The result is in the order of `places`. Places with the same
+    conditions are judged together.
     """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(places):
@@ -173,7 +174,7 @@ def _judged_places(
 def margin_frame(
     data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
-    """Data frame of operating points `found`, with a row for each.
+    """Data frame with a row for each judged operating point in `found`.
 
     Varied entries, and further columns of the user's `points`, come first.
     """
@@ -229,7 +230,10 @@ def _label_names(found: Sequence[Judged]) -> list[str]:
 
 
 def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
-    """Data frame of the user's further columns, repeated for each scene."""
+    """Columns that the user's table had besides operating points, repeated for each scene.
+
+    `answers` is the frame to which they are added.
+    """
     taken, count = {*answers}, len(answers)
     columns = {
         f"{head} (given)" if head in taken else head: [*values] * (count // len(values))

@@ -43,7 +43,10 @@ class Scatter(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class ModelError:
-    """The model's own error in ln(velocity): Student's t with a scale for each sign."""
+    """The model's own error in ln(velocity): Student's t with a scale for each sign.
+
+    `residuals` are ln(measured/computed) of transitions, and `wrong` those of wrong outcomes.
+    """
 
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
     wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.

@@ -136,7 +136,10 @@ def totals(errors: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RisePlane:
-    """Points of one surface, as arrays (load, velocity): rise [K], warning, duration [s]."""
+    """Rises [K] at the points of one surface, with their warnings, as arrays (load, velocity).
+
+    `flags` are sums of `WarningKind` codes, `durations` the times of loading [s].
+    """
 
     loads: Array
     velocities: Array
@@ -234,8 +237,9 @@ def counted_error(
 ) -> Array:
     """Relative error of effects added after the simulation: film, and friction by temperature.
 
-    The error is NaN where friction may run away with temperature and was not solved. `rises` are
-    for a friction coefficient of 1 [K].
+    `rises` are for a friction coefficient of 1 [K], and `is_solved` marks where friction by
+    temperature was solved. The error is NaN where friction may run away with temperature and was
+    not solved.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -289,7 +293,10 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of interpolation over `gaps` in ln(load) or ln(velocity), the `axis`."""
+    """Relative errors of interpolation over `gaps`.
+
+    Gaps are differences of ln(load) or ln(velocity) between neighbouring points along `axis`.
+    """
     return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 
 
@@ -311,7 +318,7 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
 
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
-    """Standard deviation of the exponent d ln(rise)/d ln(velocity) between neighbouring points."""
+    """Standard deviation of d ln(rise)/d ln(velocity) between neighbouring points of a surface."""
     x, y = _logarithms(grid.velocities, grid.rises)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]

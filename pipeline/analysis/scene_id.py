@@ -24,7 +24,10 @@ _NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """Add the scene id (digest of the scene) of each row to a dataset."""
+    """Add to a dataset the scene id of the row that each point belongs to.
+
+    `ids` has the id of each row of the sweep's `table` of variants.
+    """
     about, rows = IDS[SCENE_ID], _row_ids(ds, ids, table)
     rows = rows.isel(dict.fromkeys(set(rows.dims) - set(ds["status"].dims), 0))
     here = xr.zeros_like(ds["status"].variable, about.dtype) + rows
@@ -34,7 +37,10 @@ def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
 
 
 def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` if points belong to another scene than the attributes describe."""
+    """Raise an `InputError` if points belong to another scene than the attributes describe.
+
+    `table` has the rows of the sweep that the attributes describe.
+    """
     if SCENE_ID not in ds.variables:
         return
     if SCENE_ID not in ds.attrs:

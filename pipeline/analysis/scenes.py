@@ -55,20 +55,20 @@ def heads_of(ds: xr.Dataset, names: Iterable[str]) -> dict[str, str]:
 
 
 def shown_label(axis: xr.DataArray, value: Any) -> Any:
-    """Convert a value of a coordinate from SI to the unit of its column heading."""
+    """Convert a value of the coordinate `axis` from SI to the unit of its column heading."""
     unit = _usual_unit(axis)
     is_other = unit != axis.attrs.get("units") and not isinstance(value, str)
     return shown_in(value, unit) if is_other else value
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit to show a coordinate in: the unit of the entry's example, else a default unit."""
+    """Unit to show the coordinate `axis` in: the unit of the entry's example, else a default."""
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 
 
 def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
-    """Join results along the dimension of an entry."""
+    """Join results for the values of an entry along its dimension, `axis`."""
     labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
     parts = [part.drop_vars(labels, errors="ignore") for part in results]
     joined = xr.concat(
@@ -79,7 +79,7 @@ def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:
-    """Write a value of an entry as text with a unit."""
+    """Write a value of an entry, whose coordinate is `axis`, as text with a unit."""
     if isinstance(value, str):
         return value
     return display(value, _usual_unit(axis)).removesuffix(" 1").strip()

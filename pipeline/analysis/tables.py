@@ -56,7 +56,7 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
 
 
 def upright(frame: pd.DataFrame) -> pd.DataFrame:
-    """Transpose a frame of one row: a row for each non-empty column."""
+    """Transpose a frame of one row: each column that is not empty becomes a row."""
     columns = short(frame)
     (cells,) = _cells(columns, "-")
     return pd.DataFrame({"quantity": [*map(str, columns)], "value": cells})
@@ -184,7 +184,10 @@ def write_bytes(content: bytes, out: Path) -> Path:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Check the path of a file to write; raises for a wrong suffix or a folder not writable."""
+    """Check the path of a file to write, and return it.
+
+    Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
+    """
     path = user_path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"

@@ -192,7 +192,7 @@ def in_words(
     """Outcome along ``"velocity"`` or ``"load"`` in words, with the computed range.
 
     If wear changes several times, at `turns`, the words state the ranges of severe wear; see
-    `severe_ranges`.
+    `severe_ranges` for `begins_severe`.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):

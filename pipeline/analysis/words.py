@@ -19,7 +19,10 @@ ONSET = "the median is not the onset: the hottest patch under the pin scuffs fir
 
 
 def model_error_line(errors: Iterable[str]) -> str:
-    """Line of text on the model's own error in the first scene; says how many scenes differ."""
+    """Line of text on the model's own error, from the errors of all scenes.
+
+    It states the first, and how many scenes have another one.
+    """
     first, *others = dict.fromkeys(errors)
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 

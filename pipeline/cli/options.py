@@ -50,7 +50,7 @@ def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more
 
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
-    """Option that may be repeated, with its values in a list; see `value` for the parameters."""
+    """Option that may be repeated, with its values in a list; see `value`."""
     return value(words, f"{use}; may be repeated", read, action="append", default=[])
 
 
@@ -72,7 +72,10 @@ WRITTEN = "output", "kept", "new_scene"
 
 
 def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
-    """Option ``-o`` for the file that a command writes; `kind` checks its path."""
+    """Option ``-o`` for the file that a command writes; `kind` checks its path.
+
+    `use` is the help of the option.
+    """
     return value(f"-o --output {name}", use, kind)
 
 

@@ -131,7 +131,7 @@ _SOON = 2.0  # [s] before a slow command reports that it is working
 def run_line(silent: float = 0.0) -> Iterator[Report]:
     """Context manager: yield a function that shows progress, as a bar on a terminal, else as lines.
 
-    For the first `silent` seconds the function shows nothing.
+    It shows nothing for the first `silent` seconds.
     """
     begins = time.monotonic() + silent
     in_place = sys.stderr.isatty() and not QUIET.is_set()

@@ -161,7 +161,10 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """Range as text in a `unit`, such as "1.2 to 3 µm"; a single value if both ends agree."""
+    """Range of a quantity as text in a `unit`, such as "1.2 to 3 µm".
+
+    It is a single value if both ends agree.
+    """
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 

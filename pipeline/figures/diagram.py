@@ -131,7 +131,10 @@ def _refine_axis(points: Array, least: int) -> Array:
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding minus critical temperature [K] at velocities x and loads y, (surface, y, x)."""
+    """Deciding minus critical temperature [K] at velocities x and loads y, (surface, y, x).
+
+    `field` has the temperatures of the scene.
+    """
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
     return np.reshape(here.values - here.critical, (-1, len(y), len(x)))

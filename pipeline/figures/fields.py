@@ -27,7 +27,10 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Indices of the points nearest to loads and velocities, by default nearest to a transition."""
+    """Indices of the points that a figure shows, nearest to the user's loads and velocities.
+
+    By default they are the points nearest to a transition under `conditions`.
+    """
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
     reached = np.flatnonzero(is_done.any(axis=1))

@@ -33,7 +33,8 @@ def zero_line(
 ) -> bool:
     """Draw the contour on which `plane` (load, velocity) is 0; return False if it is empty.
 
-    `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file.
+    `x` are velocities [m/s], `y` loads [N]. `gid` is the contour's name in an SVG file, and `look`
+    has properties of Matplotlib's lines.
     """
     if not ((plane < 0).any() and (plane > 0).any()):
         return False

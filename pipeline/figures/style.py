@@ -129,7 +129,10 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
 
 def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: Any) -> None:
-    """Write legend and caption below a figure; the figure grows if they need much room."""
+    """Write legend and caption below a figure; the figure grows if they need much room.
+
+    The legend has at most `ncols` columns.
+    """
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
     most = math.ceil(_CAPTION * max(1.0, 72 * _USUAL / width))
@@ -179,7 +182,7 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def write_title(owner: Axes | Figure, words: str) -> None:
-    """Write a title over axes or a figure, wrapped to its width."""
+    """Write a title over axes or a figure (`owner`), wrapped to its width."""
     write = owner.set_title if isinstance(owner, Axes) else owner.suptitle
     write("" if _PLAIN.get() else words, wrap=True)
 

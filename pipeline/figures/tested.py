@@ -73,7 +73,10 @@ def measured_over_computed(data: Results) -> Figure:
 
 
 def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
-    """Draw the line measured = computed, and the band in which a run is not decided."""
+    """Draw the line measured = computed, and the band in which a run is not decided.
+
+    `line` has its ends, and `scatter` is the model's own error; without it there is no band.
+    """
     if scatter:
         ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
         shares = 1 - scatter.below(-np.log(ratios))

@@ -96,7 +96,7 @@ def _check(options: argparse.Namespace, pair: Pair) -> None:
 
 
 def _simulate(options: argparse.Namespace, simulate: Callable[..., Any], *given: Any) -> Any:
-    """Call `simulate(*given)` with the user's preset and workers, and a progress line."""
+    """Call ``simulate(*given)`` with the user's preset and workers, and a progress line."""
     with output.run_line() as progress:
         return simulate(*given, preset=options.preset, workers=options.workers, progress=progress)
 

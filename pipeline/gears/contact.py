@@ -184,11 +184,11 @@ def load_share(gears: Involutes, position: float, quality: int) -> float:
 def buttressing(gears: Involutes, position: float) -> float:
     """Factor on the load near both ends of the path, where helical teeth are stiffer.
 
-    The factor is 1 + 0.3 εβ at A and E, with the overlap ratio εβ; 1.3 if εβ is above 1. From there
-    it falls linearly to 1, within 0.2 sin βb times the distance from the pinion's base point to the
-    pitch point (ISO/TR 13989-1:2000, Eqs. 49 to 56, as cited by another program). The load
-    elsewhere is not reduced, which is on the safe side. The `position` on the path is counted from
-    the pitch point [m].
+    The `position` on the path is counted from the pitch point [m]. The factor is 1 + 0.3 εβ at A
+    and E, with the overlap ratio εβ; 1.3 if εβ is above 1. From there it falls linearly to 1,
+    within 0.2 sin βb times the distance from the pinion's base point to the pitch point (ISO/TR
+    13989-1:2000, Eqs. 49 to 56, as cited by another program). The load elsewhere is not reduced,
+    which is on the safe side.
 
     Examples
     --------

@@ -109,7 +109,7 @@ def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
 
 
 def first_failure(table: pd.DataFrame) -> str:
-    """Sentence on the first load stage of `predict_stages` that is probably severe."""
+    """Sentence on the first load stage in a `table` of `predict_stages` that is probably severe."""
     failed = table[table["probability"] > 0.5]
     if failed.empty:
         return "Passes all load stages."

@@ -218,9 +218,9 @@ class Involutes:
     def undercut(self, gear: int) -> float:
         """Radius of curvature below which a standard rack undercuts the involute [m]; else 0.
 
-        The corner of the rack, a depth H below the pitch line, is at (rφ − H tan αt, r − H) when
-        the gear has turned by φ. The corner cuts the involute down to the point where its path
-        meets the flank.
+        `gear` is 0 for the pinion, 1 for the wheel. The corner of the rack, a depth H below the
+        pitch line, is at (rφ − H tan αt, r − H) when the gear has turned by φ. The corner cuts the
+        involute down to the point where its path meets the flank.
         """
         r, rb, angle = self.reference_radii[gear], self.base_radii[gear], self.transverse_angle
         depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module

@@ -105,7 +105,10 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
 
 
 def worst(table: pd.DataFrame) -> pd.Series[Any]:
-    """Row of the worst verdict; of equal verdicts the most probable, then the hottest one."""
+    """Row with the worst verdict in a `table` of `judge`.
+
+    Of equal verdicts it is the most probable, then the hottest one.
+    """
     temperatures = table["decisive temperature [°C]"].astype(float).fillna(math.inf)
     keys = zip(map(_WORSE.index, table["verdict"]), table["probability"], temperatures, strict=True)
     return table.iloc[-max((key, -k) for k, key in enumerate(keys))[1]]

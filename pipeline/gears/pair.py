@@ -27,7 +27,10 @@ _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
 
 @dataclass(frozen=True, slots=True)
 class Duty:
-    """Torque and speed of a pair, and the bulk temperature of its teeth."""
+    """Torque on the pinion [N m] and its speed [rad/s], and the bulk temperature of the teeth [K].
+
+    The load factor multiplies the load.
+    """
 
     torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].
@@ -77,6 +80,6 @@ class Pair:
         return *_LIMITS, critical_in_words(self.critical, self.file.temperature.critical_sd)
 
     def with_critical(self, kelvin: float, sd: float | None) -> Pair:
-        """Copy with another critical temperature and its standard deviation [K]."""
+        """Copy with another critical temperature, and its standard deviation [K] or None."""
         temperature = replace(self.file.temperature, critical=kelvin, critical_sd=sd)
         return replace(self, file=replace(self.file, temperature=temperature))

@@ -137,9 +137,9 @@ def tip_diameter(
 ) -> float:
     """Tip diameter that keeps the clearance of the basic rack [m].
 
-    da = d + 2 m (1 + y − x'), with x' of the other gear; y m is the increase of the centre distance
-    due to the shifts (ISO 21771:2007). The module m is in metres, the helix angle in radians, and
-    `gear` is 0 for the pinion, 1 for the wheel.
+    da = d + 2 m (1 + y − x'), with the profile shift x' of the other gear; y m is the increase of
+    the centre distance due to the shifts (ISO 21771:2007). The module m is in metres, the helix
+    angle in radians, and `gear` is 0 for the pinion, 1 for the wheel.
 
     Examples
     --------

@@ -26,7 +26,11 @@ _ROUNDS = 10  # iterations; friction and bulk temperature converge within 1e-9 K
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """Integral temperatures by ISO/TR 13989-2 [K], and the coefficient of friction used."""
+    """Integral temperatures by ISO/TR 13989-2 [K], and the coefficient of friction used.
+
+    `tip_flash` is the flash temperature if the pinion's tip carried the whole load, and
+    `mean_flash` the mean along the path; both are rises.
+    """
 
     friction: float  #: Mean coefficient of friction, Eq. (1).
     tip_flash: float  #: Flash temperature if the pinion's tip carried the whole load, Eq. (19).

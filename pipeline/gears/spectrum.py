@@ -107,7 +107,10 @@ def judge_spectrum(
 
 
 def conclusion(table: pd.DataFrame) -> str:
-    """Sentence on the worst row of a duty spectrum, which decides: damage does not accumulate."""
+    """Sentence on the worst row of a duty spectrum, from the frame of `judge_spectrum`.
+
+    The worst row decides: damage does not accumulate.
+    """
     decisive = worst(table)
     is_same = table["verdict"] == decisive["verdict"]
     sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"

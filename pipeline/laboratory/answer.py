@@ -77,7 +77,10 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
 
 
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
-    """Result for a trace of friction: its stages, transition and scene lines, with a figure."""
+    """Result for a trace of friction: its stages, transition and scene lines, with a figure.
+
+    `read` is the table of the trace.
+    """
     trace = read_trace(read)
     tests = trace.tests()
     toml = [*_trace_toml(tests, read.missing, trace.scuff)]
@@ -102,7 +105,10 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
 
 
 def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """Yield lines on a file: its format, rows left out, and a shipped scene for the rig."""
+    """Yield lines on a file: its format, rows left out, and a shipped scene for the rig.
+
+    `export` is the format of the test machine's export.
+    """
     form = [f"form of {export.title}"] if export.title else []
     yield f"{path}: {', '.join([*form, *sheet.form])}"
     if sheet.counted:
@@ -113,7 +119,10 @@ def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """How a file was read, as plain data: format, columns, rows left out, scene for the rig."""
+    """How a file was read, as plain data: format, columns, rows left out, scene for the rig.
+
+    `export` is the format of the test machine's export.
+    """
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
         "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
@@ -158,7 +167,7 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Yield scene lines that name the log file, with the options needed to read it.
+    """Yield scene lines that name a log file, with the options needed to read it.
 
     `named` are the options that the user gave, by name.
     """

@@ -23,7 +23,10 @@ _MOST_ROWS = 60  # rows searched for signs
 
 @dataclass(frozen=True)
 class Export:
-    """Format of files that a test machine exports: how to recognise them, and their columns."""
+    """Format of files that a test machine exports: how to recognise them, and their columns.
+
+    `signs` are patterns of cells; a file has the format if at least two of them match.
+    """
 
     title: str = ""
     signs: tuple[str, ...] = ()  # patterns of cells that identify it
@@ -65,5 +68,5 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
 
 
 def has_cell(cells: Iterable[str], pattern: str) -> bool:
-    """True if a pattern matches all of a cell, for any cell that is not empty."""
+    """True if a regular expression matches the whole of a cell; empty cells do not count."""
     return any(cell and re.fullmatch(pattern, cell, re.IGNORECASE) for cell in cells)

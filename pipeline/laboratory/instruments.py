@@ -34,7 +34,10 @@ _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 class Raw(NamedTuple):
-    """Heights as in a file; pixel size and unit are None if the file does not state them."""
+    """Heights as in a file; pixel size and unit are None if the file does not state them.
+
+    `steps` are the sides of a pixel in an unknown unit, if the file has only these.
+    """
 
     heights: Array  # shape (nx, ny), NaN in holes; a profile has ny = 1
     pixel: tuple[float, float] | None = None  # sides [m]

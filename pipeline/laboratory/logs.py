@@ -53,7 +53,11 @@ def outcome_of(word: str, heading: str) -> str | None:
 
 @dataclass(slots=True)
 class Log:
-    """Tests of a log file, and how its columns and words were read."""
+    """Tests of a log file, and how its columns and words were read.
+
+    `tests` are tables of a scene, `in_si` the same tests in SI. `words` has the outcome meant by
+    each word.
+    """
 
     sheet: Sheet
     export: Export

@@ -90,7 +90,10 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings; they stand in a row above that begins with the cell `first`."""
+    """Append units to the headings of a table.
+
+    They stand in a row above the table, which begins with the cell `first`.
+    """
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
     for k, unit in enumerate(units[: len(heads)]):
@@ -99,7 +102,10 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 
 
 def _count_time(sheet: Sheet, first: str) -> None:
-    """Fill an empty time column by counting time steps; the step stands after the cell `first`."""
+    """Fill an empty time column by counting time steps.
+
+    The time step stands after the cell `first`, above the table.
+    """
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
         step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
@@ -117,7 +123,7 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
     """Add a fault for `needed` quantities that are missing, with options to give them.
 
-    Rows in which a needed quantity is empty, or a quantity of `moving` is 0, are left out.
+    Rows in which a `needed` quantity is empty, or a quantity of `moving` is 0, are left out.
     """
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
@@ -140,7 +146,10 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep or leave out (not `is_kept`) rows that have `values`, by heading or quantity."""
+    """Keep only the rows that have `values` in columns, or leave them out if not `is_kept`.
+
+    `values` are by heading or quantity.
+    """
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:

@@ -37,7 +37,7 @@ _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
 class Likeness(NamedTuple):
-    """A quantity of the scan, and its mean over random surfaces like the scan."""
+    """A quantity of a scan, and its mean and scatter over random surfaces like the scan."""
 
     scan: float
     mean: float
@@ -258,8 +258,9 @@ def _compare(
 ) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
     """Compare a scan with random surfaces that have the spectrum fitted to the scan.
 
-    `sides` are the sides of a pixel [m]. Returns the fit, why the scan differs from random surfaces
-    (empty if it does not), and the compared quantities.
+    `heights` and `rough` are the scan's heights [m] and roughness, and `sides` those of a pixel
+    [m]. Returns the fit, why the scan differs from random surfaces (empty if it does not), and the
+    compared quantities.
     """
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)
@@ -287,7 +288,7 @@ def _compare(
 
 
 def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
-    """Correlation lengths along x and y [m].
+    """Correlation lengths of a fit along x and y [m].
 
     If they are nearly equal, both are their geometric mean.
     """

@@ -93,7 +93,11 @@ def units_of(names: Collection[str]) -> dict[str, str | None]:
 
 @dataclass(frozen=True)
 class WordNames(Names):
-    """Find quantities by words in headings, by the user's choice, or by an export format."""
+    """Find the columns of quantities by words in headings.
+
+    Columns that the user chose (`chosen`, heading by quantity) or that an export format names
+    (`exported`, pattern by quantity) have precedence.
+    """
 
     chosen: Mapping[str, str] = field(default_factory=dict)  # headings that the user chose
     exported: Mapping[str, str] = field(default_factory=dict)  # patterns of headings

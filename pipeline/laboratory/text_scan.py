@@ -84,7 +84,7 @@ def read_text(path: Path) -> Raw:
 
 
 def _step(line: Array) -> float:
-    """Step between the evenly spaced coordinates `line`; NaN if their spacing is uneven."""
+    """Step between the coordinates in `line`; NaN if they are not evenly spaced."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -110,7 +110,10 @@ def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] 
 
 
 def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Split text into header, table (NaN in holes), x from the row above, number of tables."""
+    """Split the lines of a text; return its header, table (NaN in holes), x and number of tables.
+
+    x is from the row above the table, if it stands there.
+    """
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -202,8 +205,8 @@ def _length(text: str) -> float | None:
 def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
     """Heights (nx, ny) from rows of x, y, z on a regular grid; missing rows become holes.
 
-    `units` has the units of the columns in metres, by name. `unit` is the unit of z in metres, or
-    None.
+    `table` has the rows, `units` the units of its columns in metres, by name. `unit` is the unit of
+    z in metres, or None.
     """
     axes, places = [], []
     for column in table.T[:2]:

@@ -35,7 +35,10 @@ _COMMANDS = "load", "velocity"
 
 
 class Stage(NamedTuple):
-    """Rows of a stage, and its load [N] and velocity [m/s], which are means on a ramp."""
+    """A stage of a trace: its rows, load [N] and velocity [m/s]; on a ramp these are means.
+
+    Load or velocity is None if the trace does not have it.
+    """
 
     rows: slice
     load: float | None
@@ -182,7 +185,11 @@ class Trace:
         ]
 
     def _shared_values(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Median friction of a stage before scuffing, and median bulk temperature before it."""
+        """Median friction of a stage before scuffing, and median bulk temperature before it.
+
+        They are by name, as entries of a test. `rows` are those of the stage, and `severe` is the
+        rise of friction that counts as scuffing.
+        """
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
         values: dict[str, str | float] = {
@@ -243,7 +250,7 @@ def at_rest(column: Array) -> Array:
 
 
 def _setpoint(column: Array) -> Array:
-    """Estimate the commanded load or velocity (n,) from the measured one.
+    """Estimate the commanded load or velocity (n,) from the measured one, `column`.
 
     The estimate is a mean over many strokes if the signal oscillates, else a running median.
     """
@@ -310,7 +317,10 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
 
 
 def _continues_ramp(commands: Array, time: Array, ramp: slice, piece: slice) -> bool:
-    """True if a short `piece` (rows) after a ramp continues at half the ramp's rate or more."""
+    """True if a short `piece` after a `ramp` continues at half the ramp's rate or more.
+
+    Both are rows of the trace, with load and velocity in `commands` (n, n_command).
+    """
     if _span(time, piece) >= _SHORT * _span(time, ramp):
         return False
     way, other = (commands[one.stop - 1] - commands[one.start] for one in (ramp, piece))
@@ -340,10 +350,11 @@ def _rises(
 ) -> Iterator[tuple[int, float, float, str]]:
     """Yield rises of friction in a stage: row, level before, level after, why not scuffing.
 
-    The level before is the lowest so far; it begins with `before`, from the previous stage.
-    Friction that exceeds this level by a fixed share and by `scatter` counts as a rise. If `before`
-    is infinite, the first `skipped` rows are left out. If friction rises in these rows, above their
-    lowest value or `start`, that rise is yielded with the reason "begins".
+    `friction` is the smoothed friction of the stage. The level before is the lowest so far; it
+    begins with `before`, from the previous stage. Friction that exceeds this level by a fixed share
+    and by `scatter` counts as a rise. If `before` is infinite, the first `skipped` rows are left
+    out. If friction rises in these rows, above their lowest value or `start`, that rise is yielded
+    with the reason "begins".
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]

@@ -88,7 +88,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
 
 
 def _cell_text(value: Any, typed: Any) -> str:
-    """Text of a cell: its value, else the formula `typed` in it, else empty."""
+    """Text of a cell: its value, else what was typed in it (`typed`, a formula), else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
     return str(value).removesuffix(" 00:00:00").strip()

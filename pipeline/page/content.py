@@ -250,8 +250,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     """Tables of deciding rises for the page: on a fine grid, and on lines with missing points.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
-    of the grid are far outside the sweep. A line belongs to one load or velocity of the sweep, and
-    uses only the points there.
+    of the grid are far outside the sweep. A line belongs to one load or velocity of the sweep at
+    which points are missing, and uses only the points there.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -352,7 +352,10 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices of at most `most` points whose fields are shown: those nearest to the transition."""
+    """Indices of at most `most` points whose fields are shown: those nearest to the transition.
+
+    `done` is the mask of done points.
+    """
     places = np.argwhere(done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
@@ -384,10 +387,10 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Number of parts into which the grid divides each interval of velocity, and of load.
+    """Numbers of parts into which the grid divides each interval of velocity, and of load.
 
-    `loads` and `velocities` are their numbers in the sweep. `others` is the number of values at
-    each node, which limits the number of nodes.
+    `loads` and `velocities` are how many the sweep has. `others` is the number of values at each
+    node, which limits the number of nodes.
     """
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)

@@ -64,7 +64,7 @@ def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
 
 
 def _picture(levels: NDArray[np.uint8], colours: str) -> str:
-    """Base64 of a .png from levels (x, y), x to the right and y upwards; level 0 is white.
+    """Base64 of a .png with colour `levels` (x, y), x to the right and y upwards; 0 is white.
 
     `colours` is the name of a Matplotlib colour map for the other levels.
     """

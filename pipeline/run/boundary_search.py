@@ -35,7 +35,10 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Root(NamedTuple):
-    """Expected velocity, as a logarithm, at which the rise crosses the limit."""
+    """Velocity, as a logarithm, at which the rise is expected to cross the limit.
+
+    `low` and `high` are the nearest velocities of known rise, also as logarithms.
+    """
 
     place: float
     low: float = -math.inf  # nearest velocities whose rise is known, as logarithms; else infinite
@@ -81,9 +84,9 @@ class BoundarySearch:
     def wanted(
         self, rises: Mapping[Point, float], failures: Iterable[Point] = ()
     ) -> tuple[Point, ...]:
-        """Points to compute next, given the known rises [K] and the points that failed.
+        """Points to compute next, given the known rises [K] and `failures`, points that failed.
 
-        There are no such points once the search is done.
+        There are none once the search is done.
         """
         past, chosen = {*rises, *failures}, set[Point]()
         roots = {load: self._roots(*row) for load in self.loads if (row := self._row(rises, load))}
@@ -97,7 +100,7 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """ln(velocity) and ln(rise/friction) at the known points of a load; None without points."""
+        """Known points at a load: ln(velocity) and ln(rise/friction); None without points."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
@@ -109,7 +112,7 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Crossings of the limit expected on straight lines through known points from `_row`.
+        """Crossings of the limit expected on straight lines between known points of a load.
 
         `x` is ln(velocity), `y` ln(rise) without the effect of velocity on friction.
         """
@@ -244,7 +247,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
-    """Decisive rise of each done point of a store [K], and the points that failed."""
+    """Deciding rise of each done point of a store [K], and the points that failed."""
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
     inner = len(store.dims) - store.dims.index(along)  # dimensions after that of loads, and steps

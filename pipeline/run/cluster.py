@@ -111,7 +111,10 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
 
 @dataclass
 class Connection:
-    """A Dask client with its list of workers, which also reports to the user."""
+    """A Dask client with its list of workers, which also reports to the user.
+
+    `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
+    """
 
     client: Client
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].

@@ -29,8 +29,9 @@ _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
     """Compute all tasks of a queue, and write their points to the store as done or failed.
 
-    Raises a `StoreError` if points cannot be written, an `ExecutionError` if the scheduler is lost
-    or no worker can compute.
+    `link` is the connection to the workers, `writer` writes to the store, and `tally` reports
+    progress. Raises a `StoreError` if points cannot be written, an `ExecutionError` if the
+    scheduler is lost or no worker can compute.
     """
     losses = Losses()
     wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
@@ -64,8 +65,9 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
 def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
     """Addresses of workers with room for another task, idle workers first.
 
-    There is an address for each possible task, so that a worker may occur twice. Room depends on
-    the number of `running` tasks. `ANYWHERE` stands for a worker that is still to start.
+    `link` knows the workers. There is an address for each possible task, so that a worker may occur
+    twice. Room depends on the number of `running` tasks. `ANYWHERE` stands for a worker that is
+    still to start.
     """
     busy = Counter(job.worker for job in running)
     free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]

@@ -117,7 +117,10 @@ def compute_points(name: str, points: Sequence[Point]) -> bytes:
 
 
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
-    """Simulate points that share a contact; return their records, failed ones with the reason."""
+    """Simulate points that share a contact; return their records, failed ones with the reason.
+
+    `run` has the sweep.
+    """
     try:
         results = run_points(run.sweep, points, _trunks)
         return [packed(result.record(run.with_fields), run.sweep) for result in results]

@@ -67,7 +67,8 @@ class Place(NamedTuple):
 class OperatingPoints:
     """Operating points read from a table, and the table's other columns by their headings.
 
-    `conditions` has friction, bulk and critical temperature [K] of the rows that give them.
+    `conditions` has friction, bulk and critical temperature [K] of each point, if the table gives
+    them. `counted` states how many rows were used and left out.
     """
 
     places: tuple[Place, ...]
@@ -157,9 +158,9 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Make the first row of ``sweep.along``, and the loads and velocities of all rows, defaults.
+    """Make the first row of ``sweep.along`` the default, with the loads and velocities of all rows.
 
-    Returns the document and the function that adds the rows to a sweep; None without rows.
+    Returns the document, and the function that adds the rows to a sweep; None without rows.
     """
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()

@@ -35,7 +35,7 @@ def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], 
 
 
 def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
-    """Add a fault for each conflict between a table in `changed` and other tables of a scene."""
+    """Add to `faults` each conflict between a table in `changed` and other tables of a scene."""
     for paths, names, find in _CHECKS:
         if not names.isdisjoint(changed) and not (faults and any(map(faults.touches, paths))):
             faults.extend(Fault(path, words) for path, words in find(scene))

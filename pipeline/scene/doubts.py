@@ -25,7 +25,10 @@ _Doubt = tuple[str, str]
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
-    """Warnings of probable mistakes in a scene, and of limits of the model, before simulating."""
+    """Warnings of probable mistakes in a scene, and of limits of the model, before simulating.
+
+    `facts` are the scene's numbers from `facts_of`.
+    """
     found = [
         *_unusual(sweep, facts),
         *_test_doubts(sweep),
@@ -75,7 +78,10 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
 
 
 def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Warnings on friction or bulk temperature in a row's `own` values, if a unit looks wrong."""
+    """Warnings on an operating point's own friction or bulk temperature, if a unit looks wrong.
+
+    `own` has these values [SI] by name.
+    """
     for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
         value = own.get(name)
         if value is not None and (words := unusual(value, kind.usual, kind.unit)):

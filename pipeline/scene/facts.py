@@ -77,7 +77,7 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
 
 
 def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Paths of entries that make a track too short for the model, and why."""
+    """Yield pairs (path, reason) of entries that make a track too short for the model."""
     corrections = parts.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     width, plane = 0.0, parts.declared.sweep

@@ -46,7 +46,10 @@ class Faults(list[Fault]):
         self.append(Fault(key, problem))
 
     def note(self, place: str, words: str, grade: Grade = "note") -> None:
-        """Add a note or warning on the entry at the key path `place`, unless `words` is empty."""
+        """Add `words` as a note or warning (`grade`) on the entry at the key path `place`.
+
+        Nothing is added if `words` is empty.
+        """
         if words:
             self.notes.append(Remark(place, grade, words))
 
@@ -110,7 +113,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Write faults in rows as lines, one line for all rows with the same kind of fault."""
+    """Write faults in the rows of tables as lines, one line for all rows with the same fault."""
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)

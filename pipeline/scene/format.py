@@ -61,7 +61,10 @@ def one_or_two(kind: Kind) -> Either:
 
 
 def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """Make a copy of a declared table that also has the entries of `others`, and `entries`."""
+    """Make a copy of the table `declared` that has more entries.
+
+    They are those of the tables `others`, and of optional parts for the same table (`entries`).
+    """
     bases = (*others, declared)
     return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
 

@@ -64,7 +64,10 @@ class Kind(ABC):
 
     @abstractmethod
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Read a value as `read` does; raise an `UnfitError` if it is wrong as a whole."""
+        """Read a value as `read` does; raise an `UnfitError` if it is wrong.
+
+        Faults within a table or list are added to `faults` instead.
+        """
 
 
 class Text(Kind):

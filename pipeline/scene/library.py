@@ -59,8 +59,8 @@ def _filled(
 ) -> Any:
     """Add to a table the entries that it lacks, from a material or an oil of the library.
 
-    The table names the material or oil as ``like``. Without ``like``, an incomplete table takes
-    the material of its own name. Added entries are appended to `taken`. `kind` is "materials" or
+    The table names the material or oil as ``like``. Without ``like``, an incomplete table takes the
+    material of its own `name`. Added entries are appended to `taken`. `kind` is "materials" or
     "oils", and `place` the table's key path.
     """
     known = library()[kind]

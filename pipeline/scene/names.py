@@ -77,7 +77,7 @@ class Names:
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
     def fits(self, name: str, heading: Heading) -> bool:
-        """True if the unit of a heading, if any, fits the quantity `name`."""
+        """True if the unit in a heading, if it has one, suits the quantity `name`."""
         unit, like = heading.unit, self.units[name]
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 

@@ -68,7 +68,10 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield pairs (path, value) to set for a `value`; an oil's name removes its other entries."""
+    """Yield pairs (path, value) to set for a `value` of the entry at `path`.
+
+    An oil's name removes the other entries on the oil.
+    """
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
     yield _LIKE.get(path, path), value
@@ -86,7 +89,10 @@ def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
 
 
 def notes_on_first_values(table: Variants) -> Iterator[str]:
-    """Yield a note on each entry with several values, of which a command uses only the first."""
+    """Yield a note on each entry with several values in the `table` of variants.
+
+    A command uses only the first of them.
+    """
     for column in table.chosen:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:

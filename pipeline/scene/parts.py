@@ -89,8 +89,8 @@ def loading_of(
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
-    `table` is the scene's ``[loading]``, and `stops` are times in a hold at which steps end [s]. A
-    line fitted to a record is noted in `faults`.
+    `table` is the scene's ``[loading]``, `contents` has the contents of files, and `stops` are
+    times in a hold at which steps end [s]. A line fitted to a record is noted in `faults`.
     """
     if isinstance(table, Ramp):
         stops = tuple(s for s in stops if s < table.hold)
@@ -155,7 +155,10 @@ def _pair(value: Any) -> tuple[float, float]:
 def corrections_of(
     scene: Any, pin: tribo.Pin, disk: tribo.Material, motion: tribo.Motion | None
 ) -> tribo.Corrections | None:
-    """Make the `tribo.Corrections` of a scene without faults; None if it has no corrections."""
+    """Make the `tribo.Corrections` of a scene without faults; None if it has no corrections.
+
+    `scene` has the tables of the scene; `pin`, `disk` and `motion` were made from them.
+    """
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
     curves: dict[str, Any] = {
         f"by_{name}": tuple(

@@ -198,7 +198,10 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """Make the `Conditions` of a declared scene; `rule` is a criterion by the user."""
+    """Make the `Conditions` of a scene, from its tables and `made`, the scene to simulate.
+
+    `rule` is a criterion by the user.
+    """
     temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,
@@ -213,6 +216,6 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
 
 
 def _bulks_of(scene: Any) -> dict[str, Any]:
-    """Bulk temperatures of a scene's tables, as arguments of `Conditions` by name."""
+    """Bulk temperatures of a scene as arguments of `Conditions`; `scene` has its tables."""
     bulk = scene.temperature.bulk
     return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)

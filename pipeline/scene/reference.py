@@ -62,7 +62,10 @@ _SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", i
 
 
 def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
-    """All tables of the scene format, each before the tables within it."""
+    """All tables of the scene format at and within an `entry`, outer tables first.
+
+    `path` is the path of the entry. By default it is the whole file.
+    """
     if isinstance(entry.kind, Tables):
         path += ".NAME"
     section = Section(path, entry)

@@ -16,10 +16,11 @@ from tribo import InputError, TriboError
 
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
-    """Sweep of a store after another run: variants of both runs, other data from `sweep`.
+    """Sweep of a store that is continued: variants of both runs, other data from `sweep`.
 
-    Which steps and fields are stored, and how the fidelity was chosen, stays as in `before`. If
-    `sweep` has chosen points, the result's `chosen` is empty, since the store has the points.
+    Which steps and fields are stored, and how the fidelity was chosen, stays as in the sweep
+    `before`. If `sweep` has chosen points, the result's `chosen` is empty, since the store has the
+    points.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -75,7 +76,10 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Yield, in words, entries that differ in the first common variant simulated differently."""
+    """Yield, in words, entries that differ between two sweeps and affect simulations.
+
+    They are those of the first variant in both that is simulated differently.
+    """
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)
         if different := [*effective_changes(old, new, lambda one: one.scene)]:
@@ -85,7 +89,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:
-    """Yield, in words, changed entries that also change the result of `part`."""
+    """Yield, in words, entries that differ between two sweeps, and that change ``part(sweep)``."""
     present = digest(part(old))
     if present == digest(part(new)):
         return

@@ -133,7 +133,10 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """Overrides and `preset` by full key path, also for keys given without ``fidelity.``."""
+    """`overrides` and `preset` as entries by full key path.
+
+    Keys that name a field of the fidelity may be given without ``fidelity.``.
+    """
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     for key, value in overrides.items():
         if key in table_of(Fidelity).listed:

@@ -59,7 +59,7 @@ class Row(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Rows of a text or a sheet that are not empty, and notes on the format."""
+    """Rows of a text or a sheet that are not empty, and notes on how it was read."""
 
     rows: list[Row]
     form: list[str]
@@ -264,7 +264,10 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
 
 
 def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
-    """Read row `k` as headings, with units from rows below; return headings, and number of rows."""
+    """Read row `k` as headings, with units from rows below it.
+
+    Returns the headings, and the number of rows that they take.
+    """
     first, *others = rows[k].cells
     is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
     heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
@@ -339,7 +342,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Rewrite numbers with a decimal point; an ambiguous number becomes a text that says so."""
+    """Rewrite numbers with a decimal point in place of the sign `decimal`.
+
+    The sign is found from the cells if None. An ambiguous number becomes a text that says so.
+    """
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas such numbers are quoted; a comma before three digits may mark thousands.
@@ -363,7 +369,7 @@ def read_sheet(
     source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
     moving: Collection[str] = (), sheet: str | None = None,
 ) -> Sheet:  # fmt: skip
-    """Read a table from a file or from lines, and find the columns of quantities.
+    """Read a table from a file or from lines (`source`), and find the columns of quantities.
 
     `units` has the quantities to look for, with their SI units. Rows that lack a `needed` quantity,
     or in which a quantity of `moving` is 0, are left out and counted. `sheet` is the name of a

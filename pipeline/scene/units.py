@@ -294,7 +294,7 @@ def middle_of_range(text: str) -> str | None:
 
 
 def _misfit(text: str, unit: Unit, like: str) -> str:
-    """Reason why a quantity does not have the dimension of `like`, and what to write instead."""
+    """Reason why a quantity in `unit` does not have the dimension of `like`, with advice."""
     (number, typed), needed = _parts(text), _parts(like)[1]
     if unit.dimension == "1":
         return "has no unit"

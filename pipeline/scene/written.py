@@ -43,7 +43,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
 
 def completed(tables: Any, written: Any) -> Any:
-    """Replace entries in `tables` by the user's words, where the user has `written` them.
+    """Replace entries in `tables` by the user's own words, where the user has `written` them.
 
     Both are nested tables, lists or single values; `written` may lack any of them.
     """

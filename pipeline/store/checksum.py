@@ -22,7 +22,8 @@ _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
     """Checksum of a point: hash of its scene, load, velocity, and the CRC of each variable.
 
-    `simulated` is the point's `Sweep.scene_hash`, and `entries` are its variables by name.
+    `simulated` is the hash of the scene that is simulated at the point (`Sweep.scene_hash`), and
+    `entries` are its variables by name.
     """
     digest = hashlib.blake2b(simulated.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())

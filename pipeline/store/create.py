@@ -114,7 +114,10 @@ def _write_root(place: StorePlace, root: Root) -> None:
 
 
 def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
-    """Raise a `StoreError` unless new axes only append values to the axes of a store."""
+    """Raise a `StoreError` unless new axes only append values to the axes of a store.
+
+    `before` is the store's present root document.
+    """
     old = before.axes
     for name, values in axes.items():
         if name not in old or values[: len(old[name])] != old[name]:

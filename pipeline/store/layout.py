@@ -33,8 +33,9 @@ _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     """Number of points in a chunk along each dimension: 1024 in total, fewer if points are large.
 
-    `sizes` are the lengths of the dimensions. A chunk has all loads, since one ramp computes them,
-    then neighbouring velocities, then surfaces or samples.
+    `sizes` are the lengths of the dimensions, and `bytes_of_a_point` is for the largest variable. A
+    chunk has all loads, since one ramp computes them, then neighbouring velocities, then surfaces
+    or samples.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):
@@ -44,7 +45,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Bytes of a point in the variable of `wanted` that needs most bytes for each point."""
+    """Bytes of a point in the largest of the variables `wanted`."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
@@ -92,8 +93,8 @@ def row_axes(sweep: Sweep) -> Axes:
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
     """Values along the dimensions within a point, such as step, x and y.
 
-    There are enough steps for points at the `loads`, or more. `before` has the axes of a store that
-    grows.
+    There are enough steps for points of the sweep `kept` at the `loads`, or more. `before` has the
+    axes of a store that grows.
     """
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)
@@ -113,7 +114,10 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at the indices that `where` has for each dimension of the variable ``status``."""
+    """Points at the indices that `where` has for each dimension of the variable ``status``.
+
+    `wanted` has the store's variables.
+    """
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
         numbers = where[dims.index(wanted[name].dims[0])]
@@ -127,7 +131,10 @@ def points_at(
 def points_on(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], dims: Sequence[str]
 ) -> list[Point]:
-    """Points at every index along `dims`, and at the first index along all other dimensions."""
+    """Points at every index along `dims`, and at the first index along all other dimensions.
+
+    `wanted` has the store's variables.
+    """
     sizes = [len(axes[dim]) if dim in dims else 1 for dim in wanted["status"].dims]
     return points_at(sweep, axes, wanted, np.nonzero(np.ones(sizes)))
 
@@ -137,8 +144,8 @@ def made_coordinates(
 ) -> dict[str, Array]:
     """Coordinates that are computed from the scene: time, load and distance by step; scene ids.
 
-    Values are NaN at unused steps before the first step of a point. `ids` are the scene ids of the
-    sweep's variants, in the order of the table.
+    `wanted` has the store's variables. Values are NaN at unused steps before the first step of a
+    point. `ids` are the scene ids of the sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))

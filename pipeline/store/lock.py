@@ -65,7 +65,8 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
 def _is_flocked(folder: Folder, descriptor: int) -> bool:
     """Lock an open file, and return True; return False if the file system has no locks.
 
-    Raises a `StoreError` if another run has the lock.
+    `descriptor` is that of the lock file in `folder`. Raises a `StoreError` if another run has the
+    lock.
     """
     for _ in range(_TRIES):
         try:
@@ -83,7 +84,10 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
-    """True if the lock file that this process has open is still there, not deleted or replaced."""
+    """True if the open lock file is still in its folder, not deleted or replaced.
+
+    `descriptor` is that of the file.
+    """
     try:
         return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
     except OSError:  # also on a file server that no longer knows the folder
@@ -109,6 +113,6 @@ def holder_of(place: StorePlace) -> str | None:
 
 
 def _read_holder(descriptor: int) -> tuple[str, str | None]:
-    """Read the names of process and host in a lock file; the host is None if unknown."""
+    """Read the names of process and host in an open lock file; the host is None if unknown."""
     match = _CONTENT.fullmatch(os.pread(descriptor, 1000, 0).decode(errors="replace"))
     return (match[1], match[2]) if match else ("another process", None)

@@ -72,7 +72,7 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
 
 
 class _Backend(BackendEntrypoint):
-    """Backend of xarray that opens a store, with axes and metadata from its root document."""
+    """Backend by which xarray opens a store, with axes and metadata from its root document."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
@@ -111,11 +111,11 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
-    """Give a store of single points the axes of a dataset; return its root document and an array.
+    """Root document with the axes that the dataset of a store has; and an array, or None.
 
-    A boundary search stores single points. The dataset has all their loads and velocities as axes.
-    The array has the number of the stored point at each place on these axes, or −1. The root
-    document of other stores is returned unchanged, with None.
+    A boundary search stores single points. Their dataset has all of their loads and velocities as
+    axes. The array has the number of the stored point at each place on these axes, or −1. For other
+    stores the root document is returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None

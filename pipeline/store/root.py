@@ -60,7 +60,11 @@ _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "i
 
 @dataclass(frozen=True, kw_only=True)
 class Root:
-    """Content of a store's root document, which determines the metadata of all arrays."""
+    """Content of a store's root document, which determines the metadata of all arrays.
+
+    `ids` are the scene ids of the variants, `block` the number of points in a chunk along each
+    dimension, and `found` the document as it was read.
+    """
 
     sweep: Sweep
     text: str  # of the sweep
@@ -145,7 +149,10 @@ def with_others(found: Any, new: Document) -> Document:
 
 
 def _digest(facts: Document, arrays: Document) -> str:
-    """SHA-256 of a root document, without texts for people and without additions by users."""
+    """SHA-256 of a root document, without texts for people and without additions by users.
+
+    `facts` is the part of the document on the sweep, and `arrays` the metadata of the arrays.
+    """
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], numbers

@@ -41,7 +41,10 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    """Variable with a field (x, y) at the end of each point, in single precision to save space."""
+    """Variable with a field (x, y) at the end of each point, in single precision to save space.
+
+    It is in `units`; `long_name` is its meaning.
+    """
     return Variable(_FIELD, units, long_name, "float32")
 
 

@@ -171,9 +171,9 @@ def _read(store: Store, name: str, block: Any) -> Any:
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Read values by variable for a chunk of points, without ``status`` and ``asked``.
+    """Read values by variable for the chunk of points at the slices `block`.
 
-    A damaged variable is None.
+    ``status`` and ``asked`` are left out. A damaged variable is None.
     """
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
@@ -186,7 +186,7 @@ def stored_entries(
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
     """Yield index, point and values by variable of each point in a chunk, except pending points.
 
-    `values` are from `read_block`. A damaged value is None.
+    The chunk is at the slices `block`; `values` are from `read_block`. A damaged value is None.
     """
     indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
     places = map(tuple, indices.tolist())

@@ -29,7 +29,10 @@ def velocity_error(sweep: Sweep) -> float | None:
 
 
 def has_unknown_error(sweep: Sweep) -> bool:
-    """True if a sweep has a boundary whose error is neither measured nor known for its preset."""
+    """True if a sweep has a boundary whose error is not known.
+
+    The error is known if it was measured, or if the preset has a known one.
+    """
     is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
     return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
 
@@ -46,5 +49,5 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Preset of a sweep, else the finest preset that its choices match or exceed; else None."""
+    """Name of a sweep's preset, else of the finest preset that its choices match or exceed."""
     return sweep.preset or preset_of(sweep.scene.fidelity)

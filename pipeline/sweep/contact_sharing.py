@@ -13,7 +13,10 @@ _DIGITS = 12  # digits of a wear number that are compared: equal numbers differ 
 
 
 class ContactSource(NamedTuple):
-    """The variant whose contact solutions another variant reuses, and at which velocities."""
+    """The variant whose contact solutions another variant reuses, and at which velocities.
+
+    `ratio` is the source's velocity over the variant's, unless `places` has a velocity of each.
+    """
 
     variant: Variant
     ratio: float = 1.0  # velocity of the source over the variant's, at the same wear number
@@ -42,8 +45,8 @@ def contact_sources(
 ) -> Mapping[Variant, ContactSource]:
     """Find for each variant the first variant with the same contacts, to reuse the solutions.
 
-    `places` has the velocity of each variant with a single velocity [m/s], else None. `velocities`
-    are the velocities of all other variants.
+    `scenes` are pairs (name, scene) of all variants. `places` has the velocity of each variant with
+    a single velocity [m/s], else None. `velocities` are the velocities of all other variants.
     """
     first: dict[tuple[Scene, float | None], tuple[Variant, Scene, Any]] = {}
     sources = {}

@@ -16,8 +16,8 @@ from pipeline.sweep.variants import Variant
 def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     """Scene id of each variant: an int32 hash of everything that affects simulation and verdict.
 
-    `choices` has other settings that affect answers: the oil whose tests count, and the scatter by
-    which samples are weighed.
+    `choices` has further settings that affect answers: the oil whose tests count, and the scatter
+    by which samples are weighed.
     """
     table, ids = sweep.variants, list[int]()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces

@@ -29,7 +29,7 @@ class Measurement:
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """Make a test from the entries of a scene, in SI."""
+        """Make a test from its `entry` in a scene, with values in SI."""
         names = {k: str(entry[k]) for k in ("number", "run", "oil") if entry.get(k) is not None}
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 

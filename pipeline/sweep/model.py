@@ -253,7 +253,7 @@ class Sweep:
         return self._alone[name]
 
     def cache_parts(self, parts: Iterable[Parts]) -> None:
-        """Cache the parts of all variants, since making them takes 0.2 ms for each variant."""
+        """Cache the `parts` of all variants, given in order: making each takes 0.2 ms."""
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
 
@@ -296,7 +296,10 @@ class Sweep:
             )
 
     def with_hold(self, duration: float) -> Self:
-        """The sweep with another hold at full load [s]; `InputError` if the load is recorded."""
+        """The sweep with another `duration` of the hold at full load [s].
+
+        Raises an `InputError` if the load is recorded.
+        """
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
                 f"hold is {duration:g} s, but the load follows a record, which has its own end; "

@@ -11,7 +11,7 @@ from tribo import Corrections, Track
 
 
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
-    """Tracks of rolling bodies whose warming by earlier turns the scene leaves out.
+    """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
 
     Keys are the names of the tracks in `Corrections`.
     """

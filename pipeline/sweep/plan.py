@@ -114,7 +114,10 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point; `data` are variables of the dataset, None if the point failed."""
+    """Stored result of a point; `data` are variables of the dataset, None if the point failed.
+
+    `message` has its warnings, or the reason why it failed.
+    """
 
     point: Point
     data: Mapping[str, Array | bytes] | None
@@ -138,7 +141,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities of a variant: a single own value, else the sweep's values, `usual`."""
+    """Loads or velocities (`axis`) of a variant: a single value of its own, else `usual`."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -236,7 +239,7 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """Add the temperature at a velocity [m/s] to a contact with the same wear number."""
+    """Add to a contact its temperature at a velocity [m/s] of the same wear number."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)

@@ -29,7 +29,10 @@ class Remark(NamedTuple):
 
 
 def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Write `words` as lines such as "note: text"; empty words are left out."""
+    """Write each of `words` as a line such as "note: text"; empty words are left out.
+
+    `grade` is the word before the colon.
+    """
     return (str(Remark("", grade, one)) for one in words if one)
 
 

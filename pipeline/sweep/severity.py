@@ -94,14 +94,17 @@ def verdict(
     conditions: Conditions,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, from its columns and load [N]; see `tribo`'s `verdict`."""
+    """Mild or severe wear at a point, from its columns and load [N].
+
+    `coupled` is the solution of friction by temperature, if any. See `tribo.simulation.verdict`.
+    """
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
     return tribo_verdict.verdict(columns, load, conditions, coupled)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary velocity if the rise on the boundary is not `expected`.
+    """Relative error of the boundary velocity if a rise on the boundary is not as `expected`.
 
     `exponent` is d ln(rise)/d ln(velocity).
     """

@@ -55,7 +55,7 @@ def staged(
 ) -> Iterator[T]:
     """Yield items; before each, report its name, its number and the estimated time left.
 
-    `weight` estimates the relative duration of an item.
+    `name` returns the name of an item, and `weight` its relative duration.
     """
     everything = list(items)
     weights = [weight(item) for item in everything]

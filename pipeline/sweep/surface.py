@@ -57,7 +57,10 @@ class SurfaceFacts:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Roughness of the disk's surface; with over 10⁶ pixels estimated from Ra. None if smooth."""
+    """Roughness of the disk's surface; None if it is smooth.
+
+    With over 10⁶ pixels it is estimated from Ra.
+    """
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
@@ -102,7 +105,7 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
 def find_lubrication(sweep: Sweep) -> Lubrication | None:
     """Lubrication of a scene; None if oil or roughness are missing or not fully known.
 
-    A surface or a pin by the user is not known if the scene comes from a store.
+    A surface or a pin that the user gave in Python is not known if the scene comes from a store.
     """
     scene, oil = sweep.scene, sweep.lubricant
     is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))

@@ -64,10 +64,10 @@ class TaskQueue:
 def makespan(
     tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
 ) -> tuple[float, float]:
-    """Simulate the queue; return the time until all tasks are done, and the sum of task times [s].
+    """Simulate a queue; return the time until all tasks are done, and the sum of task times [s].
 
-    `cost` returns the time of a task [s]. It may read and change a dictionary that belongs to the
-    worker.
+    ``cost(task, kept)`` returns the time of a task [s]. `kept` is a dictionary of the worker, which
+    the function may read and change.
     """
     waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

@@ -42,7 +42,10 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the table of variants: a dimension, or values that a dimension determines."""
+    """A column of the table of variants: a dimension, or values that a dimension determines.
+
+    The dimension is `along`; it is empty if the column is itself a dimension.
+    """
 
     name: str
     unit: str | None = "1"  # None for words
@@ -114,7 +117,7 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """Columns that depend on a dimension, each with its value for each label."""
+        """Columns that a dimension determines, each with its value for each label of it."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -137,7 +140,7 @@ class Variants:
 
     @cached_property
     def rule(self) -> Sampling:
-        """How samples were drawn at random; empty without samples."""
+        """How samples were drawn at random; an empty `Sampling` without samples."""
         return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
 
     def labels(self, name: str) -> tuple[Any, ...] | None:
@@ -225,7 +228,10 @@ def surfaces(seeds: Sequence[int]) -> Variants:
 def numbered_rows(
     columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
 ) -> Variants:
-    """Table of variants numbered from 0; `draw` is the rule by which rows were drawn, if any."""
+    """Table of variants numbered from 0, with `columns`.
+
+    `draw` is the rule by which rows were drawn at random, if any.
+    """
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))

@@ -115,7 +115,10 @@ class _TaskTimes:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task on a worker [s]; `has` is what the worker keeps from earlier tasks."""
+        """Time of a task on a worker [s]; `has` is the worker's memory of earlier tasks.
+
+        It is changed as the worker would change it.
+        """
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
             self._steps[load] = _steps(self.sweep, load)

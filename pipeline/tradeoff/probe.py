@@ -62,7 +62,10 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 def _simulated_rise(
     sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
-    """Simulate a point; return its highest rise [K] at full load for friction 1, and the state."""
+    """Simulate a point; return its highest rise [K] at full load for friction 1, and the state.
+
+    `trunks` are ramps of other points, which the point continues.
+    """
     under_load = (
         (momentary_rise(sweep.scene, state, sweep.conditions), state)
         for state in simulate(sweep.scene, load, velocity, trunks)
@@ -119,10 +122,10 @@ def points_near_boundary(
 def critical_velocity(
     rise: Callable[[float], float], limit: float, lowest: float, highest: float
 ) -> float:
-    """Velocity [m/s] at which a rise [K] reaches a limit, or the nearer end of the range.
+    """Velocity [m/s] at which a rise [K] reaches a limit, between `lowest` and `highest`.
 
-    It is found by secant steps in logarithms, with bisection if a secant returns to an earlier
-    velocity.
+    If it does not, the result is the nearer end. The velocity is found by secant steps in
+    logarithms, with bisection if a secant returns to an earlier velocity.
     """
     low, high = math.log(lowest), math.log(highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT

@@ -204,7 +204,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Errors and processor time of a fidelity, compared with the reference.
+    """Errors and processor time of a fidelity (`measured`), compared with the reference.
 
     `exponents` are d ln(rise)/d ln(velocity) at each point.
     """

@@ -87,7 +87,11 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 def _bounds_result(
     at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
 ) -> Result:
-    """Result with bounds of the critical temperature, from `outcomes` "mild" or "severe"."""
+    """Result with bounds of the critical temperature, from tests that stayed mild or turned severe.
+
+    `at_tests` are the critical temperatures that simulations give for them, and `outcomes` their
+    outcomes.
+    """
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
     high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)

@@ -88,7 +88,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_contrast(one: Contrast) -> str:
-    """Line of text on the difference of a quantity between two oils."""
+    """Line of text on `one` difference of a quantity between two oils."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])
@@ -112,7 +112,7 @@ def _summary_frame(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_test(weighed: Posterior, judged: Judged) -> str:
-    """Name a test in words: its number, oil, load, temperature, outcome and velocity."""
+    """Name the test of `judged` in words: number, oil, load, temperature, outcome and velocity."""
     test = judged.test
     oil = f"{test['oil']} " if weighed.oils and "oil" in test else ""
     bulk = ""

@@ -17,7 +17,10 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws of the sweep's inputs: `draws` without the rig's inputs; by default the prior."""
+    """Draws of a sweep's own inputs, without the columns that belong to the rig.
+
+    They are `draws`, by default draws of the prior.
+    """
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
     return replace(draws, inputs=draws.inputs[:, : len(ensemble.unknown)])
@@ -43,8 +46,8 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
     """Find changes of wear on `lines` (n, m) of ln(rise/limit) at the places `x` (m,).
 
-    Returns two arrays (n, m - 1) with a value for each interval: 1 if wear turns severe, −1 if it
-    turns mild, else 0; and the place of the change.
+    Returns two arrays (n, m − 1) with a value for each interval between places: 1 if wear turns
+    severe, −1 if it turns mild, else 0; and the place of the change.
     """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]

@@ -163,7 +163,7 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Sweep whose measured transitions are the tests in the list `key`, of the first oil only."""
+    """Sweep whose measured transitions are the tests in its list `key`, of the first oil only."""
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [
@@ -175,7 +175,10 @@ def take_own_tests(sweep: Sweep, key: str) -> Sweep:
 
 
 def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
-    """Sweep with one variant for each transition, at its load, velocity and conditions."""
+    """Sweep with a variant for each transition, at its load, velocity and conditions.
+
+    `seeds` are the variants with the random surfaces; each is combined with each transition.
+    """
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.measured):
         row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}

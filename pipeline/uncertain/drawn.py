@@ -38,7 +38,7 @@ def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
-    """Value of an unknown input in SI; raises if it is outside the range of the samples.
+    """Value of the unknown input at `path` in SI; raises if it is outside the samples' range.
 
     `draw` is the plain data of a `Draw`.
     """

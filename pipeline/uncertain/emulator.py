@@ -89,9 +89,10 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """Result of cross-validation of an emulator.
+    """Result of cross-validation of an emulator: errors of samples predicted without them.
 
-    Contacts are left out in turn, then the lowest and the highest velocities.
+    Contacts are left out in turn, then the lowest and the highest velocities. `held` is the share
+    of samples inside their 90 % bands.
     """
 
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
@@ -103,7 +104,7 @@ class LeftOut(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Standard error of the share of samples inside their 90 % bands, if it is truly 90 %."""
+        """Standard error of the share of samples inside their 90 % bands, if the truth is 90 %."""
         return math.sqrt(_SHARE * (1 - _SHARE) / self.contacts)
 
     @property
@@ -145,7 +146,10 @@ def fit_emulator(
 def _solve_kernel(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
 ) -> tuple[Array, Array]:
-    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs; see `Emulator`."""
+    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs.
+
+    See `fit_emulator` for the parameters, and `Emulator` for `constants`.
+    """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
@@ -186,8 +190,8 @@ def _kernel(
 ) -> tuple[Array, tuple[Array, ...]]:
     """Smooth part (n, m) of the covariance between two sets of features, and its three terms.
 
-    The terms are for linear, quadratic and further dependence. `one` and `other` are features. See
-    `Emulator` for the other parameters.
+    The terms are for linear, quadratic and further dependence. `one` (n, n_feature) and `other` (m,
+    n_feature) are the features. See `Emulator` for `dimensions` and `constants`.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -212,7 +216,7 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
     """Fit the kernel's constants: maximum of the posterior density under a weak prior.
 
-    See `fit_emulator` for the parameters; the mean is subtracted from `outputs`.
+    The parameters are those of `fit_emulator`, but `outputs` without their mean.
     """
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
@@ -273,7 +277,7 @@ def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
     """Group of each row (its contact), and masks of rows to leave out in cross-validation.
 
     There is a mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of
-    rows at the highest velocities.
+    rows at the highest velocities. `contacts` has the number of the contact of each row.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
@@ -370,7 +374,10 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights (n,) of values at nodes `x` whose sum is the value of a spline at `place`."""
+    """Weights (n,) of values at nodes `x` whose sum is the value of a spline at `place`.
+
+    `degree` is the degree of the spline.
+    """
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
@@ -380,7 +387,10 @@ _RULE = b"2"  # change this whenever the computation of the numbers changes
 def load_or_compute(
     keeper: Keeper | None, data: Sequence[Array | Any], find: Callable[[], Array]
 ) -> Array:
-    """Numbers that `find` computes from `data`, or that the store has kept from an earlier call."""
+    """Numbers that `find` computes from `data`, or that the store has kept from an earlier call.
+
+    `keeper` is the store's cache; None for no store.
+    """
     if keeper is None:
         return find()
     name = f"fit-{_hash(_RULE, *(np.ascontiguousarray(one).tobytes() for one in data))[:16]}"
@@ -393,7 +403,7 @@ def load_or_compute(
 
 
 def load_numbers(keeper: Keeper, name: str) -> Any:
-    """Numbers kept in the store as `name`; None if they are missing, or the file is damaged."""
+    """Numbers that a store's cache has kept as `name`; None if missing or damaged."""
     with suppress(ValueError, KeyError, TypeError, RecursionError):
         document = json.loads(keeper.kept(name) or b"")
         if document["hash"] == _hash(json.dumps(document["numbers"]).encode()):
@@ -408,9 +418,10 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Leave out steps later than `hold` [s] after full load is reached, from variables by name.
+    """Variables by name (`columns`) without the steps later than `hold` [s] after full load.
 
-    Returns None if a `done` point has no step with a temperature at the end of the hold.
+    `loads` are the full loads [N]. Returns None if a `done` point has no step with a temperature at
+    the end of the hold.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
@@ -425,7 +436,10 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Deciding rises [K] (n_sample, n_load), from `columns` and the conditions of each sample."""
+    """Deciding rises [K] (n_sample, n_load), from variables by name (`columns`).
+
+    `conditions` has the conditions of each sample.
+    """
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)
         for i, one in enumerate(conditions)

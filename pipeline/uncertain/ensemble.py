@@ -233,7 +233,7 @@ class Ensemble:
             raise InputError(f"no input of the samples is unknown: {values}; leave one open")
 
     def values(self, path: str, draws: Array) -> Array:
-        """Values [SI] of an input for n draws (n,): drawn, or fixed, or the scene's value."""
+        """Values [SI] of the input at `path` for n draws (n,): drawn, fixed, or the scene's."""
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
         values |= {one.unknown.path: one.value for one in self.fixed}
         if path in values:
@@ -275,7 +275,7 @@ class Ensemble:
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """Ensembles by hold [s]: this ensemble, and one for each test with a shorter hold."""
+        """Ensembles by hold [s]: this one, and for each test with a shorter hold one at its end."""
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()

@@ -199,7 +199,10 @@ def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sw
 
 
 def _add_samples(draw: Draw, count: int, sweep: Sweep) -> Sweep:
-    """The sweep with `count` samples for each variant; raises if a sample is not a valid scene."""
+    """The sweep with `count` samples for each variant; raises if a sample is not a valid scene.
+
+    `draw` generates the samples.
+    """
     made = replace(sweep, variants=sweep.variants * drawn_rows(draw, count))
     try:
         for name in made.variants.names[:_CHECKED_AT_ONCE]:

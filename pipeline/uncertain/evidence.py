@@ -37,7 +37,10 @@ _NODES, _FINE = 9, 65  # velocities at which rises are computed; more with a fri
 
 
 class Distances(NamedTuple):
-    """Distance in ln(velocity) of each test from the boundary of each draw (n_test, n)."""
+    """Distance in ln(velocity) of each test from the boundary of each draw (n_test, n).
+
+    `signs` is 1 where wear turns severe with velocity at the boundary, −1 where it turns mild.
+    """
 
     #: ln(V/V_c) of the test's velocity V and the nearest change V_c of wear, positive on its
     #: severe side.
@@ -72,7 +75,10 @@ class Truths(NamedTuple):
 
 
 def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
-    """Distances of `tests` from the boundary; their hold must be that of the ensemble."""
+    """Distances of `tests` from the boundary, for draws of all unknown quantities (`truths`).
+
+    The hold of the tests must be that of the ensemble.
+    """
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
     nodes = np.geomspace(*ensemble.velocities, count)
@@ -219,7 +225,10 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """All unknown inputs, of a sweep, its rig and its oils, and the tests that depend on them."""
+    """All unknown inputs, of a sweep, its rig and its oils, and the tests that depend on them.
+
+    `rig` and `oils` have the columns of the inputs that belong to the rig and to each oil.
+    """
 
     ensemble: Ensemble
     unknown: tuple[Unknown, ...]  # inputs of the sweep, then those of oils and rig
@@ -316,7 +325,10 @@ class Joint:
         return Distances(*found)
 
     def require_near(self, distances: Distances) -> None:
-        """Raise an `InputError` if even the best draw is far from the tests."""
+        """Raise an `InputError` if even the best draw is far from the tests.
+
+        `distances` are those of the tests; see `Distances`.
+        """
         scatter = float(self.scatters[-1])
         z = distances.values / np.sqrt(distances.variance + scatter**2)
         for number, test in enumerate(self.tests):

@@ -35,7 +35,10 @@ _FAR = 3.0  # ln(velocity) by which the excess is extrapolated beyond the sample
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InferredScatter:
-    """Scatter between runs in ln(velocity), inferred from the tests together with the inputs."""
+    """Scatter between runs in ln(velocity), inferred from the tests together with the inputs.
+
+    It has possible values of the scatter, with weights.
+    """
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
     by_draw: Array  # probability of each scatter by draw, (n, n_scatter)
@@ -122,7 +125,10 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """The field under other conditions; `InputError` if tests weigh the samples."""
+        """The field under an operating point's own conditions, such as its friction.
+
+        Raises an `InputError` if tests weigh the samples.
+        """
         if not own:
             return self
         if self.posterior:
@@ -189,8 +195,8 @@ class SampleField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is computed from the velocities at which wear changes in each draw. `shift` is added to
-        ln(rise).
+        It is computed from the velocities at which wear changes in each draw. `scatter` is the
+        distribution of a run about the model. `shift` is added to ln(rise).
         """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._cache_lines([load for load in np.unique(loads).tolist() if load not in self._cached])
@@ -203,7 +209,7 @@ class SampleField:
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
         """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe.
 
-        `shift` is added to ln(rise).
+        See `probability` for `scatter` and `shift`.
         """
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)
@@ -230,7 +236,10 @@ class SampleField:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
-        """Yield distribution functions of a run's scatter, each with weights of the draws."""
+        """Yield distribution functions of a run's scatter, each with the weights of the draws.
+
+        There is one for a given `scatter`, several if the scatter was inferred with the inputs.
+        """
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights
             return

@@ -54,7 +54,7 @@ class Draws:
         return np.tensordot(self.weights, values, axes=1)
 
     def spread(self, values: Array) -> float:
-        """Weighted standard deviation of `values` (n,)."""
+        """Weighted standard deviation of `values` (n,), one for each draw."""
         return math.sqrt(float(self.mean((values - self.mean(values)) ** 2)))
 
     def quantile(self, values: Array, share: float) -> float:

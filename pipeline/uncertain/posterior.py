@@ -40,7 +40,11 @@ def shown_test(tests: Sequence[Test]) -> int:
 
 
 class Judged(NamedTuple):
-    """A run of tests, compared with predictions from all other runs, and from all runs."""
+    """A run of tests, compared with predictions from all other runs, and from all runs.
+
+    `critical_velocity` has the 5, 50 and 95 % quantiles given all tests [m/s]. `probability` is
+    that of the outcome given all other runs.
+    """
 
     tests: tuple[Test, ...]
     #: 5, 50 and 95 % quantiles of the critical velocity at the run's test, given all tests [m/s].
@@ -183,7 +187,7 @@ class Posterior:
         return correlation
 
     def hidden(self) -> Iterator[tuple[str, str, float]]:
-        """Yield pairs of inputs that the tests cannot tell apart, and their correlation.
+        """Yield pairs of inputs of which the tests show only a combination, and their correlation.
 
         Pairs that the scene itself correlates are left out.
         """
@@ -234,6 +238,7 @@ def faults(
 ) -> tuple[str, ...]:
     """Reasons in words why the model does not fit the tests; empty if it does.
 
+    `draws` are those of the posterior, `scatter` is the assumed relative scatter of velocities, and
     `inferred` has the 5, 50 and 95 % quantiles of the scatter.
     """
     words = []

@@ -30,7 +30,7 @@ _ROUNDED = 0.005  # least relative error of a measured friction: logs have two o
 
 
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
-    """ln(friction) in a test, its variance, and ln(likelihood), for each draw.
+    """ln(friction) that acted in a test, its variance, and ln(likelihood), for each draw.
 
     The likelihood is for the friction measured in the test. `rig` (n, 2) has draws of the rig's
     friction and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the

@@ -67,8 +67,8 @@ def effective_share(log_weights: Array) -> float:
 def _next_power(likelihood: Array, over: Array, power: float) -> float:
     """Next exponent of the likelihood, from `power` up to 1.
 
-    It is the largest exponent that leaves enough effective draws. `over` is ln(prior/proposal) of
-    the draws.
+    It is the largest exponent that leaves enough effective draws. `likelihood` is the logarithm of
+    the likelihood of the draws, and `over` is ln(prior/proposal) of them.
     """
 
     def excess(other: float) -> float:
@@ -88,7 +88,10 @@ class Mixture(NamedTuple):
 
     @classmethod
     def fit(cls, scores: Array, weights: Array, chance: np.random.Generator) -> Mixture:
-        """Fit normal components to weighted scores by expectation maximisation."""
+        """Fit normal components to weighted scores by expectation maximisation.
+
+        `scores` are (n, n_unknown), `weights` (n,), and `chance` picks the first centres.
+        """
         n = scores.shape[1]
         spread = np.cov(scores.T, aweights=weights, ddof=0).reshape(n, n) + 1e-9 * np.eye(n)
         centres = scores[chance.choice(len(scores), _PARTS, p=weights)]

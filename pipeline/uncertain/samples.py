@@ -116,7 +116,10 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """Unknown inputs, and the design that generates their samples."""
+    """Unknown inputs, and the design that generates their samples.
+
+    `fixed` are inputs whose distribution a later value replaces.
+    """
 
     unknown: tuple[Unknown, ...]
     design: Design
@@ -153,7 +156,7 @@ class Draw:
 
 
 def drawn_rows(draw: Draw, count: int) -> Variants:
-    """Variants for `count` samples: a row with the inputs and the velocity of each."""
+    """Variants for `count` samples of a `draw`: a row with the inputs and velocity of each."""
     values, velocities = draw.design.draw(count)
     inputs, meaning = draw.design.inputs, "value of an input that is not known exactly"
     words = "sliding velocity of the sample"
@@ -171,7 +174,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
-    """Quantiles at `shares` of the sum of two uniform numbers, up to `one` and up to `other`."""
+    """Quantiles at `shares` of the sum of two uniform numbers, from 0 to `one` and to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2
@@ -181,7 +184,10 @@ def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Move uniform numbers outwards, so that samples reach further into an input's tails."""
+    """Move uniform numbers outwards, so that samples reach further into an input's tails.
+
+    `shares` are the numbers, from 0 to 1.
+    """
     if unknown.kind not in ("normal", "log-normal"):
         return shares
     scores: Array = scipy.special.ndtr(

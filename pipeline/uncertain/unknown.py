@@ -100,7 +100,7 @@ class Unknown:
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
-        """Value [SI] as text in the unit of `shown`."""
+        """Value [SI] as text in the unit of `shown`, with this many `digits`."""
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:

@@ -91,7 +91,10 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
 
 
 def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
-    """Weigh draws by the tests, with new draws if few fit; return draws and compared tests."""
+    """Weigh the draws `before` by the tests, or make new draws if few fit.
+
+    `model` has the inputs and the tests. Returns weighed draws, and the tests compared with them.
+    """
     judgement = model.judge_draws(before.inputs)
     model.require_near(judgement.distances)
     inputs, over = before.inputs, np.zeros(len(before.inputs))
@@ -113,8 +116,8 @@ def _left_out_judgements(
 ) -> Iterator[Judged]:
     """Yield each run, compared with the prediction from all other runs; see `Judged`.
 
-    `scatter` is the assumed relative scatter of measured velocities. `fits` is True if the model
-    fits all runs together.
+    `judgement` has all tests compared with the `draws`. `scatter` is the assumed relative scatter
+    of measured velocities. `fits` is True if the model fits all runs together.
     """
     unknown, (distances, runs, joint) = model.ensemble.unknown, judgement
     limit = -math.expm1(math.log1p(-FALSE_ALARMS) / len(model.runs))
@@ -172,7 +175,7 @@ def _student_share(z: Array) -> Array:
 
 
 def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """Posterior given the scene's tests, if `pipeline.at` asked to weigh by tests; else None."""
+    """Posterior given the tests of the scene `held`; None unless `pipeline.at` asked for it."""
     scatter = held.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None
