@@ -90,9 +90,9 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings of a table.
+    """Append units to the headings of a table, from a row of units above it.
 
-    They stand in a row above the table, which begins with the cell `first`.
+    The row of units begins with the cell `first`.
     """
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells

@@ -119,7 +119,7 @@ def compute_points(name: str, points: Sequence[Point]) -> bytes:
 def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
     """Simulate points that share a contact; return their records, failed ones with the reason.
 
-    `run` has the sweep.
+    `run` has the sweep to which the points belong.
     """
     try:
         results = run_points(run.sweep, points, _trunks)

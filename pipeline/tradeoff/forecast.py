@@ -40,7 +40,7 @@ _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 @shown
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Forecast cost of a sweep."""
+    """Forecast of a sweep: numbers of points, steps and tasks, time [s], and disk space [B]."""
 
     points: int  #: Points of the diagram.
     steps: int  #: Contacts to solve for these points.

@@ -363,7 +363,7 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of values (n, n_load) from lines through the two neighbours in `x`."""
+    """Standard deviation of values (n, n_load) from lines through the neighbours of each in `x`."""
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]

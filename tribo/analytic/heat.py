@@ -146,8 +146,9 @@ def resting_ellipse_rise(
 ) -> float:
     """Highest steady temperature rise under a flux q₀√(1 − x²/a² − y²/b²) on a body at rest [K].
 
-    θ = q₀ b K(e)/(2K) with the shorter semi-axis b [m] and e² = 1 − b²/a²: steady conduction and
-    elastic displacement obey the same integral (Johnson, Eq. 3.69).
+    θ = q₀ b F(e)/(2K) with the shorter semi-axis b [m], e² = 1 − b²/a², the complete elliptic
+    integral of the first kind F(e) and the conductivity K: steady conduction and elastic
+    displacement obey the same integral (Johnson, Eq. 3.69).
 
     Examples
     --------
@@ -175,7 +176,8 @@ def moving_ellipse_rise(
 
         θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ,
 
-    with φ = 0 upstream. The result is accurate to 1e-4 for ratios of the semi-axes up to 20.
+    with the flux q [W/m²], and φ = 0 upstream. The result is accurate to 1e-4 for ratios of the
+    semi-axes up to 20.
 
     Examples
     --------

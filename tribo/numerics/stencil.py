@@ -124,6 +124,9 @@ class Preconditioner:
     exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil reaches into other rows, k must be small; then
     (1) is nearly symmetric, too.
 
+    `inverse` applies the stencil S at the nodes, `rows` has the row of each node, and `coupling` is
+    k.
+
     Examples
     --------
     Two soft rows of two nodes: a difference between the rows counts less than one within a row.

@@ -136,7 +136,8 @@ def _worn_volume(
 ) -> float:
     """Volume that the whole pin has lost from the start to a station [m³].
 
-    `wear` is for the step from `state`, and `element_area` for the whole pin [m²].
+    `wear` is for the step from `state`, and `element_area` is the area of the whole pin that one
+    element represents [m²].
     """
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law:  # the rate is known for this step alone
