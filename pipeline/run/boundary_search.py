@@ -89,25 +89,25 @@ class BoundarySearch:
         There are none once the search is done.
         """
         past, chosen = {*rises, *failures}, set[Point]()
-        roots = {load: self._roots(*row) for load in self.loads if (row := self._row(rises, load))}
+        roots = {load: self._roots(*xy) for load in self.loads if (xy := self._points(rises, load))}
         bends = [bend for found in roots.values() for root in found for bend in root.bends]
         curvature = min(max(_LEAST_CURVATURE, 1.5 * max(bends)), 100.0) if bends else _CURVATURE
         for load, expected in (roots | self._first_roots(roots)).items():
-            here = {Point(load, v) for root in expected for v in self._next(root, curvature)}
+            here = {Point(load, v) for root in expected for v in self._refine(root, curvature)}
             if load not in roots and here <= past:
                 here = {Point(load, self.lowest), Point(load, self.highest)}
             chosen |= here
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
-    def _row(self, rises: Mapping[Point, float], load: float) -> tuple[Array, Array] | None:
-        """Known points at a load: ln(velocity) and ln(rise/friction); None without points."""
+    def _points(self, rises: Mapping[Point, float], load: float) -> tuple[Array, ...]:
+        """ln(velocity) and ln(rise/friction) at the known points of a load; empty without them."""
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
             if point.load == load and self.lowest <= point.velocity <= self.highest and rise > 0
         )
         if not known:
-            return None
+            return ()
         velocities, values = np.array(known).T
         return np.log(velocities), np.log(values / self.factor(velocities))
 
@@ -151,7 +151,7 @@ class BoundarySearch:
             first[load] = [_Root(float(place))]
         return first
 
-    def _next(self, root: _Root, curvature: float) -> set[float]:
+    def _refine(self, root: _Root, curvature: float) -> set[float]:
         """Velocities to compute next on both sides of a crossing, on the coarsest grid possible.
 
         `curvature` is κ of `_curvatures`. The set is empty once the crossing is known to the
