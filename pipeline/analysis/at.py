@@ -22,9 +22,9 @@ from pipeline.analysis.dataset import (
     OIL,
     RULES,
     Kind,
+    add_scene_ids,
     dataset_of,
     entry_dims,
-    identified,
     judged_values,
     name_at,
     scene_sweep,
@@ -177,7 +177,7 @@ def _weigh_by_tests(
             f"{', '.join(others)}: the tests have weighed these conditions; leave this out"
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
-    return identified(ds.assign_attrs(at=json.dumps(values)))
+    return add_scene_ids(ds.assign_attrs(at=json.dumps(values)))
 
 
 def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
@@ -186,7 +186,7 @@ def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
     if oil not in names:
         known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
         raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")
-    return identified(ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil})))
+    return add_scene_ids(ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil})))
 
 
 def _si_value(path: str, value: Any) -> Any:
@@ -244,7 +244,7 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     attributes["at"] = json.dumps(both)
     # Drop labels of conditions that are replaced; inputs of samples stay as they were drawn.
     labels = [path for path in values if path in ds.coords and path in _NAMES]
-    return identified(ds.drop_vars(labels).assign_attrs(attributes))
+    return add_scene_ids(ds.drop_vars(labels).assign_attrs(attributes))
 
 
 def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:

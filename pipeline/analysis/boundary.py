@@ -127,11 +127,11 @@ def _plane_boundary(data: Results) -> xr.Dataset:
             bulk, dims = found.conditions.mean_bulk_temperature, result[f"critical_{axis}"].dims
             film = oil.film_parameter(places["load"], places["velocity"], bulk)
             words = "film parameter at the crossing"
-            result[f"film_parameter_at_{line}"] = _described(dims, film, "1", words)
+            result[f"film_parameter_at_{line}"] = _variable(dims, film, "1", words)
     return _add_errors(result, found)
 
 
-def _described(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
+def _variable(dims: Any, values: Any, units: str, words: str) -> xr.Variable:
     return xr.Variable(dims, values, {"units": units, "long_name": words})
 
 
@@ -180,10 +180,10 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
         f"words_at_{line}": (found.texts(axis), "1", "outcome in words"),
     }  # fmt: skip
     result: dict[str, Any] = {
-        name: _described(dims, values.reshape(shape), units, words)
+        name: _variable(dims, values.reshape(shape), units, words)
         for name, (values, units, words) in columns.items()
     }
-    result[f"turns_at_{line}"] = _described(
+    result[f"turns_at_{line}"] = _variable(
         [*dims, "turn"], np.sort(turns).reshape(*shape, -1), unit, f"{noun} at which wear turns"
     )
     meanings = {
@@ -194,7 +194,7 @@ def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     codes = found.outcome.reshape(shape)
     result[f"outcome_at_{line}"] = dims, codes.astype(np.int8), meanings
     if field.source.front:
-        result[f"critical_{axis}_quantile"] = _described(
+        result[f"critical_{axis}_quantile"] = _variable(
             ["quantile", line], _quantiles(found), unit, "that a share of the surfaces stays below"
         )
     return result
@@ -221,7 +221,7 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
         ("mild_below", bands[:, 0], "below this velocity the next run is mild"),
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),
     ):
-        boundaries[name] = _described("load", ends, "m/s", words)
+        boundaries[name] = _variable("load", ends, "m/s", words)
     misfit = {"misfit": field.misfit} if field.misfit else {}
     notes = join_notes(scene_caveats(data, field.conditions))
     return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
@@ -241,7 +241,7 @@ def _samples_boundary(scene: Results) -> xr.Dataset:
         attrs=_condition_attributes(field.conditions, scene.sweep.variants.rule.unknown),
     )
     words = "velocity at which the next run is severe with a probability"
-    result["critical_velocity_quantile"] = _described(
+    result["critical_velocity_quantile"] = _variable(
         ["quantile", "load"], np.transpose(lines), "m/s", words
     )
     return _add_errors(result, field)

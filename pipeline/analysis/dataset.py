@@ -173,7 +173,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ordered(open_store(path)).drop_vars(["checksum", "message"], errors="ignore")
 
 
-def identified(ds: xr.Dataset) -> xr.Dataset:
+def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
     """Add digests of the scene, with the choices of `pipeline.at`, as coordinate ``scene_id``."""
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)

@@ -197,7 +197,7 @@ def compared(data: Results) -> pd.DataFrame | None:
     heads, rows = heads_of(data.rows, data.entry_dims), list[tuple[Any, ...]]()
     for scene in data.scenes:
         labels = [scene.rows[name].item() for name in heads]
-        rows += [(*labels, *row) for row in _rows(scene)]
+        rows += [(*labels, *row) for row in _test_rows(scene)]
     return frame_of([*heads.values(), *_HEADS], rows)
 
 
@@ -220,7 +220,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     )
 
 
-def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
+def _test_rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     """Yield rows of the table of tests, one for each test of a scene."""
     field = point_field(scene)
     under = functools.cache(field.under)
@@ -233,7 +233,7 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
             own = own_conditions(scene, test)
             at = own.friction, own.bulk_temperature
             found = comparison(under(own), test)
-            computed, temperature, agrees = _answer(test, under(own), found)
+            computed, temperature, agrees = _test_answer(test, under(own), found)
             if found.place != place:
                 note = f"computed at {found.place[1]:g} m/s, where the points end"
         except InputError as error:
@@ -242,7 +242,7 @@ def _rows(scene: Results) -> Iterator[tuple[Any, ...]]:
         yield (kind, *place, *at, test.hold, computed, temperature, agrees, note)
 
 
-def _answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
+def _test_answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
     """Computed outcome in words, deciding temperature [K], and whether the test agrees.
 
     `found` compares the test with `field`. A difference within the numerical error and the scatter

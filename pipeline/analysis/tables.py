@@ -34,7 +34,7 @@ _FEWEST_LETTERS = 20  # least width of a broken last column
 
 def frame_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> pd.DataFrame:
     """Data frame of rows in SI, converted to the units of headings such as ``load [N]``."""
-    units = [_parts(head)[1] for head in heads]
+    units = [_split_heading(head)[1] for head in heads]
     shown = [
         tuple(
             shown_in(value, unit) if unit and _is_number(value) else value
@@ -55,7 +55,7 @@ def some_rows(frame: pd.DataFrame, most: int) -> pd.DataFrame:
     return frame.iloc[np.unique(np.linspace(0, len(frame) - 1, most).round().astype(int))]
 
 
-def upright(frame: pd.DataFrame) -> pd.DataFrame:
+def transposed(frame: pd.DataFrame) -> pd.DataFrame:
     """Transpose a frame of one row: each column that is not empty becomes a row."""
     columns = short(frame)
     (cells,) = _cells(columns, "-")
@@ -162,7 +162,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
     return is_number and not math.isnan(value)
 
 
-def _parts(head: str) -> tuple[str, str]:
+def _split_heading(head: str) -> tuple[str, str]:
     """Split a heading into name and unit; an unknown unit stays in the name."""
     match = _HEAD.fullmatch(head)
     return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")

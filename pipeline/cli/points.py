@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.laboratory import laboratory_tests, require_one_oil
 from pipeline.analysis.margin_frame import judged, margin_frame
-from pipeline.analysis.tables import frame_of, upright
+from pipeline.analysis.tables import frame_of, transposed
 from pipeline.analysis.words import missing_lines
 from pipeline.cli.given import one_scene_in
 from pipeline.cli.output import Result, working
@@ -74,7 +74,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
         frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
     if alone and laboratory_tests(data):
         text.append("tests of the scene at other places are left out, by --alone")
-    text += [*missing_lines(data.missing), "", upright(contact), "", *caveats_of(data)]
+    text += [*missing_lines(data.missing), "", transposed(contact), "", *caveats_of(data)]
     return Result(text=text, warned=pipeline.warned(data), frames=[frame])
 
 

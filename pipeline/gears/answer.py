@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 import pipeline.gears
-from pipeline.analysis.tables import frame_of, records, short, upright, writable_path, write_text
+from pipeline.analysis.tables import frame_of, records, short, transposed, writable_path, write_text
 from pipeline.cli import output
 from pipeline.cli.given import settings_in
 from pipeline.cli.output import Result, wrapped
@@ -69,7 +69,7 @@ def gears(options: argparse.Namespace) -> Result:
     if options.new_scene:
         write_text(scene_toml([found_mesh]), options.new_scene)
         sentences.append(f"scene: {options.new_scene}")
-    text = [part for row in found for part in (upright(row), "")]
+    text = [part for row in found for part in (transposed(row), "")]
     if "notes" not in table:
         table["notes"] = join_notes(map(str, (*doubts(found_mesh), *pair.caveats)))
     caveats = split_notes(table["notes"])
