@@ -302,12 +302,12 @@ def _cross_validate(
         inverse = whitener.T @ whitener
         for one in np.unique(groups[rows]):
             scores[groups == one] = _left_out_errors(inverse, weights, groups == one)
-    factors = _factors(scores, count)
+    factors = _band_factors(scores, count)
     spread = np.maximum(np.sqrt(np.mean(scores**2, axis=0)), _LEAST_SCORE)
     together = np.mean((scores / spread)[:, :, None] * (scores / spread)[:, None], axis=0)
     # Each contact is judged with factors found from all other contacts.
-    limits = OF_90 * np.array([_factors(scores[groups != one], count - 1) for one in range(count)])
-    held = np.abs(scores) <= limits[groups]
+    limits = OF_90 * np.array([_band_factors(scores[groups != k], count - 1) for k in range(count)])
+    is_inside = np.abs(scores) <= limits[groups]
     at_ends = [
         _left_out_errors(whitener.T @ whitener, weights, rows) / factors
         for rows, (whitener, weights) in (low, high)
@@ -317,10 +317,10 @@ def _cross_validate(
     if at_ends:
         widening = max(1.0, band_factor(np.concatenate(at_ends), sum(map(len, at_ends))))
     covariance = np.outer(factors, factors) * together
-    return LeftOut(covariance, widening, float(np.mean(held)), count)
+    return LeftOut(covariance, widening, float(np.mean(is_inside)), count)
 
 
-def _factors(scores: Array, count: int) -> Array:
+def _band_factors(scores: Array, count: int) -> Array:
     """`band_factor` of each output, from scores (n, n_output) in `count` independent groups."""
     return np.maximum([band_factor(one, count) for one in scores.T], _LEAST_SCORE)
 

@@ -125,31 +125,31 @@ class Ensemble:
         """
         if isinstance(ds, Ensemble):
             return ds
-        held = results(ds)
-        if held.kind is not Kind.SAMPLES:
+        data = results(ds)
+        if data.kind is not Kind.SAMPLES:
             raise InputError(
                 "the sweep has no samples; give [unknown] and sweep.samples in the scene, and run "
                 "it into a new store"
             )
-        require_one_scene(held.entry_dims)
-        if VARIANT not in held.front:
+        require_one_scene(data.entry_dims)
+        if VARIANT not in data.front:
             raise InputError(
                 "the dataset has a single sample, but answers need all samples; do not select by "
                 f"{VARIANT}"
             )
-        held.require_lists("load")
-        sweep = held.sweep
+        data.require_lists("load")
+        sweep = data.sweep
         draw = Draw.of(sweep.variants.draw)
-        design, conditions = draw.design, held.conditions
+        design, conditions = draw.design, data.conditions
         paths = [quantity.path for quantity in design.inputs]
-        taken = held.asked.any(axis=(1, 2))
-        rows, loads = held.rows.isel(variant=taken), held.loads
+        taken = data.asked.any(axis=(1, 2))
+        rows, loads = data.rows.isel(variant=taken), data.loads
         numbers = rows["sample"].values
         inputs = np.array([rows[quantity.path].values for quantity in design.inputs]).T
         is_drawn = SHARE in paths and SHARE not in {one.unknown.path for one in draw.fixed}
         shares = inputs[:, paths.index(SHARE)].tolist() if is_drawn else None
         of_rows = _row_conditions(conditions, sweep, rows["variant"].values.tolist(), shares)
-        columns = {k: v[taken, :, 0] for k, v in held.columns.items() if k in STEPPED or k in MADE}
+        columns = {k: v[taken, :, 0] for k, v in data.columns.items() if k in STEPPED or k in MADE}
         rises = decisive_rises(columns, loads, of_rows)
         done = np.isfinite(rises.sum(axis=1))
         _require_enough(int(np.count_nonzero(done)), len(numbers))
@@ -177,7 +177,7 @@ class Ensemble:
             missing=int(np.count_nonzero(~done)),
             same_rig=sweep.declared.friction.same_rig,
             velocity_error=velocity_error(sweep),
-            keeper=held.keeper,
+            keeper=data.keeper,
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
@@ -346,9 +346,9 @@ class Ensemble:
 
 def keep_fits(ds: xr.Dataset) -> None:
     """Fit the emulators of a store's samples, and keep the fits in the store for later commands."""
-    held = results(ds)
-    held.keeper.may_keep = True
-    for scene in held.scenes:
+    data = results(ds)
+    data.keeper.may_keep = True
+    for scene in data.scenes:
         with suppress(InputError):  # too few samples are done
             for one in Ensemble.of(scene).ensembles_by_hold.values():
                 _ = one._rise

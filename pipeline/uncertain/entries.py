@@ -22,7 +22,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.tables import CURVES, entry_at, flat, replace_values
 from pipeline.sweep.variants import Variants
-from pipeline.uncertain.format import UNKNOWN, Shape
+from pipeline.uncertain.format import UNKNOWN, StatedDistribution
 from pipeline.uncertain.samples import (
     REACH,
     SPECIFIC_WEAR_RATE,
@@ -92,7 +92,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
             "probabilities scale the whole rise by friction: give one, or leave out [unknown] "
             "and use irg vary"
         )
-    inputs, known = _inputs(scene, fixed, faults)
+    inputs, known = _read_inputs(scene, fixed, faults)
     for one in known:
         faults.note("unknown", f"{one}, because the scene also gives a value")
     if len(inputs) > MOST_INPUTS:
@@ -120,7 +120,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
     return _add_samples(Draw(inputs, design, known), count, sweep)
 
 
-def _inputs(
+def _read_inputs(
     scene: Any, fixed: Collection[str], faults: Faults
 ) -> tuple[tuple[Unknown, ...], tuple[Fixed, ...]]:
     """Unknown inputs, and inputs at the paths `fixed`, whose distribution a value replaces."""
@@ -130,13 +130,13 @@ def _inputs(
             one = _read_input(path, shape.form, shape.parameters)
             varies = shape.varies or path.endswith(".seed")
             inputs.append(replace(one, varies=varies))
-    joint = _correlated(inputs, table, faults)
+    joint = _add_correlations(inputs, table, faults)
     known = tuple(Fixed(one, entry_at(scene, one.path)) for one in joint if one.path in fixed)
     return without(joint, fixed), known
 
 
-def _correlated(
-    unknown: Sequence[Unknown], table: Mapping[str, Shape], faults: Faults
+def _add_correlations(
+    unknown: Sequence[Unknown], table: Mapping[str, StatedDistribution], faults: Faults
 ) -> tuple[Unknown, ...]:
     """Add correlations with earlier inputs to each unknown input, from the table ``[unknown]``."""
     order = {one.path: number for number, one in enumerate(unknown)}

@@ -66,7 +66,7 @@ def require_possible(ensemble: Ensemble) -> None:
             )
 
 
-class Truths(NamedTuple):
+class JointDraws(NamedTuple):
     """Draws of all unknown quantities that affect tests; arrays have a row for each draw."""
 
     inputs: Array  # unknown inputs of the scene [SI], (n, n_unknown)
@@ -74,7 +74,7 @@ class Truths(NamedTuple):
     oils: Mapping[str, Array] = {}  # critical temperatures [K] of oils that have their own, (n,)
 
 
-def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: Truths) -> Distances:
+def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: JointDraws) -> Distances:
     """Distances of `tests` from the boundary, for draws of all unknown quantities (`truths`).
 
     The hold of the tests must be that of the ensemble.
@@ -310,7 +310,7 @@ class Joint:
 
         `inputs` (n, n_all) has the unknown inputs of the scene, then the inputs of oils and rig.
         """
-        truths = Truths(
+        truths = JointDraws(
             inputs[:, : len(self.ensemble.unknown)],
             inputs[:, self.rig] if self.rig else None,
             {oil: inputs[:, column] for oil, column in self.oils.items()},

@@ -224,15 +224,15 @@ class SampleField:
             step = grid[1] - grid[0]
             k = np.clip(((at - grid[0]) / step).astype(int), 0, _GRID - 2)
             share = (at - grid[k]) / step
-            held = np.bincount(k, weight * (1 - share), _GRID)
-            held += np.bincount(k + 1, weight * share, _GRID)
-            (some,) = np.nonzero(held)
+            binned = np.bincount(k, weight * (1 - share), _GRID)
+            binned += np.bincount(k + 1, weight * share, _GRID)
+            (some,) = np.nonzero(binned)
             if not some.size:  # no draw turns, or none that turns has this scatter
                 continue
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)
             table = np.linspace(-far, far, _GRID)
-            result += (1 - np.interp(apart, table, below(table))) @ held[some]
+            result += (1 - np.interp(apart, table, below(table))) @ binned[some]
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
@@ -319,9 +319,9 @@ def _normal_below(sd: float, distances: Array) -> Array:
     return np.asarray(ndtr(distances / sd))
 
 
-def fields(held: Results) -> list[SampleField]:
+def fields(data: Results) -> list[SampleField]:
     """Field of each scene in a sweep of samples."""
-    return [single_field(scene) for scene in held.scenes]
+    return [single_field(scene) for scene in data.scenes]
 
 
 def single_field(ds: xr.Dataset | Results) -> SampleField:
@@ -336,14 +336,14 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 def _describe_left_out(ensemble: Ensemble) -> str:
     """Say how many samples are inside 90 % bands that were predicted without them."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
-    held = (
+    inside = (
         f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "
         "their 90 % bands"
     )
     if not left_out.is_known:
         takes = f"to tell takes {JUDGED} contacts, not {left_out.contacts}"
-        return f"{count} samples may not suffice: {held}; {takes}"
+        return f"{count} samples may not suffice: {inside}; {takes}"
     if not left_out.is_right:
-        return f"{count} samples may not suffice: {held}; it should be 85 to 95 %"
+        return f"{count} samples may not suffice: {inside}; it should be 85 to 95 %"
     suffice = " suffice" if count == ensemble.design.sufficient else ""
-    return f"{count} samples{suffice}: {held}"
+    return f"{count} samples{suffice}: {inside}"

@@ -30,10 +30,10 @@ _LOADS, _VELOCITIES = 45, 121  # nodes at which the probability is drawn
 
 
 @style.house_style
-def draw_probability(held: Results, log: bool = False) -> Figure:
+def draw_probability(data: Results, log: bool = False) -> Figure:
     """Draw the probability of severe wear over velocity and load; `log` for logarithmic axes."""
-    field = single_field(held)
-    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(held, field)
+    field = single_field(data)
+    ensemble, weighed, scatter = field.ensemble, field.posterior, model_error(data, field)
     figure, axes = style.canvas((7.2, 5.4))
     x = np.linspace(*ensemble.velocities, _VELOCITIES)
     y = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
@@ -49,7 +49,7 @@ def draw_probability(held: Results, log: bool = False) -> Figure:
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability that the next run is severe")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
-    tests = laboratory_tests(held)
+    tests = laboratory_tests(data)
     (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
     if columns.size:  # show velocities where the outcome is uncertain at some load, with a margin
         left, right = x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)]

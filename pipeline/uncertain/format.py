@@ -15,7 +15,7 @@ from pipeline.sweep.tables import Entries, entry_at
 MOST_SAMPLES = 100_000  # reading each as a scene takes 1 ms
 
 
-class Shape(NamedTuple):
+class StatedDistribution(NamedTuple):
     """Distribution of an input, as stated in a scene file."""
 
     form: str  # kind of distribution, or "list"
@@ -40,10 +40,10 @@ class Distribution(Kind):
         pairs = [" and ".join(table.needed) for table in self.forms]
         return f"a table with {', or '.join(pairs)}; or {self.listed}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Shape | None:
+    def _read(self, value: Any, place: str, faults: Faults) -> StatedDistribution | None:
         if isinstance(value, list):
             items = self.listed.read(value, place, faults)
-            return items and Shape("list", items, False, {})
+            return items and StatedDistribution("list", items, False, {})
         keys = set(value) if isinstance(value, dict) else set()
         fits = (table for table in self.forms if set(table.needed) <= keys <= set(table.keys))
         table = next(fits, None)
@@ -53,7 +53,7 @@ class Distribution(Kind):
         *parameters, varies, correlated = table._read(value, place, faults).values()
         if None in (varies, correlated, *parameters):
             return None
-        return Shape(table.form, tuple(parameters), varies, correlated)
+        return StatedDistribution(table.form, tuple(parameters), varies, correlated)
 
 
 # fmt: off

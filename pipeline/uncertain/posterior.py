@@ -60,7 +60,7 @@ class Judged(NamedTuple):
         return self.tests[shown_test(self.tests)]
 
     @property
-    def since(self) -> Test | None:
+    def last_mild(self) -> Test | None:
         """Last mild test of a run that turned severe: highest load × velocity; else None."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
@@ -69,9 +69,9 @@ class Judged(NamedTuple):
     def outcome(self) -> str:
         """Outcome of the run in words, such as "severe, mild up to 400 N"."""
         found = str(self.test.get("outcome", "transition"))
-        if self.since is None:
+        if self.last_mild is None:
             return found
-        load, velocity = self.since["normal_load"], self.since["velocity"]
+        load, velocity = self.last_mild["normal_load"], self.last_mild["velocity"]
         is_load = velocity == self.test["velocity"]
         return f"{found}, mild up to {f'{load:g} N' if is_load else f'{velocity:g} m/s'}"
 
@@ -206,7 +206,7 @@ class Posterior:
             "tests": [
                 dict(judged.test)
                 | {
-                    "mild_before": judged.since and dict(judged.since),
+                    "mild_before": judged.last_mild and dict(judged.last_mild),
                     "critical_velocity": _share_values(judged.critical_velocity),
                     "probability_by_others": judged.probability,
                     "contradicts_others": judged.contradicts,

@@ -46,7 +46,7 @@ def sample(
         if mixture:
             log_prior = -0.5 * (np.sum(scores**2, axis=1) + n * math.log(2 * math.pi))
             over = log_prior - mixture.log_density(scores)
-        power = _next_power(likelihood, over, power)
+        power = _next_exponent(likelihood, over, power)
         share = effective_share(likelihood + over)
         if share >= most:
             best, most = (inputs, likelihood + over), share
@@ -64,7 +64,7 @@ def effective_share(log_weights: Array) -> float:
     return float(np.exp(total)) / len(log_weights)
 
 
-def _next_power(likelihood: Array, over: Array, power: float) -> float:
+def _next_exponent(likelihood: Array, over: Array, power: float) -> float:
     """Next exponent of the likelihood, from `power` up to 1.
 
     It is the largest exponent that leaves enough effective draws. `likelihood` is the logarithm of

@@ -174,9 +174,9 @@ def _student_share(z: Array) -> Array:
     return np.asarray(np.where(t < 0, tail, 1.0 - tail))
 
 
-def posterior_at(held: Results, ensemble: Ensemble) -> Posterior | None:
-    """Posterior given the tests of the scene `held`; None unless `pipeline.at` asked for it."""
-    scatter = held.judged.get(GIVEN_MEASURED)
+def posterior_at(data: Results, ensemble: Ensemble) -> Posterior | None:
+    """Posterior given the tests of the scene `data`; None unless `pipeline.at` asked for it."""
+    scatter = data.judged.get(GIVEN_MEASURED)
     if scatter is None:
         return None
     if not ensemble.tests:
