@@ -55,18 +55,18 @@ def tests(options: argparse.Namespace) -> Result:
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     """Result for a log file: columns, tests, faults, scene lines. See `_log_toml` for `named`."""
     found, faults = log.tests, log.sheet.faults
-    if log.row_of is Test and not faults:  # faulty rows have no test
+    if log.row_class is Test and not faults:  # faulty rows have no test
         faults += [
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
             for place, problem in run_faults([Test(**row) for row in log.in_si])
         ]
     toml = [*_log_toml(log, path, named)] if found and not faults else []
-    doubts = [*_doubts(log.in_si)] if log.row_of is not Stages else []
+    doubts = [*_unit_doubts(log.in_si)] if log.row_class is not Stages else []
     document = {
         "file": str(path), **_describe(log.sheet, log.export), "words": log.words, "tests": found,
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,
     }  # fmt: skip
-    text: list[str | pd.DataFrame] = [*_head(path, log.sheet, log.export)]
+    text: list[str | pd.DataFrame] = [*_file_lines(path, log.sheet, log.export)]
     text += [*_column_frames(log.sheet, log.words), ""]
     if toml:
         text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
@@ -94,7 +94,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
         "candidates": [one._asdict() for one in trace.candidates],
         "tests": tests, "toml": "\n".join(toml),
     }  # fmt: skip
-    text: list[str | pd.DataFrame] = [*_head(path, read.sheet, read.export)]
+    text: list[str | pd.DataFrame] = [*_file_lines(path, read.sheet, read.export)]
     text += [f"a trace of friction, {len(trace.time)} rows", *trace.lines(), "", *toml]
     draw = None
     if options.output:
@@ -104,7 +104,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     return Result(document, text, draw=draw)
 
 
-def _head(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
+def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
     """Yield lines on a file: its format, rows left out, and a shipped scene for the rig.
 
     `export` is the format of the test machine's export.
@@ -143,7 +143,7 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
     return f"{number}: {counts}".removesuffix(": ")
 
 
-def _doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def _unit_doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield warnings on tests whose values (SI, by name) are probably in another unit."""
     for row in in_si:
         for doubt in doubts_of_row(row):

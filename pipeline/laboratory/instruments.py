@@ -33,7 +33,7 @@ _VALUES = {"b": "?", "c": "u1", "i": "<i4", "q": "<i8", "d": "<f8"}
 _POINTS = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
-class Raw(NamedTuple):
+class RawScan(NamedTuple):
     """Heights as in a file; pixel size and unit are None if the file does not state them.
 
     `steps` are the sides of a pixel in an unknown unit, if the file has only these.
@@ -45,7 +45,7 @@ class Raw(NamedTuple):
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
 
-def read_instrument(path: Path) -> Raw:
+def read_instrument(path: Path) -> RawScan:
     """Read an instrument's file; raises an `InputError` with the reason if it cannot be read."""
     suffix = path.suffix.lower()
     if suffix in _UNSURE:
@@ -62,7 +62,7 @@ def read_instrument(path: Path) -> Raw:
         ) from error
 
 
-def _read_x3p(path: Path) -> Raw:
+def _read_x3p(path: Path) -> RawScan:
     """Read a surface of ISO 25178-72 (.x3p): a matrix in a binary member, or a list in XML."""
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
@@ -99,7 +99,7 @@ def _read_x3p(path: Path) -> Raw:
     if any(_text(axis, "AxisType", "I") != "I" for axis in (x_axis, y_axis)):
         raise InputError(f"{path}: heights are not on a regular grid; give a regular grid")
     x, y = (abs(float(_text(axis, "Increment", "0"))) for axis in (x_axis, y_axis))
-    return Raw(heights.T, (x, y) if x and y else None, 1.0)
+    return RawScan(heights.T, (x, y) if x and y else None, 1.0)
 
 
 def _text(element: Any, name: str, usual: str = "") -> str:
@@ -107,7 +107,7 @@ def _text(element: Any, name: str, usual: str = "") -> str:
     return (element.findtext(f".//{{*}}{name}") or usual).strip()
 
 
-def _read_gwy(path: Path) -> Raw:
+def _read_gwy(path: Path) -> RawScan:
     """Read a Gwyddion file: the first channel with a length unit, else the first without a unit."""
     content = path.read_bytes()
     if not content.startswith(b"GWYP"):
@@ -124,7 +124,7 @@ def _read_gwy(path: Path) -> Raw:
     one, across = fields[best], _gwy_unit(fields[best].get("si_unit_xy"))
     nx, ny = one["xres"], one["yres"]
     pixel = (one["xreal"] / nx * across, one["yreal"] / ny * across) if across else None
-    return Raw(one["data"].reshape(ny, nx).T, pixel, units[best])
+    return RawScan(one["data"].reshape(ny, nx).T, pixel, units[best])
 
 
 def _gwy_unit(unit: Any) -> float | None:
@@ -164,7 +164,7 @@ def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
     return name, fields, stop
 
 
-def _read_by_library(path: Path) -> Raw:
+def _read_by_library(path: Path) -> RawScan:
     """Read a surface in any format that the library SurfaceTopography knows."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # its warnings do not concern the user
@@ -182,7 +182,7 @@ def _read_by_library(path: Path) -> Raw:
         try:
             reader = formats.open_topography(source)
         except Exception as error:
-            raise InputError(f"{path}: {_why_not(formats, path, error)}; {_SAVE}") from error
+            raise InputError(f"{path}: {_why_unreadable(formats, path, error)}; {_SAVE}") from error
         if reader.default_channel.physical_sizes is None:
             raise InputError(f"{path}: states no sizes; {_SAVE}")
         topography = reader.topography()
@@ -191,13 +191,13 @@ def _read_by_library(path: Path) -> Raw:
     masked: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
     heights: Array = np.ma.filled(masked, np.nan)
     if topography.unit is None:
-        return Raw(heights, None, None)
+        return RawScan(heights, None, None)
     size = topography.to_unit("m").pixel_size
     unit = float(size[0]) / float(topography.pixel_size[0])
-    return Raw(heights, (float(size[0]), float(size[1])), unit)
+    return RawScan(heights, (float(size[0]), float(size[1])), unit)
 
 
-def _why_not(formats: Any, path: Path, error: Exception) -> str:
+def _why_unreadable(formats: Any, path: Path, error: Exception) -> str:
     """Why SurfaceTopography cannot read a file: its error, or that it has no reader for the file.
 
     `formats` is its module of readers, and `error` was raised by the first attempt.

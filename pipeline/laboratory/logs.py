@@ -61,7 +61,7 @@ class Log:
 
     sheet: Sheet
     export: Export
-    row_of: type  # what a row is: `Test`, `Stages` of a run, or `Transition`
+    row_class: type  # what a row is: `Test`, `Stages` of a run, or `Transition`
     words: dict[str, str] = field(default_factory=dict)  # outcome meant by each word
     tests: list[dict[str, Any]] = field(default_factory=list)  # as tables of a scene
     in_si: list[dict[str, Any]] = field(default_factory=list)  # the same tests in SI
@@ -69,13 +69,13 @@ class Log:
     @property
     def key(self) -> str:
         """Name of the scene's list to which the tests belong: "measured" or "tested"."""
-        return "measured" if self.row_of is Transition else "tested"
+        return "measured" if self.row_class is Transition else "tested"
 
     @property
     def renamed(self) -> dict[str, str]:
         """Headings by entry of the scene, if the heading is not the entry's name."""
         heads = {name: self.sheet.heading(name) for name in self.sheet.places}
-        known = table_of(self.row_of).keys
+        known = table_of(self.row_class).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
 
     @property
@@ -107,8 +107,8 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     meaning; an unknown word is a fault. See `read_log` for `key`.
     """
     sheet, export, missing = read
-    row_of = Transition if key == "measured" else _row_of(sheet)
-    if row_of is None or (key == "tested" and row_of is Transition):
+    row_class = Transition if key == "measured" else _row_class(sheet)
+    if row_class is None or (key == "tested" and row_class is Transition):
         require(sheet, ["load", "velocity"])
         if not sheet.faults:
             sheet.faults.append(
@@ -117,23 +117,23 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
                 'load by --column "transition_load=HEADING"'
             )
         return Log(sheet, export, Test)
-    log = Log(sheet, export, row_of)
-    if row_of is Transition:
+    log = Log(sheet, export, row_class)
+    if row_class is Transition:
         named = [name for name in ("transition_load", "severe_at") if name in sheet.places]
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
     sheet.faults += [missing[name] for name in ("load", "velocity") if name in missing]
-    needed = [name for name in ("load", "velocity") if name in table_of(row_of).needed]
+    needed = [name for name in ("load", "velocity") if name in table_of(row_class).needed]
     require(sheet, needed, ["load", "velocity"])
-    if row_of is Test:
+    if row_class is Test:
         _read_outcomes(log, words)
-    elif row_of is Stages:
+    elif row_class is Stages:
         ends = [sheet.places[name] for name in ("mild_up_to", "severe_at") if name in sheet.places]
         no_end = [row.number for row in sheet.rows if not any(row.cells[k] for k in ends)]
         sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
     _leave_out_repeats(sheet)
-    if export.stages and row_of is Test and "run" not in sheet.places:
+    if export.stages and row_class is Test and "run" not in sheet.places:
         _number_runs(sheet, log.words)
-    log.tests, log.in_si = sheet.entries(row_of, log.words, MAY_LACK)
+    log.tests, log.in_si = sheet.entries(row_class, log.words, MAY_LACK)
     add_hints(sheet)
     sheet.faults += _double_transitions(log)
     if not (sheet.rows or sheet.faults):
@@ -142,7 +142,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     return log
 
 
-def _row_of(sheet: Sheet) -> type | None:
+def _row_class(sheet: Sheet) -> type | None:
     """Class of a table's rows, from its columns: `Test`, `Stages`, `Transition` or None."""
     if "outcome" in sheet.places:
         return Test
@@ -217,7 +217,7 @@ def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 def _double_transitions(log: Log) -> list[str]:
     """Faults, in words, of specimens with more than one transition, which is impossible."""
     place = log.sheet.places.get("run")
-    if log.row_of is not Transition or place is None:
+    if log.row_class is not Transition or place is None:
         return []
     runs = [row.cells[place] for row in log.sheet.rows]
     twice = {run: runs.count(run) for run in runs if run and runs.count(run) > 1}

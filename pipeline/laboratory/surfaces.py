@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.laboratory.instruments import Raw, read_instrument
+from pipeline.laboratory.instruments import RawScan, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
 from pipeline.paths import reason_of, require_file, user_path
@@ -77,7 +77,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
         if suffix in TEXT:
             raw = read_text(path)
         elif suffix == ".npy":
-            raw = Raw(_read_array(path))
+            raw = RawScan(_read_array(path))
         else:
             raw = read_instrument(path)
     except OSError as error:

@@ -61,7 +61,7 @@ RULES = (
 INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
 
 
-class Words(NamedTuple):
+class Patterns(NamedTuple):
     """SI unit of a quantity (None for text), and patterns that headings must and must not match."""
 
     unit: str | None
@@ -77,17 +77,17 @@ def vocabulary() -> Mapping[str, Any]:
 
 
 @functools.cache
-def words_of(name: str) -> Words | None:
+def patterns_of(name: str) -> Patterns | None:
     """Unit and patterns of a quantity; None if ``words.toml`` does not have the quantity."""
     table = vocabulary().get(name)
     if not isinstance(table, dict):
         return None
-    return Words(table.get("unit"), re.compile(table["is"]), re.compile(table.get("not", "$^")))
+    return Patterns(table.get("unit"), re.compile(table["is"]), re.compile(table.get("not", "$^")))
 
 
 def units_of(names: Collection[str]) -> dict[str, str | None]:
     """SI unit of each quantity of `names`, None for text."""
-    known = {name: words_of(name) for name in names}
+    known = {name: patterns_of(name) for name in names}
     return {name: one.unit if one else UNITS.get(name) for name, one in known.items()}
 
 
@@ -122,7 +122,7 @@ class WordNames(Names):
         if exact in self.units and self.fits(exact, heading):
             return 3.0 * (exact == name)
         title = re.sub(r"[\W_]+", " ", heading.title.lower()).strip()
-        known = words_of(name)
+        known = patterns_of(name)
         if known is None or heading.title.startswith(BESIDE):
             return 0.0
         if not known.named.search(title) or known.other.search(title):

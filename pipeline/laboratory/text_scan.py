@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.laboratory.instruments import Raw
+from pipeline.laboratory.instruments import RawScan
 from pipeline.paths import decoded
 from pipeline.scene.sheet import find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
@@ -48,7 +48,7 @@ _SAMPLE = 30  # lines used to find the separator
 _TOLERANCE = 1e-3  # largest relative deviation of places from a regular grid
 
 
-def read_text(path: Path) -> Raw:
+def read_text(path: Path) -> RawScan:
     """Read heights from text: a matrix with a line for each y, rows of x, y and z, or a profile.
 
     Raises an `InputError` if the text has no matrix of numbers, x and y are not on a regular grid,
@@ -56,7 +56,7 @@ def read_text(path: Path) -> Raw:
     """
     text, _ = decoded(path.read_bytes())
     try:
-        head, table, above, blocks = _table([_NO_DATA.sub("nan", x) for x in text.splitlines()])
+        head, table, above, blocks = _split([_NO_DATA.sub("nan", x) for x in text.splitlines()])
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     if hole := _SENTINEL.search("\n".join(head)):
@@ -69,7 +69,7 @@ def read_text(path: Path) -> Raw:
     if blocks > 1:
         raise InputError(f"{path}: {blocks} tables, separated by blank lines; give a file for each")
     if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
-        return Raw(np.ascontiguousarray(table[:, -1:]), unit=unit)
+        return RawScan(np.ascontiguousarray(table[:, -1:]), unit=unit)
     is_sized = {"width", "height"} <= sizes.keys()
     table, steps = (table, None) if is_sized else _strip_axes(table, above)
     heights = np.ascontiguousarray(table.T)
@@ -80,7 +80,7 @@ def read_text(path: Path) -> Raw:
         pixel = steps[0] * length, steps[1] * length
     elif {"x step", "y step"} <= sizes.keys():
         pixel = sizes["x step"], sizes["y step"]
-    return Raw(heights, pixel, unit, steps)
+    return RawScan(heights, pixel, unit, steps)
 
 
 def _step(line: Array) -> float:
@@ -109,7 +109,7 @@ def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] 
     return table, None
 
 
-def _table(lines: list[str]) -> tuple[list[str], Array, Array, int]:
+def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
     """Split the lines of a text; return its header, table (NaN in holes), x and number of tables.
 
     x is from the row above the table, if it stands there.
@@ -202,7 +202,7 @@ def _length(text: str) -> float | None:
         return None
 
 
-def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> Raw:
+def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> RawScan:
     """Heights (nx, ny) from rows of x, y, z on a regular grid; missing rows become holes.
 
     `table` has the rows, `units` the units of its columns in metres, by name. `unit` is the unit of
@@ -213,7 +213,7 @@ def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float
         values = np.unique(column[np.isfinite(column)])
         apart = np.diff(values)
         if not apart.size:
-            return Raw(np.ascontiguousarray(table[:, 2:]), unit=unit)
+            return RawScan(np.ascontiguousarray(table[:, 2:]), unit=unit)
         step = float(np.median(apart[apart > _TOLERANCE * apart.max()]))
         place = (column - values[0]) / step
         if np.nanmax(np.abs(place - np.round(place))) > 100 * _TOLERANCE:
@@ -231,4 +231,4 @@ def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float
     pixel = None
     if {"x", "y"} <= units.keys():
         pixel = axes[0] * units["x"], axes[1] * units["y"]
-    return Raw(heights, pixel, unit, steps)
+    return RawScan(heights, pixel, unit, steps)
