@@ -155,7 +155,7 @@ class Task(NamedTuple):
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     """Group the points `todo` into tasks that share a contact, by ramp and ascending load."""
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
-    increment = functools.cache(lambda name, load: sweep.variant(name).scene.trunk(load))
+    increment = functools.cache(lambda name, load: sweep.variant(name).scene.ramp_increment(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)
     for point in todo:
         velocity, source = sweep.contact_of(point)

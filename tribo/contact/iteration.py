@@ -63,7 +63,7 @@ class StepCounters(NamedTuple):
     best: float = math.inf  # lowest residual since the kind of steps last changed
     without_progress: int = 0  # steps since the residual was lowest
 
-    def after(self, residual: float, has_settled: bool) -> StepCounters:
+    def updated(self, residual: float, has_settled: bool) -> StepCounters:
         """The counters after one more iterate, whose residual is `residual`.
 
         `has_settled` is True if few nodes are at a wrong bound.
@@ -95,7 +95,7 @@ def iterate(
     active, gradient = ActiveSet(), Gradient(first_length(problem))
     while True:
         judged = judge(problem, state)
-        progress = progress.after(judged.residual, state.convolutions)
+        progress = progress.updated(judged.residual, state.convolutions)
         is_saturated = not judged.nodes.size  # all nodes in contact rightly carry the hardness
         stalled = is_saturated or progress.has_stalled(problem, state, judged, gradient.idle)
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(judged.residual)
@@ -114,7 +114,7 @@ def iterate(
             converged = error <= limits.tolerance
             if converged or stalled or exhausted:
                 return _outcome(problem, state, judged, error, converged, stalled)
-        counters = counters.after(judged.residual, judged.wrong <= _SETTLED * judged.touching)
+        counters = counters.updated(judged.residual, judged.wrong <= _SETTLED * judged.touching)
         before = state.pressure
         if counters.gradient_steps > 0:
             state, gradient = gradient_step(problem, state, judged, gradient)

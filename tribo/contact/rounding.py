@@ -72,7 +72,7 @@ class LowestResidual(NamedTuple):
     lowest: float = math.inf
     convolutions: float = 0.0  # spent until it was reached
 
-    def after(self, residual: float, convolutions: float) -> LowestResidual:
+    def updated(self, residual: float, convolutions: float) -> LowestResidual:
         """The lowest residual once an iterate has a `residual` after a number of `convolutions`."""
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 

@@ -159,7 +159,7 @@ def contacts(
             stations,
         )
     )
-    key = scene, velocity, scene.trunk(normal_load)
+    key = scene, velocity, scene.ramp_increment(normal_load)
     advanced = partial(_advance, levels, velocity)
     new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new

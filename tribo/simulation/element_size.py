@@ -79,7 +79,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     fidelity = scene.fidelity
     if not fidelity.elements_per_summit:
         return scene
-    lowest, summits = _lowest_load(scene, normal_load), _kept_summits(scene)
+    lowest, summits = _lowest_load(scene, normal_load), _cached_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
     # Elements along a long summit are equally warm, and count once for each width of the summit.
@@ -115,7 +115,7 @@ def summit_width(scene: Scene) -> float:
     A yielding summit touches over its whole width, an elastic summit over half the width. The
     result is infinite for smooth bodies.
     """
-    summits = _kept_summits(scene)
+    summits = _cached_summits(scene)
     modulus = contact_modulus(scene.pin.material, scene.disk)
     yields = modulus * summits.slope / (math.sqrt(2 * math.pi) * scene.hardness)
     return min(summits.widths) * min(max(yields, 0.5), 1.0)
@@ -142,7 +142,7 @@ def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _Ex
     return _ExpectedContact(across, pixels**2 if scene.is_plane else pixels, is_smooth)
 
 
-def _kept_summits(scene: Scene) -> Summits:
+def _cached_summits(scene: Scene) -> Summits:
     return cached_summits(scene, lambda: _summits(scene))
 
 

@@ -11,7 +11,7 @@ from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.temperature import heated_since
+from tribo.simulation.temperature import add_temperature
 from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
@@ -128,7 +128,7 @@ def advance(
     )
     if state.heat_history is None:
         return advanced
-    return heated_since(scene, state, advanced, velocity)
+    return add_temperature(scene, state, advanced, velocity)
 
 
 def _worn_volume(

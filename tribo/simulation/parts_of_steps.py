@@ -26,13 +26,13 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
 
     The step begins at the state `before`.
     """
-    count = _count(scene, abs(velocity) * (station.time - before.time), velocity)
+    count = _part_count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
     yield station
 
 
-def _count(scene: Scene, distance: float, velocity: float) -> int:
+def _part_count(scene: Scene, distance: float, velocity: float) -> int:
     if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
         return 1
     wear = scene.wear_at(velocity, (0.0, distance))

@@ -8,7 +8,7 @@ from tribo.simulation.disk_positions import Pass, further_positions
 from tribo.simulation.loading_step import solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.temperature import heated_since, mean_heat
+from tribo.simulation.temperature import add_temperature, mean_heat
 from tribo.wear import Stage
 
 
@@ -38,7 +38,7 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
     if state.heat is None:
         return passing
     others = (
-        heated_since(scene, before, replace(state, pressure=pressure), velocity).heat
+        add_temperature(scene, before, replace(state, pressure=pressure), velocity).heat
         for pressure in passing.passing
     )
     heat = mean_heat([state.heat, *(other for other in others if other)])

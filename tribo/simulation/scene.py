@@ -305,7 +305,7 @@ class Scene:
         fidelity = self.fidelity
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
-    def trunk(self, normal_load: float) -> float:
+    def ramp_increment(self, normal_load: float) -> float:
         """Load increment of the ramp to a load [N]; loads with equal increments share a ramp."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0

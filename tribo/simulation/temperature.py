@@ -89,7 +89,7 @@ def refined_scene(scene: Scene, state: State) -> Scene:
     return replace(scene, fidelity=changed)
 
 
-def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:
+def add_temperature(scene: Scene, before: State, state: State, velocity: float) -> State:
     """Add to a state its temperature, due to all heat since the start.
 
     `before` is the state one step earlier, with the histories of the heat.

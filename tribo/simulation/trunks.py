@@ -40,7 +40,7 @@ class _Trunk:
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     @property
-    def gone(self) -> int:
+    def dropped(self) -> int:
         """Number of increments whose states were dropped, counted from the first."""
         return self.count - len(self.states)
 
@@ -50,7 +50,7 @@ class _Trunk:
         Two states are needed: the one after `increments` increments, and the next one to record,
         number `noted` + 1.
         """
-        if increments and self.gone >= min(increments, noted + 1):
+        if increments and self.dropped >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
@@ -116,8 +116,8 @@ class Trunks:
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
             state = begin
             for index, station in enumerate(stations, 1):
-                if trunk.gone < index <= trunk.count:
-                    state = trunk.states[index - trunk.gone - 1]
+                if trunk.dropped < index <= trunk.count:
+                    state = trunk.states[index - trunk.dropped - 1]
                 elif index > trunk.count:
                     state = advance(state, station)
                     trunk.add(state, self._limit)
