@@ -101,10 +101,10 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
         _notes(meshes[k], *(said for said in own if said != turns))
         for k, own in zip(numbers, notes, strict=True)
     ]
-    return [worst(part).to_dict() for _, part in table.groupby(numbers)]
+    return [worst_row(part).to_dict() for _, part in table.groupby(numbers)]
 
 
-def worst(table: pd.DataFrame) -> pd.Series[Any]:
+def worst_row(table: pd.DataFrame) -> pd.Series[Any]:
     """Row with the worst verdict in a `table` of `judge`.
 
     Of equal verdicts it is the most probable, then the hottest one.

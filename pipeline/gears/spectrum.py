@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.gears.contact import mesh
-from pipeline.gears.judge import judge, worst
+from pipeline.gears.judge import judge, worst_row
 from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.pairfile import LOAD_FACTOR, SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
@@ -111,7 +111,7 @@ def conclusion(table: pd.DataFrame) -> str:
 
     The worst row decides: damage does not accumulate.
     """
-    decisive = worst(table)
+    decisive = worst_row(table)
     is_same = table["verdict"] == decisive["verdict"]
     sentence = f"{_OPENINGS[decisive['verdict']]} in {is_same.sum()} of {len(table)} rows"
     hours = table["hours"]

@@ -47,7 +47,7 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
             jobs.wait()
             for job, loss in jobs.lost(has_looked):
                 link.workers.pop(job.worker, None)  # gets no task until it is listed again
-                if losses.take(job, loss):
+                if losses.record(job, loss):
                     queue.put_back(job.task)
                 elif cause := link.memory_cause([job.worker]):
                     link.report(f"a worker has died: {cause}")
@@ -90,7 +90,7 @@ class Losses:
     def __bool__(self) -> bool:
         return bool(self._suspects)
 
-    def take(self, job: Job, loss: Loss) -> bool:
+    def record(self, job: Job, loss: Loss) -> bool:
         """Record a lost task; return True if it is to be queued again unchanged."""
         for point in job.task.points if loss is not Loss.FORGOTTEN else ():
             self._workers[point].append(job.worker)

@@ -19,13 +19,13 @@ _LONGEST = 2000  # characters of a message, so that somebody can read it
 _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
-def checksum(simulated: str, point: Point, entries: Mapping[str, Any]) -> str:
+def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
     """Checksum of a point: hash of its scene, load, velocity, and the CRC of each variable.
 
-    `simulated` is the hash of the scene that is simulated at the point (`Sweep.scene_hash`), and
-    `entries` are its variables by name.
+    `scene_hash` is of the scene that is simulated at the point (`Sweep.scene_hash`), and `entries`
+    are the point's variables by name.
     """
-    digest = hashlib.blake2b(simulated.encode(), digest_size=8)
+    digest = hashlib.blake2b(scene_hash.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
     for name in sorted(entries.keys() & _COVERED):
         digest.update(name.encode())
