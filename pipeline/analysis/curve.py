@@ -49,8 +49,8 @@ class Curve:
         )
         self.is_log = np.logical_not(((self.x <= 0) | (self.y <= 0)).any(axis=-1))
 
-    def _at(self, values: Array, number: Any) -> Array:
-        """For each row of `values`, the element at the row's own index in `number`."""
+    def _pick(self, values: Array, number: Any) -> Array:
+        """The element of each row of `values` at the row's own index in `number`."""
         found: Array = np.take_along_axis(values, np.asarray(number)[..., None], -1)[..., 0]
         return found
 
@@ -61,7 +61,7 @@ class Curve:
 
     def end(self, end: int) -> tuple[Array, Array]:
         """Abscissae and ordinates of the first point (`end` 0) or last point (-1) of each curve."""
-        return self._at(self.x, self.ends[end]), self._at(self.y, self.ends[end])
+        return self._pick(self.x, self.ends[end]), self._pick(self.y, self.ends[end])
 
     def _scaled(self, values: Array) -> Array:
         is_log = self.is_log[..., None]
@@ -86,7 +86,7 @@ class Curve:
         last = np.maximum(self.count - 2, 0)  # last interval; with two points also the first
         inner = np.minimum(last, 1), np.maximum(last - 1, 0)
         for point, outermost, beside in zip(self.ends, (0 * last, last), inner, strict=True):
-            near = (self._at(part, number) for part in (h, m) for number in (outermost, beside))
+            near = (self._pick(part, number) for part in (h, m) for number in (outermost, beside))
             np.put_along_axis(slopes, point[..., None], _end_slope(*near)[..., None], -1)
         low, high = slopes[..., :-1], slopes[..., 1:]
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
@@ -107,8 +107,8 @@ class Curve:
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)
         rows = self._numbers[..., None]
-        later = _keys(rows, np.where(np.isnan(self.x), np.inf, self.x)[..., 1:])
-        found = np.searchsorted(later.ravel(), _keys(rows, places), side="right")
+        later = _pairs(rows, np.where(np.isnan(self.x), np.inf, self.x)[..., 1:])
+        found = np.searchsorted(later.ravel(), _pairs(rows, places), side="right")
         most = np.maximum(self.count - 2, 0)[..., None]
         pieces = np.clip(found - rows * later.shape[-1], 0, most)
         begins = np.take_along_axis(self._cubics[0], pieces, -1)
@@ -140,7 +140,7 @@ class Curve:
         """
         number, (first, last) = self.ends[end], self.ends
         other = np.clip(number + (1 if end == 0 else -1), first, last)
-        rise, run = (self._at(part, number) - self._at(part, other) for part in self._cubics[1::-1])
+        rise, run = (self._pick(uv, number) - self._pick(uv, other) for uv in self._cubics[1::-1])
         exponent = np.where(self.count == 1, 1.0, np.maximum(rise / run, LEAST_SLOPE))
         return np.where(self.is_log, exponent, np.nan)
 
@@ -160,10 +160,10 @@ class Curve:
         low, high = (which(y[:, :-1], y[:, 1:]) for which in (np.minimum, np.maximum))
         row, piece = np.nonzero(low < high)
         # A piece passes all limits from its lower end to below its higher end.
-        keys = _keys(of_limit, limits)
+        keys = _pairs(of_limit, limits)
         order = np.argsort(keys)
         begin, end = (
-            np.searchsorted(keys[order], _keys(row, level[row, piece])) for level in (low, high)
+            np.searchsorted(keys[order], _pairs(row, level[row, piece])) for level in (low, high)
         )
         turns = np.repeat(np.arange(len(row)), end - begin)
         behind = np.arange(len(turns)) - np.repeat(np.cumsum(end - begin), end - begin)
@@ -204,8 +204,8 @@ class Curve:
         return np.asarray(np.clip(found, x[rows, pieces], x[rows, pieces + 1]))
 
 
-def _keys(rows: Indices, values: Array) -> Array:
-    """Complex numbers, row + i value, which sort by row, then by value."""
+def _pairs(rows: Indices, values: Array) -> Array:
+    """Pairs (row, value) as complex numbers, which sort by row, then by value."""
     keys = np.empty(np.broadcast_shapes(rows.shape, values.shape), complex)
     keys.real, keys.imag = rows, values
     return keys

@@ -214,6 +214,8 @@ def rise_errors(
 
     `velocity_error` is the relative error of the boundary velocity due to the preset, or None. The
     last part, of effects counted after the simulation, is 0.
+
+    `grid` has the points of the surface.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))

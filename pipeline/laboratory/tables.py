@@ -105,8 +105,8 @@ class WordNames(Names):
     def __post_init__(self) -> None:
         object.__setattr__(self, "units", {**units_of(INGREDIENTS), **self.units})
 
-    def sureness(self, name: str, heading: Heading) -> float:
-        """How surely a heading names the quantity `name`, from 0 (not at all) to 4."""
+    def match_score(self, name: str, heading: Heading) -> float:
+        """How surely a heading names the quantity `name`: 4 at most, 0 for not at all."""
         if name in self.chosen:
             head = self.chosen[name]
             return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))

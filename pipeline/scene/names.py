@@ -72,7 +72,7 @@ class Names:
 
     units: Mapping[str, str | None]
 
-    def sureness(self, name: str, heading: Heading) -> float:
+    def match_score(self, name: str, heading: Heading) -> float:
         """How surely a heading names the quantity `name`: higher is surer, 0 is not at all."""
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
 
@@ -92,7 +92,7 @@ class Names:
         """
         places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:
-            sure = [self.sureness(name, heading) for heading in headings]
+            sure = [self.match_score(name, heading) for heading in headings]
             found = [k for k, rank in enumerate(sure) if rank == max(sure) > 0]
             if found:
                 places[name] = found[0]

@@ -222,7 +222,7 @@ def roughness_of(
 ) -> Roughness | None:
     """Roughness of the disk, made from a seed or read from a scan; None if the scan is faulty.
 
-    `table` has the scene's entries on the roughness.
+    `table` has the scene's entries on the roughness, and `contents` the contents of files.
     """
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):

@@ -132,7 +132,10 @@ def vary(
 
 
 def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """Make the frame `Variations.table` from a frame `found` with the boundaries of all scenes."""
+    """Make the frame `Variations.table` from a frame `found` with the boundaries of all scenes.
+
+    `variations` has the changed entry and its value, as text, for each scene.
+    """
     velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
     change = 100 * (velocity / velocity[0] - 1)
     change[0] = math.nan  # the unchanged scene
