@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from pipeline import extras
-from pipeline.analysis.curve import Curve
+from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.dataset import Kind
 from pipeline.analysis.model_error import Scatter
 from pipeline.analysis.results import Results
@@ -222,24 +222,25 @@ class PointField:
         """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks, 1 or 2.
 
         Rises include the effect of velocity on friction. Beyond the points of a load they are
-        extrapolated by power laws. A load with a single point has only the rise at that point.
+        extrapolated by power laws. A load with a single point has the row of `filled`.
 
         The first marks are 1 within the points of a load. The second are 1 where wear is certain:
         within the points, below the lowest if wear is mild there, and above the highest if it is
         severe. All other marks are 2. So a curve of marks over load is 1 only between two loads
-        with 1.
+        with 1. Both are NaN beside a load's single point, which tells nothing beyond itself.
         """
-        curves, factor = self._curves, self.conditions.friction_factor(velocities)
+        points, rows = self._curves
+        factor = self.conditions.friction_factor(velocities)
         limit = math.nan if self.conditions.critical_temperature is None else self.limit
-        ends = (curves.end(end) for end in (0, -1))
+        ends = (points.end(end) for end in (0, -1))
         (low, first), (high, last) = ((x[..., None], y[..., None]) for x, y in ends)
         is_within = (low <= velocities) & (velocities <= high)
         is_mild = (velocities < low) & Criterion.is_mild(first * factor, limit)
         is_severe = (velocities > high) & Criterion.is_severe(last * factor, limit)
-        is_known = is_within | (curves.count > 1)[..., None]
-        rises = np.where(is_known, curves(velocities, continued=True) * factor, np.nan)
-        kinds = is_within, is_within | is_mild | is_severe
-        marks = (np.where(np.isfinite(rises), 2.0 - kind, np.nan) for kind in kinds)
+        on_row, on_points = (is_within | (one.count > 1)[..., None] for one in (rows, points))
+        rises = np.where(on_row, rows(velocities, continued=True) * factor, np.nan)
+        is_marked, certain = on_points & np.isfinite(rises), is_within | is_mild | is_severe
+        marks = (np.where(is_marked, 2.0 - kind, np.nan) for kind in (is_within, certain))
         return tuple(part.swapaxes(-1, -2) for part in (rises, *marks))
 
     @property
@@ -258,9 +259,14 @@ class PointField:
         return np.array([plane.rises for plane in self.planes])
 
     @functools.cached_property
-    def _curves(self) -> Curve:
-        """Curves of the rise over velocity, for each surface and load."""
-        return Curve(self.velocities, self._rises)
+    def _filled(self) -> Array:
+        """Rises as `_rises`, with whole rows at loads of a single point; see `filled`."""
+        return filled(self._rises, self.loads, self.velocities)
+
+    @functools.cached_property
+    def _curves(self) -> tuple[Curve, Curve]:
+        """Curves over velocity of `_rises`, and of `_filled`, for each surface and load."""
+        return Curve(self.velocities, self._rises), Curve(self.velocities, self._filled)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
@@ -295,13 +301,10 @@ class PointField:
         It is the mean over surfaces. See `Field.probability` for `scatter` and `shift`.
         """
         loads, velocities = places_of(loads, velocities)
-        # A row with a single point, on any surface, is filled from other rows.
-        is_sparse = np.isin(loads, self.loads[(self._curves.count < 2).any(axis=0)])
         # Places at a load of the sweep share its line.
-        is_row = np.isin(loads, self.loads) & ~is_sparse
-        keys = np.stack([loads, np.where(is_row, -1.0, velocities)])
+        keys = np.stack([loads, np.where(np.isin(loads, self.loads), -1.0, velocities)])
         _, first, rows = np.unique(keys, axis=1, return_index=True, return_inverse=True)
-        line = self.lines("velocity", loads[first], velocities[first], is_sparse[first])
+        line = self.lines("velocity", loads[first], velocities[first])
         shape = np.broadcast_shapes(loads.shape, np.shape(shift))
         factors = np.exp(-np.broadcast_to(shift, shape))[..., None, :]
         chosen = slice(None), rows.ravel()
@@ -311,32 +314,30 @@ class PointField:
         ]
         return np.asarray(np.mean(shares, axis=(0, -2)))
 
-    def lines(
-        self, axis: str, loads: Array, velocities: Array, is_filled: Mask | bool = False
-    ) -> Line:
+    def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated, where wear is certain (the second marks of `_rises_and_marks`). Where
-        `is_filled` (k,) is True, a line of the sweep is also interpolated, so that other points
-        fill its gaps.
+        interpolated, where wear is certain (the second marks of `_rises_and_marks`). For its
+        extrapolation a line along velocity uses the row of its load, see `filled`, and other loads
+        where there is none.
         """
         factor, limit = self.conditions.friction_factor, self.limit
-        x, other, place, along = self.velocities, self.loads, loads, velocities
-        rises = self._rises * factor(x)
-        if axis == "load":
-            x, other, place, along, rises = other, x, velocities, loads, rises.swapaxes(-1, -2)
-        is_row = np.isin(place, other) & np.logical_not(is_filled)
-        turns_back = self.conditions.has_friction_curve and axis == "velocity"
-        if axis == "load":
-            far, *marks = self._rises_and_marks(velocities)
-        else:
+        parts = [rises * factor(self.velocities) for rises in (self._rises, self._filled)]
+        if axis == "velocity":
+            x, other, place, along = self.velocities, self.loads, loads, velocities
             far, *marks = (curve(place).swapaxes(-1, -2) for curve in self._load_curves)
+        else:
+            x, other, place, along = self.loads, self.velocities, velocities, loads
+            far, *marks = self._rises_and_marks(velocities)
+            parts = [rises.swapaxes(-1, -2) for rises in parts]
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
-        computed, going_on, far = (
-            np.where(is_row[:, None], rises[:, nearest], part)
-            for part in (*(np.where(mark == 1, far, np.nan) for mark in marks), far)
+        is_row, (points, row) = np.isin(place, other), (rises[:, nearest] for rises in parts)
+        computed, going_on = (
+            np.where(is_row[:, None], points, np.where(mark == 1, far, np.nan)) for mark in marks
         )
+        far = np.where(is_row[:, None] & np.isfinite(row).any(axis=-1, keepdims=True), row, far)
+        turns_back = self.conditions.has_friction_curve and axis == "velocity"
         if turns_back:  # with friction by velocity, rises beyond the points are no power law
             going_on = computed
         done = np.where(np.isfinite(computed), x, np.nan)

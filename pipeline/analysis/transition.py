@@ -125,6 +125,7 @@ class Line:
             others, is_severe, _ = self._all_turns
             is_other = np.isfinite(others) & (is_severe | (not to_severe))
             is_other &= ~np.any(is_counted, axis=-1, keepdims=True)
+            is_other &= (self.outcome != UNKNOWN)[..., None]
             places = np.append(places, others, axis=-1)
             is_counted = np.append(is_counted, is_other, axis=-1)
         places = np.where(is_counted, places, math.inf)

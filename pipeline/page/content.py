@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline import extras
-from pipeline.analysis.curve import Curve
+from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import (
     laboratory_tests,
@@ -247,54 +247,47 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of deciding rises for the page: on a fine grid, and on lines with missing points.
+    """Tables of deciding rises for the page: on a fine grid, and on columns with missing points.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
-    of the grid are far outside the sweep. A line belongs to one load or velocity of the sweep at
-    which points are missing, and uses only the points there.
+    of the grid are far outside the sweep. A column belongs to one velocity of the sweep at which
+    points are missing, and uses only the points there.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
-    fine_loads, by_surface = divided(loads, by_load), (-1, loads.size, velocities.size)
-    heat, nodes = heat_along(rises, velocities, by_velocity, conditions)
+    fine_loads = divided(loads, by_load)
+    heat, nodes = heat_along(rises, loads, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
-    # A load with a single point has a rise at that point alone. Far nodes end each line.
-    is_known = (state[..., ::by_load, :] == COMPUTED) | (done.sum(axis=-1) > 1)[..., None]
-    plane = along(np.where(is_known[..., None, None], heat, np.nan), loads, fine_loads, -4)
+    plane = along(heat, loads, fine_loads, -4)
     is_beyond = ((nodes < velocities[0]) | (nodes > velocities[-1]))[:, None, None]
     plane = np.where(is_beyond, along(plane, nodes, nodes, -3, continued=True), plane)
     factor = conditions.friction_factor(nodes)
-    plane, rows = (part * factor[:, None, None] for part in (plane, heat))
-    # If points are missing, a line at a load or velocity of the sweep uses only its own points.
-    count = done.reshape(by_surface).sum(axis=-1)
-    own_lines = np.argwhere((count < velocities.size) & (count.min(axis=0) > 1))
-    lines = rows.reshape(*count.shape, *rows.shape[-3:])[tuple(own_lines.T)]
-    own_columns = np.argwhere(~done.reshape(by_surface).all(axis=1))
+    plane *= factor[:, None, None]
+    done = done.reshape(-1, loads.size, velocities.size)
+    own_columns = np.argwhere(~done.all(axis=1))
     columns = along(rises, loads, fine_loads, -4).swapaxes(-4, -3)
     columns = columns.reshape(-1, velocities.size, *columns.shape[-3:])[tuple(own_columns.T)]
     within = np.where(np.isfinite(columns).all(axis=(-1, -2)), INTERPOLATED, EXTRAPOLATED)
-    on_lines = np.full(lines.shape[:-2], EXTRAPOLATED)
     own_nodes = first + by_velocity * np.arange(velocities.size)
-    own_rows, up = by_load * np.arange(loads.size), np.arange(fine_loads.size) / by_load
-    beside = by_load * np.array([np.floor(up), np.ceil(up)], int)
+    own_rows = by_load * np.arange(loads.size)
+    beside = by_load * rows_beside(done, by_load) + fine_loads.size * np.arange(len(done))[:, None]
     return {
         "fine": {"velocity": nodes.tolist(), "load": fine_loads.tolist()},
         "first": first,
         "inner": nodes[first : own_nodes[-1] + 1].tolist(),
         "nodes": {"velocity": own_nodes.tolist(), "load": own_rows.tolist()},
-        "beside": beside.T.tolist(),
+        "beside": beside.reshape(2, -1).T.tolist(),
         "measured": _tests(data, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": factor.tolist(),
         "friction_by_temperature": [
             *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
         ],
-        "plane": packed_array(np.concatenate([*map(np.ravel, (plane, lines, columns))]), "<f4"),
-        "lines": _offsets(own_lines, own_rows, state.size, nodes.size),
-        "columns": _offsets(own_columns, own_nodes, state.size + on_lines.size, fine_loads.size),
+        "plane": packed_array(np.concatenate([*map(np.ravel, (plane, columns))]), "<f4"),
+        "columns": _offsets(own_columns, own_nodes, state.size, fine_loads.size),
         "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),
-        "state": "".join(map(digit_string, (state, on_lines, within))),
-        "missing": (data.asked & ~done).reshape(by_surface).sum(axis=(1, 2)).tolist(),
+        "state": "".join(map(digit_string, (state, within))),
+        "missing": (data.asked.reshape(done.shape) & ~done).sum(axis=(1, 2)).tolist(),
     }
 
 
@@ -416,12 +409,13 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 
 
 def heat_along(
-    rises: Array, velocities: Array, parts: int, conditions: Conditions
+    rises: Array, loads: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
     """Rises over the friction factor [K] on a finer grid of velocities, and these velocities [m/s].
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
     the sweep. Outside the points of a load, values are extrapolated by a power law of the velocity.
+    A load with a single point has the row of `filled`, or is known at that point alone.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)
@@ -430,14 +424,33 @@ def heat_along(
     beyond = beyond[(beyond < fine[0]) | (beyond > fine[-1])]
     far = known[0] / _FAR, known[-1] * _FAR
     nodes = np.concatenate([far[:1], np.union1d(fine, beyond), far[1:]])
-    heat = rises / factor(velocities)[:, None, None]
-    return along(heat, velocities, nodes, -3, continued=True), nodes
+    heat = np.moveaxis(rises / factor(velocities)[:, None, None], (-2, -1), (0, 1))
+    heat = np.moveaxis(filled(heat, loads, velocities), (0, 1), (-2, -1))
+    is_row = np.isfinite(heat).sum(axis=-3, keepdims=True) > 1
+    on_rows = along(heat, velocities, nodes, -3, continued=True)
+    return np.where(is_row, on_rows, along(heat, velocities, nodes, -3)), nodes
+
+
+def rows_beside(done: Mask, parts: int) -> Indices:
+    """Numbers of the loads below and above each load of the grid (2, surface, n_fine).
+
+    Between loads of the sweep, loads with fewer than two points are passed over. A load of the
+    sweep has its own number twice.
+
+    `done` is the mask of computed points. Each interval of loads has `parts` parts.
+    """
+    number = np.arange(done.shape[-2])
+    has_row, up = done.sum(axis=-1) > 1, np.arange(number[-1] * parts + 1) / parts
+    below = np.maximum.accumulate(np.where(has_row, number, 0), axis=-1)
+    above = np.minimum.accumulate(np.where(has_row, number, number[-1])[..., ::-1], axis=-1)
+    both = below[..., np.floor(up).astype(int)], above[..., ::-1][..., np.ceil(up).astype(int)]
+    return np.where(up % 1, both, up).astype(int)
 
 
 def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     """State of each grid node (surface, load, velocity), as a code.
 
-    It is `COMPUTED` at points; `INTERPOLATED` if both loads beside the node have points on both
+    It is `COMPUTED` at points; `INTERPOLATED` if both loads of `rows_beside` have points on both
     sides of its velocity; else `EXTRAPOLATED`.
 
     `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
@@ -448,11 +461,10 @@ def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
     is_any: Mask = np.any(done, axis=-1, keepdims=True)
     low = parts[1] * np.argmax(done, axis=-1)[..., None]
     high = parts[1] * (count - 1 - np.argmax(done[..., ::-1], axis=-1)[..., None])
-    index = np.arange((done.shape[-2] - 1) * parts[0] + 1) / parts[0]
-    beside = np.floor(index).astype(int), np.ceil(index).astype(int)
-    (a, b), (c, d) = ([end[..., row, :] for row in beside] for end in (low, high))
-    is_done = np.logical_and(*(is_any[..., row, :] for row in beside))
-    in_both = is_done & (places >= np.maximum(a, b)) & (places <= np.minimum(c, d))
+    is_in = is_any & (places >= low) & (places <= high)
+    in_both = np.logical_and(
+        *(np.take_along_axis(is_in, row[..., None], -2) for row in rows_beside(done, parts[0]))
+    )
     state = np.where(in_both, INTERPOLATED, EXTRAPOLATED)
     of_points = np.flatnonzero((places >= 0) & (places % parts[1] == 0))[:count]
     on_points = np.zeros(state.shape, dtype=bool)

@@ -19,10 +19,10 @@ function picksOf(conditions, width, last) {
     last.map(([k, weight]) => [b * width + k, share * weight]));
 }
 
-/** Deciding rise [K] along velocity at load number k. At a load of the sweep that lacks points, only its
- * own points are used. @param {number} surface @param {number} k @param {Conditions} conditions */
+/** Deciding rise [K] along velocity at load number k. @param {number} surface @param {number} k
+ * @param {Conditions} conditions */
 function lineOf(surface, k, conditions) {
-  const begin = content.lines[`${surface} ${k}`] ?? indexOf(surface, k, 0);
+  const begin = indexOf(surface, k, 0);
   return planeOf(conditions).subarray(begin, begin + content.fine.velocity.length);
 }
 
@@ -52,11 +52,11 @@ function knownPlane(conditions) {
       ((node < first && plane[first] <= limit) || (node > last && plane[last] > limit))));
   };
   return kept(JSON.stringify(conditions), () => {
-    const rows = Array.from({ length: surfaces().length * beside.length }, (_, row) => isCertain(row));
+    const rows = beside.map((_, row) => isCertain(row));
     return plane.map((rise, node) => {
       const [row, j] = [Math.floor(node / across), node % across];
       const isEnclosed = !hasFrictionCurve(conditions) && row < rows.length &&
-        beside[row % beside.length].every((own) => rows[row - row % beside.length + own][j]);
+        beside[row].every((own) => rows[own][j]);
       return isWithin(node) || isEnclosed ? rise : NaN;
     });
   });

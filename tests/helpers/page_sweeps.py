@@ -31,6 +31,11 @@ def one(**changes):
     return synthetic.sweep(_LOADS, _VELOCITIES, **options)
 
 
+def with_single_point():
+    """Sweep with only one point at 300 N."""
+    return one(status={(300.0, float(v)): 0 for v in _VELOCITIES if v != 3.0})
+
+
 def with_zero_velocity():
     """Sweep that includes velocity 0, at which there is no heat."""
     return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=uneven(1))

@@ -42,15 +42,10 @@ def band():
     return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
 
 
-def judged_otherwise():
-    return pipeline.at(synthetic.sweep(), friction=0.12, bulk_temperature="40 degC")
-
-
 def one_column():
     """Sweep with points at only one velocity, so that other velocities are unknown."""
     ds = synthetic.sweep()
-    done = ds["velocity"] == ds["velocity"][3]
-    return ds.assign(status=ds["status"].where(done, 0).astype(np.int8))
+    return ds.assign(status=ds["status"].where(ds["velocity"] == ds["velocity"][3], np.int8(0)))
 
 
 def samples():
@@ -61,10 +56,11 @@ def samples():
 STORES = {
     "plane": synthetic.sweep,
     "from rest": lambda: synthetic.sweep(velocities=(0.0, *synthetic.VELOCITIES)),
-    "judged otherwise": judged_otherwise,
+    "judged otherwise": lambda: pipeline.at(synthetic.sweep(), friction=0.12, bulk_temperature=313),
     "a band": band,
     "half done": half_done,
     "one column": one_column,
+    "a single point at a load": page_sweeps.with_single_point,
     "one load": lambda: synthetic.sweep().isel(load=[5]),
     "one velocity": lambda: synthetic.sweep().isel(velocity=[7]),
     "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
@@ -101,9 +97,8 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
     lines = [f"{float(load)!r},{float(velocity)!r}" for load, velocity in asked]
     (tmp_path / "duty.csv").write_text("\n".join(["load [N],velocity [m/s]", *lines]))
     ds.to_netcdf(tmp_path / "copy.nc")
-    assert (
-        main(["margin", str(tmp_path / "copy.nc"), f"--points={tmp_path}/duty.csv", "--json"]) == 0
-    )
+    options = [f"{tmp_path}/copy.nc", f"--points={tmp_path}/duty.csv", "--json"]
+    assert main(["margin", *options]) == 0
     printed = json.loads(capsys.readouterr().out)
     for number, (load, velocity) in enumerate(asked):
         row = frame.iloc[number]
