@@ -210,11 +210,9 @@ def connected(
         stack.enter_context(client.as_current())
         if dashboard:
             progress(Progress(f"dashboard: {client.dashboard_link}"))
-        try:
-            yield Connection(client, patience, progress, cluster)
-        except KeyboardInterrupt:  # in the middle of a call to Dask
-            warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
-            raise
+        # An interrupt in the middle of a call to Dask leaves coroutines behind.
+        warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
+        yield Connection(client, patience, progress, cluster)
 
 
 def client_of(
