@@ -212,10 +212,9 @@ def rise_errors(
 ) -> Array:
     """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
-    `velocity_error` is the relative error of the boundary velocity due to the preset, or None. The
-    last part, of effects counted after the simulation, is 0.
-
-    `grid` has the points of the surface.
+    `grid` has the points of the surface. `velocity_error` is the relative error of the boundary
+    velocity due to the preset, or None. The last part, of effects counted after the simulation, is
+    0.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))

@@ -220,9 +220,9 @@ def _read_levels(sheet: Sheet, step: str) -> None:
 
 
 def _read_more_than(sheet: Sheet, name: str) -> set[int]:
-    """Numbers of rows whose cell of quantity `name` says "more than".
+    """Numbers of the rows whose cell of quantity `name` says "more than".
 
-    Such a cell becomes its number; a cell without digits becomes empty.
+    Such a cell is replaced by the number in it; a cell without digits becomes empty.
     """
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():

@@ -127,11 +127,11 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a table that are not in earlier lists of tables, and the header of such a list.
+    """Keys of a list of tables, such as ``[[tested]]``, without those that an earlier list has.
 
-    Keys are as from `Section.keys`. The header, such as "[[tested]]", is of the list that has the
-    other keys, or empty if all keys are new. `listed` maps each key to the header of the list that
-    first had it; the new keys are added to `listed`.
+    Returns these keys, as `Section.keys` does, and the header of the earlier list with the other
+    keys; it is empty if all keys are new. `listed` maps each key to the header of the first list
+    that has it; the new keys are added to it. Of a table that is not a list, all keys are returned.
     """
     keys = section.keys()
     if "." in section.path or not section.is_list:

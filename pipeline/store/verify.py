@@ -219,8 +219,8 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
     """Yield name, and correct data to write, of coordinates that differ from the root document.
 
-    Coordinates differ if a run was killed while the store grew. Without this package xarray would
-    read them.
+    Coordinates differ if a run was killed while the store grew. A program that reads the store
+    without this package would get the wrong values.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

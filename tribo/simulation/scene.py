@@ -348,7 +348,7 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Grid of elements of ``block × block`` pixels; as long as the patch if `is_plane`."""
+    """Grid of elements of ``block × block`` pixels; along y as long as the patch if `is_plane`."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)
