@@ -179,11 +179,11 @@ def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], 
 
     `sizes` are the numbers of points in a chunk along each dimension.
     """
-    for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
-        if mask[block := slices_of(numbers, sizes)].any():
-            yield numbers, block
+    for chunk in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
+        if mask[block := slices_of(chunk, sizes)].any():
+            yield chunk, block
 
 
-def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
-    """Slices of the chunk with index `numbers`, if chunks have `sizes` along the dimensions."""
-    return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))
+def slices_of(chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
+    """Slices of the chunk with indices `chunk`, if chunks have `sizes` along the dimensions."""
+    return tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))

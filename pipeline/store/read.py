@@ -106,7 +106,7 @@ def _require_chunks(store: Store) -> None:
         keys = store.place.keys()
     for name in itertools.filterfalse(is_coordinate, store.arrays):
         chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
-        if not all(store.key(name, numbers) in keys for numbers, _ in chunks):
+        if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
             raise StoreError(damaged(store.place, name))
 
 

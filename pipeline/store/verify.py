@@ -117,19 +117,19 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     with io_errors(store.place):
         keys = store.place.keys()
         begun = [
-            (numbers, block)
-            for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
-            if any(store.key(name, numbers) in keys for name in RECORDS)
+            (chunk, block)
+            for chunk, block in blocks(np.ones(store.flags.shape, bool), store.block)
+            if any(store.key(name, chunk) in keys for name in RECORDS)
         ]
-        for numbers, block in begun:
-            _read_flags(store, damage, numbers, block)
-        for count, (numbers, block) in enumerate(begun, 1):
+        for chunk, block in begun:
+            _read_flags(store, damage, chunk, block)
+        for count, (chunk, block) in enumerate(begun, 1):
             values = read_block(store, block)
             is_done = (store.flags[block] == DONE).any()
             for name, of_block in values.items():
-                is_lost = is_done and (key := store.key(name, numbers)) not in keys
+                is_lost = is_done and (key := store.key(name, chunk)) not in keys
                 if of_block is None or (is_lost and store.place.read(key) is None):
-                    _note_chunk(store, damage, name, numbers, block)
+                    _note_chunk(store, damage, name, chunk, block)
             for index, point, entries in stored_entries(store, block, values):
                 if fault := fault_of(store, point, entries):
                     words = store.in_words(point)
@@ -139,25 +139,25 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
     return damage
 
 
-def _read_flags(store: Store, damage: _Damage, numbers: Index, block: Slices) -> None:
+def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
     """Read statuses and requests of a chunk of points into `store`; add damage to `damage`.
 
-    `numbers` are the chunk's indices, and `block` has its slices, along the dimensions of points.
+    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
     """
     for name, marks in (("status", store.flags), ("asked", store.asked)):
-        is_there = store.place.read(store.key(name, numbers)) is not None
+        is_there = store.place.read(store.key(name, chunk)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
             marks[block] = values
         elif is_there or name == "status" or store.flags[block].any():
-            _note_chunk(store, damage, name, numbers, block)
+            _note_chunk(store, damage, name, chunk, block)
 
 
-def _note_chunk(store: Store, damage: _Damage, name: str, numbers: Index, block: Slices) -> None:
+def _note_chunk(store: Store, damage: _Damage, name: str, chunk: Index, block: Slices) -> None:
     """Add a damaged chunk of the variable `name` to `damage`, so that fill values replace it.
 
-    See `_read_flags` for `numbers` and `block`.
+    See `_read_flags` for `chunk` and `block`.
     """
-    damage.files[store.key(name, numbers)] = name, block, store.arrays[name].fill_value
+    damage.files[store.key(name, chunk)] = name, block, store.arrays[name].fill_value
 
 
 def _read(store: Store, name: str, block: Any) -> Any:

@@ -100,14 +100,14 @@ class Store:
         written = self.sweep.variants.written(point.variant)
         return str(point._replace(variant=tuple(written.items())))
 
-    def key(self, name: str, numbers: Sequence[int]) -> str:
+    def key(self, name: str, chunk: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `numbers` are the chunk's indices along the dimensions of points. All values of a point are
-        in one chunk.
+        `chunk` has the chunk's indices along the dimensions of points. All values of a point are in
+        one chunk.
         """
-        within = [0] * (self.arrays[name].ndim - len(numbers))
-        return f"{path_of(name)}/" + ".".join(map(str, ("c", *numbers, *within)))
+        within = [0] * (self.arrays[name].ndim - len(chunk))
+        return f"{path_of(name)}/" + ".".join(map(str, ("c", *chunk, *within)))
 
     # Reading
 

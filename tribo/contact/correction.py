@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.contact.problem import Problem, level_of
+from tribo.contact.problem import Problem, approach_of
 from tribo.contact.simplex import shifted_to_load
 from tribo.types import Array
 
@@ -24,7 +24,7 @@ def correct_guess(problem: Problem, separation: Array, guess: Array, displacemen
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation
     loaded = guess > 0
-    gap -= level_of(gap, loaded, np.flatnonzero(loaded & (guess < hardness)))
+    gap -= approach_of(gap, loaded, np.flatnonzero(loaded & (guess < hardness)))
     nodes = np.flatnonzero((guess != 0) | (gap < 0))
     stencil = near.on(nodes)
     known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
@@ -33,7 +33,7 @@ def correct_guess(problem: Problem, separation: Array, guess: Array, displacemen
         gap = known_gap + stencil(near.influence, pressure - known_pressure)
         loaded, elastic = pressure > 0, pressure < hardness
         free = loaded & elastic
-        gap -= level_of(gap, loaded, np.flatnonzero(free))
+        gap -= approach_of(gap, loaded, np.flatnonzero(free))
         wrong = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
         gap -= float((gap * wrong).sum()) / max(1, int(np.count_nonzero(wrong)))
         change = wrong * stencil(near.inverse, wrong * gap)

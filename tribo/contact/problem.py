@@ -144,7 +144,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
     elastic = pressure < problem.hardness if highest >= problem.hardness else None
     free = loaded if elastic is None else loaded & elastic
     free_nodes = np.flatnonzero(free)
-    level = level_of(gap, loaded, free_nodes)
+    level = approach_of(gap, loaded, free_nodes)
     gap -= level
     moving = loaded | (gap < 0)
     if elastic is not None:
@@ -156,7 +156,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
     return Judgement(gap, level, unit, residual, nodes, touching, wrong)
 
 
-def level_of(gap: Array, loaded: Mask, free: Nodes) -> float:
+def approach_of(gap: Array, loaded: Mask, free: Nodes) -> float:
     """Approach [m] that makes `gap` [m] 0 on average at the `free` nodes.
 
     Without free nodes it is halfway between the widest gap of `loaded` nodes and the narrowest gap
