@@ -54,7 +54,7 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """Rule that generates samples from a seed."""
+    """Rule that generates samples from a seed: their inputs, and the range of their velocities."""
 
     inputs: tuple[Unknown, ...]  # inputs that rises depend on, with the wear rate if it varies
     layers: tuple[Layer, ...]  # one for each input

@@ -23,8 +23,8 @@ _NOTHING = 1e-12  # share of a length below which no part of the integral is wor
 def diffusion_length(reach: float, drift: float, distance: float) -> float:
     """Return the s > 0 at which drift·s² + reach·s = distance [m]; infinite if there is none.
 
-    At this diffusion length the heat of a moving source passes `distance`: with its front if
-    `reach` is positive, with its rear if negative.
+    At this diffusion length the heat of a source that moves by drift·s² passes `distance`: with its
+    front if `reach` is positive, with its rear if negative.
     """
     root = math.sqrt(reach**2 + 4 * drift * distance)
     if reach > 0:
@@ -60,8 +60,8 @@ def _growth_until_edge(drift: float, low: float, side: float) -> float:
     """Growth of s from `low` [m] until an edge of the moving source is next felt at a centre.
 
     It is 0 or less if an edge is felt there now. An edge passes a centre where drift·s² is an odd
-    multiple of half the side. Its heat is felt there as long as s differs by less than `REACH`/(2
-    drift).
+    multiple of half the side of an element, with the `drift` ``|V|/(4κ)`` [1/m]. Its heat is felt
+    there as long as s differs by less than `REACH`/(2 drift).
     """
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)
