@@ -14,7 +14,7 @@ import linecache
 import sys
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 import numpy as np
 
@@ -75,22 +75,17 @@ class Law(UnknownHeights):
         if name.startswith("_"):
             raise AttributeError(name)
         if name not in (known := dict(self.parameters)):
-            raise self._lost()
+            self._refuse()
         return known[name]
 
-    def over(self, begin: float, end: float) -> Any:
-        """Raise a `LawError`: only the name of the wear law is known."""
-        raise self._lost()
-
-    def heights(self, pixels: Any) -> Any:
-        """Raise a `LawError`: only the name of the surface is known."""
-        raise self._lost()
-
-    def _lost(self) -> LawError:
-        return LawError(
+    def _refuse(self, *_: Any) -> NoReturn:
+        """Raise a `LawError`: only the name of the law is known."""
+        raise LawError(
             f"{self.name} is a Python object, of which a store keeps the name alone; give it anew: "
             "pipeline.load_scene(…, laws=…)"
         )
+
+    over = heights = _refuse  # methods of a wear law and of a surface
 
     def __str__(self) -> str:
         return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.parameters)})"
