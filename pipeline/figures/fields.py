@@ -12,6 +12,7 @@ from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.units import in_si
+from pipeline.sweep.condition_words import heating_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import columns_needed, corrected_columns, rise_limit
 from tribo import InputError
@@ -120,7 +121,7 @@ def fields(
         if shown[1].min() < limit < shown[1].max():
             grid[1].contour(x, y, shown[1].T, [limit], colors=style.SKY, linewidths=style.THIN)
             grid[1].child_axes[0].set_xlabel(f"{labels[1]}, outlined at {limit:g}")
-    title = f"{style.title_of(data)}\n{data.point(*point)}, {style.heating(conditions)}"
+    title = f"{style.title_of(data)}\n{data.point(*point)}, {heating_words(conditions)}"
     style.write_title(figure, title)
     return figure
 

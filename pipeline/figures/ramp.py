@@ -17,6 +17,7 @@ from pipeline.figures.fields import Spot, Wanted, chosen_points, nearest_indices
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import MADE, STEPPED, VARIABLES
+from pipeline.sweep.condition_words import heating_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
@@ -75,7 +76,7 @@ def ramp(
     ]
     time, own = data.values("time"), data.values("own_grid")
     is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
-    caption = style.heating(conditions) + _COARSE_RAMP * is_coarse
+    caption = heating_words(conditions) + _COARSE_RAMP * is_coarse
     style.legend_below(figure, handles=names, caption=caption)
     return figure
 
@@ -167,5 +168,5 @@ def temperature(
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     style.write_title(axes, f"{style.title_of(data)}\n{load_here:g} N")
-    style.legend_below(figure, caption=style.heating(conditions))
+    style.legend_below(figure, caption=heating_words(conditions))
     return figure

@@ -22,8 +22,6 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from pipeline.analysis.results import Results
 from pipeline.analysis.tables import write_bytes
-from pipeline.sweep.condition_words import condition_rows
-from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
 BLACK, GREY = "#1A1A1A", "#777777"
@@ -164,11 +162,6 @@ def save_figure(figure: Figure, out: Path) -> Path:
     written = io.BytesIO()
     figure.savefig(written, format=out.suffix[1:])
     return write_bytes(written.getvalue(), out)
-
-
-def heating(conditions: Conditions) -> str:
-    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
-    return " ".join(next(condition_rows(conditions)))
 
 
 def plain_numbers(axes: Axes) -> None:

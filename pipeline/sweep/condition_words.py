@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 
 from pipeline.quantities import display
 from pipeline.sweep.conditions import PATHS, Conditions
-from pipeline.sweep.shown import Line
 
 
-def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Iterator[Line]:
-    """Yield pairs (subject, text) that say when wear is severe, for a table.
+def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
 
     For entries whose paths are in `drawn` the text is "of each sample".
     """
@@ -19,12 +18,8 @@ def condition_rows(conditions: Conditions, drawn: Collection[str] = ()) -> Itera
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
     if any(path.startswith(PATHS["bulk_temperature"]) for path in drawn):
         bulk = "bulk of each sample"
-    friction = f"{conditions.friction:g}"
-    yield "friction", f"{'of each sample' if PATHS['friction'] in drawn else friction}, {bulk}"
-    if conditions.corrections:
-        yield "corrections", conditions.corrections.text
-    if conditions.critical_temperature is not None:
-        yield "severe", severe_words(conditions, drawn)
+    friction = "of each sample" if PATHS["friction"] in drawn else f"{conditions.friction:g}"
+    return f"friction {friction}, {bulk}"
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
@@ -35,7 +30,7 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
     each = [
         (
             severe_words(one, drawn),
-            " ".join(next(condition_rows(one, drawn))),
+            heating_words(one, drawn),
             one.corrections.text if one.corrections else "no correction",
         )
         for one in several

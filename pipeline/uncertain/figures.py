@@ -15,7 +15,7 @@ from pipeline.figures.overlays import mark_tests, number_tests
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.scene.units import typeset
-from pipeline.sweep.condition_words import condition_rows
+from pipeline.sweep.condition_words import heating_words, severe_words
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.fields import single_field
 from pipeline.uncertain.inputs import QUANTILES
@@ -84,9 +84,10 @@ def draw_probability(data: Results, log: bool = False) -> Figure:
 def _conditions(ensemble: Ensemble) -> str:
     """Describe the criterion of severe wear, the friction, and the inputs that samples vary."""
     drawn = [one.path for one in ensemble.unknown]
-    known = dict(condition_rows(ensemble.conditions, drawn))
-    severe = f"severe wear: {known['severe']}; " if "severe" in known else ""
-    return f"{severe}friction {known['friction']}; samples vary {', '.join(drawn)}"
+    conditions, severe = ensemble.conditions, ""
+    if conditions.critical_temperature is not None:
+        severe = f"severe wear: {severe_words(conditions, drawn)}; "
+    return f"{severe}{heating_words(conditions, drawn)}; samples vary {', '.join(drawn)}"
 
 
 @style.house_style

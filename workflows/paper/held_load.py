@@ -12,9 +12,9 @@ from pipeline.figures.style import (
     BLUE,
     GREY,
     VERMILION,
-    heating,
     house_style,
 )
+from pipeline.sweep.condition_words import heating_words
 from tribo import InputError, Ramp
 from tribo.types import Array
 
@@ -53,7 +53,7 @@ def fig5(study: Study) -> Report:
     values = {
         "load": load,
         "velocity": velocity,
-        "heating": heating(sweep.conditions),
+        "heating": heating_words(sweep.conditions),
         "cooler": cooler,
         "hold": hold,
         "pace": pace,
@@ -73,7 +73,9 @@ def fig5(study: Study) -> Report:
         data={
             name: {"time": time, "max_celsius": celsius} for name, (time, celsius) in curves.items()
         },
-        figure=_draw(curves, full, f"{load:g} N, {velocity:g} m/s, {heating(sweep.conditions)}"),
+        figure=_draw(
+            curves, full, f"{load:g} N, {velocity:g} m/s, {heating_words(sweep.conditions)}"
+        ),
     )
 
 

@@ -8,8 +8,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
+from pipeline.sweep.condition_words import heating_words
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 
@@ -54,7 +55,7 @@ def fig8(study: Study) -> Report:
     values: dict[str, Any] = {
         "load": load,
         "velocity": velocity,
-        "heating": heating(sweep.conditions),
+        "heating": heating_words(sweep.conditions),
         "off": fitted["exceeded_celsius"] - recorded["exceeded_celsius"],
         "highest_off": fitted["max_celsius"] - recorded["max_celsius"],
     }
@@ -105,5 +106,5 @@ def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     lower.text(0.05, critical + 1, f"critical, {critical:g} °C", color=GREY, va="bottom")
     lower.set(xlabel="time [s]", ylabel=f"exceeded on {_share(sweep)}\nof the contact [°C]")
     lower.set_ylim(None, critical + 12)
-    lower.legend(loc="lower right", title=heating(sweep.conditions))
+    lower.legend(loc="lower right", title=heating_words(sweep.conditions))
     return figure
