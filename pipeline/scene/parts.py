@@ -85,7 +85,7 @@ class Contents:
 
 
 def loading_of(
-    table: Ramp | Record, contents: Contents, faults: Faults, stops: tuple[float, ...]
+    contents: Contents, faults: Faults, table: Ramp | Record, *stops: float
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
@@ -93,8 +93,7 @@ def loading_of(
     times in a hold at which steps end [s]. A line fitted to a record is noted in `faults`.
     """
     if isinstance(table, Ramp):
-        stops = tuple(s for s in stops if s < table.hold)
-        return tribo.Ramp(**vars(table), stops=stops), None
+        return tribo.Ramp(**vars(table), stops=tuple(s for s in stops if s < table.hold)), None
     path = contents.find(table, "loading", faults)
     content = contents.keep(_read_record(path, faults)) if path else str(table.content)
     times, loads = contents.take(content, (2, -1))
@@ -218,7 +217,7 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 
 
 def roughness_of(
-    table: Any, window: Window, contents: Contents, faults: Faults
+    contents: Contents, faults: Faults, table: Any, window: Window
 ) -> Roughness | None:
     """Roughness of the disk, made from a seed or read from a scan; None if the scan is faulty.
 

@@ -79,16 +79,11 @@ class SceneReader:
             tables, taken = resolve_library(tables, faults)
         scene, changed = self._declared(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
-        part, stops = partial(self._part, scene, faults), tested_holds(scene)
-        contents = self.contents
-        loading, record = part(
-            lambda one, *stops: loading_of(one, contents, faults, stops), "loading", more=stops
-        ) or (None, None)
-        roughness = laws.get("surface") or part(
-            lambda one, window: roughness_of(one, window, contents, faults),
-            "disk.roughness",
-            "window",
-        )
+        part, read = partial(self._part, scene, faults), (self.contents, faults)
+        stops = tested_holds(scene)
+        loading, record = part(partial(loading_of, *read), "loading", more=stops) or (None, None)
+        heights = partial(roughness_of, *read)
+        roughness = laws.get("surface") or part(heights, "disk.roughness", "window")
         made = {
             "pixels": part(grid_of, "window", "pin"),
             "motion": part(motion_of, "motion", "pin"),
