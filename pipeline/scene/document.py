@@ -129,14 +129,9 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     document = _leave_out(document, listed, document.file, faults)
     if "fidelity.preset" in overrides:
         document = document.replaced("fidelity", None)
-    entries, top = document.entries(), dict[str, Any]()
+    top = dict[str, Any]()
     for key, value in overrides.items():
-        above = [*itertools.accumulate(key.split(".")[:-1], "{}.{}".format)]
-        held = (entry_at(layer, path) for layer in (top, entries) for path in above)
-        if not all(one is None or isinstance(one, dict) for one in held):
-            faults.refuse(key, f"{above[-1]} is not a table; give its own key")
-        else:
-            top = _merged(top, replace_value({}, key, value))
+        top = _merged(top, replace_value({}, key, value))
     return Document((FileEntries(document.file, top), *document.layers))
 
 

@@ -175,7 +175,7 @@ ENTRIES = {
     "no title": (entry("title", ""), "the text is empty"),
     "null": (entry("title", "a\0"), "has a null character"),
     "materials": (entry("materials", 3), "is not a table that holds tables"),
-    "table": (entry("title.long", "x"), "title.long: title is not a table"),
+    "table": (entry("title.long", "x"), "title: a table is not text"),
     "key": (entry("realisations", 3), 'realisations: unknown key (did you mean "sweep.real'),
     "seeds": (entry("sweep.realizations", [3, 3]), "sweep.realizations[1]: 3 equals entry [0]"),
     "without": (entry("without", "pin.lenght"), '"pin.lenght" is not an entry of'),

@@ -151,10 +151,10 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
     overrides = {"waer.pattern": "local", "title.long": "x", "realizations": 3, "incremnts": 3}
     messages = faults(overrides=overrides)
-    paths = ["incremnts", "realizations", "title.long", "waer"]
+    paths = ["incremnts", "realizations", "title", "waer"]
     assert sorted(line.split(": ")[0] for line in messages) == paths
     said = "\n".join(messages)
-    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', "not a table"):
+    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', "a table is not text"):
         assert hint in said
 
 
