@@ -203,11 +203,8 @@ class Either(Kind):
         if not isinstance(value, dict):
             return usual
         own = value.keys() - usual.keys.keys()
-
-        def shared(form: Table) -> int:
-            return len(own & form.keys.keys()) + (form.form in value.values())
-
-        best = max((one for one in others if isinstance(one, Table)), key=shared, default=usual)
+        forms = (one for one in others if isinstance(one, Table))
+        best = max(forms, key=lambda form: len(own & form.keys.keys()), default=usual)
         return best if own & best.keys.keys() else usual
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
