@@ -6,7 +6,7 @@ import math
 from typing import Annotated as A
 from typing import Any
 
-from pipeline.scene.declare import List, declared
+from pipeline.scene.declare import Declared, List
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     ANY_WEAR_RATE,
@@ -40,8 +40,7 @@ SPEED = _Speed("1500 rpm", ends=("1e-3 rpm", "1e6 rpm"), name="a speed")
 
 
 # fmt: off
-@declared
-class Gear:
+class Gear(Declared):
     """Data of one gear in the file of a pair."""
 
     teeth: A[int, Whole(at_least=4, at_most=10_000), "Number of teeth."]
@@ -51,8 +50,7 @@ class Gear:
     material: A[str, "Name of its material, here or in the library."]
     roughness: A[float, Quantity("0.35 um", usual=(0, 10)), "Ra of the flanks."]
 
-@declared
-class Toothing:
+class Toothing(Declared):
     """Geometry of the teeth that both gears share."""
 
     module: A[float, Quantity("4.5 mm", usual=(0.1, 100)), "Normal module."]
@@ -63,8 +61,7 @@ class Toothing:
     face_width: A[float, Quantity("20 mm", usual=(1, 1000)), "Common face width."]
     quality: A[int, Whole(at_least=1, at_most=12), "Flank tolerance class of ISO 1328-1."] = 6
 
-@declared
-class Load:
+class Load(Declared):
     """Torque, speed and load factor of the pair."""
 
     torque: A[float, TORQUE, "Torque on the pinion."]
@@ -72,8 +69,7 @@ class Load:
     load_factor: A[float, LOAD_FACTOR,
         "Factor of the load: application, dynamics, face load."] = 1.0
 
-@declared
-class Temperatures:
+class Temperatures(Declared):
     """Temperatures of teeth, oil and lubricant failure [K]."""
 
     bulk: A[float | None, BULK, "Temperature of the teeth before they meet."] = None
@@ -84,8 +80,7 @@ class Temperatures:
     critical_sd: A[float | None, CRITICAL_SD,
         "Its standard deviation, which counts in verdicts."] = None
 
-@declared
-class Friction:
+class Friction(Declared):
     """Mean coefficient of friction of the mesh, or data to compute it."""
 
     coefficient: A[float | None, FRICTION,
@@ -93,8 +88,7 @@ class Friction:
     lubricant_factor: A[float, Number(above=0),
         "XL of that rule: 1 mineral oil, 0.8 polyalphaolefin, 0.7 polyglycol."] = 1.0
 
-@declared
-class Surface:
+class Surface(Declared):
     """Surface data that drawings do not state; the defaults suit usual flanks."""
 
     correlation_length: A[tuple[float, float], List(Quantity("4 um"), length=2),
@@ -102,8 +96,7 @@ class Surface:
     hurst_exponent: A[float, Number(above=0, at_most=1)] = 0.8
     specific_wear_rate: A[float, ANY_WEAR_RATE] = 1.2e-15
 
-@declared
-class PairFile:
+class PairFile(Declared):
     """All tables of the file of a gear pair."""
 
     title: A[str | None, "A line on the pair."] = None

@@ -17,7 +17,7 @@ from pipeline.gears.pair import Duty, Pair
 from pipeline.gears.pairfile import LOAD_FACTOR, SPEED, TORQUE
 from pipeline.gears.rules import warm_duty
 from pipeline.scene.along import columns_of, lines_of
-from pipeline.scene.declare import declared
+from pipeline.scene.declare import Declared
 from pipeline.scene.faults import Fault, listed_faults
 from pipeline.scene.format import BULK
 from pipeline.scene.kinds import Number
@@ -25,8 +25,7 @@ from pipeline.scene.sheet import Sheet, read_sheet
 from tribo import InputError
 
 
-@declared
-class _Row:
+class _Row(Declared):
     torque: A[float, TORQUE]
     speed: A[float, SPEED]
     hours: A[float | None, Number(at_least=0)] = None

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import Annotated as A
 from typing import Any
 
-from pipeline.scene.declare import ByPath, Example, declared
+from pipeline.scene.declare import ByPath, Declared, Example
 from pipeline.scene.kinds import OneOf, Scalar, Text
 from pipeline.sweep.measurement import OUTCOMES
 from pipeline.sweep.tables import Entries
 
 
 # fmt: off
-@declared
-class Log:
+class Log(Declared):
     file: A[str,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
         "the folder of the scene. `irg tests LOG` prints these lines."]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.paths import user_path
-from pipeline.scene.declare import Table, declared, table_of
+from pipeline.scene.declare import Declared, Table, table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
@@ -32,8 +32,7 @@ from pipeline.sweep.variants import PLACE_UNITS, Column, Row, numbered_rows
 from tribo import InputError
 
 
-@declared
-class _Row:
+class _Row(Declared):
     load: A[float, LOAD]
     velocity: A[float, SPEED]
     friction: A[float | None, FRICTION] = None

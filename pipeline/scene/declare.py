@@ -20,7 +20,6 @@ from typing import (
     Any,
     Literal,
     NamedTuple,
-    TypeVar,
     Union,
     dataclass_transform,
     get_args,
@@ -45,16 +44,16 @@ from pipeline.sweep.limits import MOST_ON_AXIS
 from pipeline.sweep.tables import flat
 from tribo.loading.ramp import MOST_STEPS
 
-_Class = TypeVar("_Class")
-
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
-def declared(table: type[_Class]) -> type[_Class]:
-    """Class decorator: the class is a table of a scene file, and its fields are the entries.
+class Declared:
+    """Base class of tables of a scene file: the annotated fields of a table are its entries.
 
     Messages name the table by its class, such as "random surface", or by the class's `form_name`.
     """
-    return dataclass(frozen=True, kw_only=True)(table)
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
 
 
 class StoreOnly(NamedTuple):
@@ -80,7 +79,7 @@ class Entry(NamedTuple):
 
 @functools.cache
 def table_of(table: type[Any]) -> Table:
-    """Convert a class that is `declared` to a `Table` of its keys and their kinds; cached."""
+    """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
     keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
     words = re.sub("(?<=.)(?=[A-Z])", " ", table.__name__).lower()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import make_dataclass
 from typing import Annotated as A
 from typing import Any, get_type_hints
 
@@ -12,12 +11,12 @@ from pipeline import extras
 from pipeline.scene.declare import (
     Axis,
     ByPath,
+    Declared,
     Either,
     Example,
     List,
     Range,
     StoreOnly,
-    declared,
     kind_of,
     table_of,
 )
@@ -60,19 +59,11 @@ def one_or_two(kind: Kind) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-def _extended(declared: type, others: tuple[type, ...] = (), entries: Any = ()) -> Any:
-    """Make a copy of the table `declared` that has more entries.
-
-    They are those of the tables `others`, and of optional parts for the same table (`entries`).
-    """
-    bases = (*others, declared)
-    return make_dataclass(declared.__name__, entries, bases=bases, frozen=True, kw_only=True)
-
-
-def _entries_of_extras(path: str) -> tuple[type, ...]:
-    """Tables whose entries optional parts add to the table at a path, from their ``ENTRIES``."""
+def _with_extras(table: type, path: str) -> Any:
+    """Make a copy of the table at a path that has the ``ENTRIES`` of optional parts, too."""
     listed = (brought.ENTRIES for brought in extras.modules("format"))
-    return tuple(entries[path] for entries in listed if path in entries)
+    others = (entries[path] for entries in listed if path in entries)
+    return type(table.__name__.lstrip("_"), (*others, table), {})
 
 
 def _forms_of_tests(*own: type) -> List:
@@ -83,8 +74,7 @@ def _forms_of_tests(*own: type) -> List:
 
 
 # fmt: off
-@declared
-class Material:
+class Material(Declared):
     like: A[str | None,
         "A material of the library, whose values hold where none is given here.",
         Example("AISI 52100")] = None
@@ -98,24 +88,20 @@ class Material:
     density: A[float, Quantity("7800 kg/m^3", usual=(500, 25000)), "Density."]
     specific_heat: A[float, Quantity("470 J/(kg K)", usual=(100, 5000)), "Specific heat capacity."]
 
-@declared
-class Rod:
+class Rod(Declared):
     length: A[float, Quantity("4 mm"), "Length of the rod, of the pin's material."]
     area: A[float, Quantity("13.6 mm^2"), "Cross section of the rod."]
 
-@declared
-class Resistance:
+class Resistance(Declared):
     resistance: A[float, Quantity("8 K/W"), "Thermal resistance to the holder."]
 
-@declared
-class Plate:
+class Plate(Declared):
     diameter: A[float, Quantity("150 mm")]
     thickness: A[float, Quantity("10 mm")]
 
 CAPACITY = Either(Quantity("650 J/K", usual=(0.5, 1e6)), table_of(Plate))
 
-@declared
-class Body:
+class Body(Declared):
     material: A[str, "Name of the material, in this file or in the library."]
     track_length: A[float | None, Quantity("314 mm", usual=(20, 1e4)),
         "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
@@ -136,8 +122,7 @@ class Body:
     shaft_loss: A[float | None, Quantity("5 W/K"),
         "Heat loss to the shaft for each kelvin; none by default."] = None
 
-@declared
-class _Pin:
+class _Pin(Declared):
     shape: A[str, OneOf(tuple(tribo.PINS)), "Shape of the pin."]
     radius: A[float, Quantity("2 mm", usual=(0.1, 1000)),
         "Radius in the plane of sliding; for two curved bodies the reduced radius."]
@@ -148,12 +133,10 @@ class _Pin:
         "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
         f"thermal resistance. Without the table the pin is a half-space. {LATER}"] = None
 
-@declared
 class Pin(Body, _Pin):
     pass
 
-@declared
-class RandomSurface:
+class RandomSurface(Declared):
     ra: A[float, Quantity("0.27 um", usual=(0.001, 10)),
         "Ra, the mean deviation of the heights from their mean plane."]
     hurst_exponent: A[float, Number(above=0, at_most=1),
@@ -163,8 +146,7 @@ class RandomSurface:
         "surface."]
     seed: A[int, SEED, "Seed of the random surface."] = 0
 
-@declared
-class MeasuredSurface:
+class MeasuredSurface(Declared):
     file: A[str,
         "File with the heights, x along its columns, relative to the folder of the scene: .npy, "
         "text, or the format of an instrument (extra `surfaces`).",
@@ -187,20 +169,17 @@ class MeasuredSurface:
         "Continuation of a surface that is smaller than the window."] = "no"
     content: A[str | None, StoreOnly()] = None
 
-@declared
-class Film:
+class Film(Declared):
     thickness: A[float, Quantity("20 nm"), "Thickness of the film."]
     thermal_conductivity: A[float, Quantity("2 W/(m K)"), "Thermal conductivity of the film."]
 
-@declared
 class Disk(Body):
     film: A[Film | None, f"Oxide or tribofilm on the disk, a thermal resistance. {LATER}"] = None
     roughness: A[RandomSurface | MeasuredSurface | None,
         "Surface of the disk, random or measured; smooth without the table. In Python also [your "
         "own](OWN_LAWS.md)."] = None
 
-@declared
-class Window:
+class Window(Declared):
     pixels: A[tuple[int, int], List(Whole(at_least=1, at_most=100_000), length=2),
         "Number of pixels along x and y."]
     pixel_size: A[tuple[float, float], List(Quantity("0.95 um"), length=2),
@@ -210,15 +189,13 @@ _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
 )
 
-@declared
-class Ramp:
+class Ramp(Declared):
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows from 0."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
         "Time for which each load is held after the ramp, in growing steps."] = 0.0
 
-@declared
-class Record:
+class Record(Declared):
     file: A[str,
         "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
         "folder of the scene.", Example("load.csv")]
@@ -226,8 +203,7 @@ class Record:
     fit: A[bool, "True to replace the record by a straight line through it."] = False
     content: A[str | None, StoreOnly()] = None
 
-@declared
-class Motion:
+class Motion(Declared):
     slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."] = None
@@ -239,8 +215,7 @@ class Motion:
 
 WEAR_PATTERN = kind_of(get_type_hints(tribo.Wear)["pattern"])
 
-@declared
-class Archard:
+class Archard(Declared):
     form_name = "Archard"
     specific_wear_rate: A[float, ANY_WEAR_RATE, "Worn volume per load and sliding distance."]
     pattern: A[str, WEAR_PATTERN,
@@ -248,8 +223,7 @@ class Archard:
         'past; over positions of the disk if y is not periodic. "local": each element by its '
         "own pressure."]
 
-@declared
-class RunningIn:
+class RunningIn(Declared):
     form_name = "running-in"
     law: A[str, OneOf(tuple(tribo.LAWS)), "Name of a law that ships."]
     initial_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k₀ before running in [m²/N]."]
@@ -259,8 +233,7 @@ class RunningIn:
 
 WEAR = Either(table_of(Archard), table_of(RunningIn))
 
-@declared
-class Oil:
+class Oil(Declared):
     like: A[str | None,
         "An oil of the library, whose values hold where none is given here.",
         Example("medicinal white oil")] = None
@@ -281,18 +254,15 @@ class Oil:
         "Pressure–viscosity coefficient, one, or one at the first temperature and one at the last. "
         "Without it no film is predicted."] = None
 
-@declared
-class FrictionByVelocity:
+class FrictionByVelocity(Declared):
     velocity: A[float, SPEED, "Sliding velocity."]
     coefficient: A[float, FRICTION, "Coefficient of friction."]
 
-@declared
-class FrictionByTemperature:
+class FrictionByTemperature(Declared):
     temperature: A[float, TEMPERATURE, "Temperature of the contact."]
     coefficient: A[float, Number(above=0), "Coefficient of friction."]
 
-@declared
-class Friction:
+class Friction(Declared):
     coefficient: A[float, FRICTION,
         "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales the "
         "values of `by_velocity` and `by_temperature`; one in the scene (`--set`) keeps them."]
@@ -308,13 +278,11 @@ class Friction:
         "constant beyond. Its factor on the coefficient multiplies that of the velocity. "
         f"{LATER}"] = ()
 
-@declared
-class Bulks:
+class Bulks(Declared):
     pin: A[float, BULK, "Temperature of the pin."]
     disk: A[float, BULK, "Temperature of the disk."]
 
-@declared
-class Temperature:
+class Temperature(Declared):
     bulk: A[float | Bulks, Either(BULK, table_of(Bulks)),
         "Temperature far from the contact, of both bodies, or of `pin` and `disk`."]
     critical: A[float | None, CRITICAL,
@@ -329,8 +297,7 @@ class Temperature:
         "Deciding temperature: the one exceeded on the failing share of the contact, the highest, "
         "or the mean; in Python also [your own criterion](OWN_LAWS.md)."] = "share"
 
-@declared
-class Model:
+class Model(Declared):
     scatter: A[float, Share(at_least=0, below=1),
         "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
         f"0 for none. {LATER}"] = 0.1
@@ -362,18 +329,18 @@ _CHOICES = {
     "heat_tolerance": "Relative residual of the heat partition at which its solver stops.",
 }  # fmt: skip
 
-@declared
-class _Fidelity:
+class _Fidelity(Declared):
     preset: A[str, OneOf(tuple(tribo.PRESETS)),
         'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
-Fidelity = _extended(_Fidelity, entries=[
-    (name, A[hint | None, _CHOICES.get(name, StoreOnly())], None)
-    for name, hint in get_type_hints(tribo.Fidelity).items()
-])
+_HINTS = get_type_hints(tribo.Fidelity)
+Fidelity: Any = type("Fidelity", (_Fidelity,), {
+    "__annotations__": {
+        name: A[hint | None, _CHOICES.get(name, StoreOnly())] for name, hint in _HINTS.items()},
+    **dict.fromkeys(_HINTS),
+})
 
-@declared
-class _Sweep:
+class _Sweep(Declared):
     loads: A[tuple[float, ...], Axis(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
     velocities: A[tuple[float, ...], Axis(List(VELOCITY, distinct=True), Range(VELOCITY)),
         "Sliding velocities."]
@@ -394,10 +361,9 @@ class _Sweep:
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear, without a hold and with contacts of its own, else "end".'] = None
 
-Sweep = _extended(_Sweep, _entries_of_extras("sweep"))
+Sweep = _with_extras(_Sweep, "sweep")
 
-@declared
-class Transition:
+class Transition(Declared):
     form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
     velocity: A[float, VELOCITY, "Sliding velocity."]
@@ -416,17 +382,14 @@ class Transition:
     oil: A[str | int | None, NAME,
         "Oil of the test, where those of one rig are compared; by default the scene's."] = None
 
-@declared
 class _Run(Transition):
     run: A[str | int | None, NAME,
         "Run of the test, by default its own. Tests of one run have one specimen, and count as "
         "one."] = None
 
-@declared
 class Test(_Run):
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
 
-@declared
 class Stages(_Run):
     form_name = "run by stages"
     load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
@@ -438,8 +401,7 @@ class Stages(_Run):
         "Severe stage of a run; give it alone if it was the first stage.",
         Example("450 N")] = None
 
-@declared
-class _SceneFile:
+class _SceneFile(Declared):
     extends: A[str | None,
         "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
         "relative to this file.", Example("other.toml")] = None
@@ -484,5 +446,5 @@ class _SceneFile:
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer` with samples, and for the model's own error."] = ()
 
-SceneFile = _extended(_SceneFile, _entries_of_extras(""))
+SceneFile = _with_extras(_SceneFile, "")
 # fmt: on

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated as A
 from typing import Any, NamedTuple
 
-from pipeline.scene.declare import ByPath, Entry, Example, List, Table, declared
+from pipeline.scene.declare import ByPath, Declared, Entry, Example, List, Table
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Flag, Kind, Number, Scalar, UnfitError, Whole
 from pipeline.sweep.tables import Entries, entry_at
@@ -72,8 +72,7 @@ UNKNOWN = ByPath(Distribution(
     listed=List(Scalar(), distinct=True),  # equally likely values
 ), "paths of entries")
 
-@declared
-class Inputs:
+class Inputs(Declared):
     unknown: A[dict[str, Any] | None, UNKNOWN,
         "Inputs that are not known exactly, by their paths. A table is normal (mean and standard "
         "deviation), log-normal (median, and the factor within which two thirds lie) or uniform; a "
@@ -83,8 +82,7 @@ class Inputs:
         "from part to part, so that no test narrows it; a seed always does.",
         Example({"temperature.critical": {"mean": "145 degC", "sd": "8 K"}})] = None
 
-@declared
-class Samples:
+class Samples(Declared):
     samples: A[int | None, Whole(at_least=1, at_most=MOST_SAMPLES),
         "Number of samples of the `unknown` inputs, each at its own velocity. `irg check` says if "
         "fewer are drawn because more would share their contacts."] = None
