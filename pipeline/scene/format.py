@@ -309,18 +309,14 @@ _CHOICES = {
     "averaging":
         "An element's height: the mean of its pixels, as measured surfaces are coarsened in the "
         "paper, or the height of one pixel in its middle.",
-    "history_coarsening":
-        "Largest factor on the sides of elements before a point's last step.",
+    "history_coarsening": "Largest factor on the sides of elements before a point's last step.",
     "elements_per_summit": "Least width of the summits of the surface in elements.",
-    "fewest_summits":
-        "Least number of summits that touch for elements larger than the pixels.",
-    "fewest_elements":
-        "Least number of elements that touch before a point's last step.",
+    "fewest_summits": "Least number of summits that touch for elements larger than the pixels.",
+    "fewest_elements": "Least number of elements that touch before a point's last step.",
     "increments": "Steps of the ramp up to its reference load.",
     "hold_increments":
         "As `increments`, for the steps of a hold, which grow with time; 0 for the same number.",
-    "imprint":
-        "Share of a wave of the roughness that a part of a step may wear into the pin.",
+    "imprint": "Share of a wave of the roughness that a part of a step may wear into the pin.",
     "contact_tolerance": "Residual of the contact at which its solver stops.",
     "heat_model":
         '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
