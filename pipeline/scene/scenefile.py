@@ -113,8 +113,10 @@ def _with_path(words: str, entries: Entries) -> str:
 
 def _require_few_points(sweep: Sweep) -> None:
     """Raise an `InputError` if a sweep has too many points, before they are made."""
-    loads = len(sweep.plane.loads) if sweep.variants.labels("load") is None else 1
-    if (count := sweep.ramps * loads) > MOST_POINTS:
+    rows, plane = sweep.variants, sweep.plane
+    loads = len(plane.loads) if rows.labels("load") is None else 1
+    velocities = len(plane.velocities) if rows.labels("velocity") is None else 1
+    if (count := len(rows) * loads * velocities) > MOST_POINTS:
         raise tribo.InputError(
             f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
             "loads, velocities or variants"

@@ -232,12 +232,6 @@ class Sweep:
         """Title and entries of the sweep, and the number of variants, for printing it."""
         return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
-    @property
-    def ramps(self) -> int:
-        """Number of loading ramps to simulate; a ramp goes through all loads at one velocity."""
-        has_own = self.variants.labels("velocity") is not None
-        return len(self.variants) * (1 if has_own else len(self.plane.velocities))
-
     @cached_property
     def _alone(self) -> dict[Variant, Self]:
         return {}
