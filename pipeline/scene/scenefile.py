@@ -140,13 +140,13 @@ def _path_overrides(
     Keys that name a field of the fidelity may be given without ``fidelity.``.
     """
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
+    choices = table_of(Fidelity).listed
     for key, value in overrides.items():
-        if key in table_of(Fidelity).listed:
+        if key in choices:
             replaced[f"fidelity.{key}"] = value
         elif "." in key or (key in table_of(SceneFile).keys and key != "extends"):
             replaced[key] = value
         else:
-            choices = table_of(Fidelity).listed
             hint = did_you_mean(key, [*choices, *(path for path, _ in all_keys())])
             faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
     return replaced
