@@ -83,11 +83,6 @@ def column_heads(*names: str) -> dict[str, str]:
     return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 
 
-def is_unit_of_head(unit: str) -> bool:
-    """True if values can be converted to the unit in a column's heading."""
-    return unit in SIZES or unit in DIMENSIONS
-
-
 def units_in_si(*names: str) -> dict[str, str]:
     """SI units by name of the quantity, as written in scene files; empty for a plain number."""
     return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.paths import user_path
-from pipeline.quantities import is_unit_of_head, shown_in
+from pipeline.quantities import DIMENSIONS, SIZES, shown_in
 from pipeline.store.files import replace_files
 from pipeline.sweep.remarks import split_notes
 from tribo import InputError
@@ -165,7 +165,8 @@ def _is_number(value: Any) -> TypeGuard[float]:
 def _split_heading(head: str) -> tuple[str, str]:
     """Split a heading into name and unit; an unknown unit stays in the name."""
     match = _HEAD.fullmatch(head)
-    return (match[1], match[2]) if match and is_unit_of_head(match[2]) else (head, "")
+    is_known = match and (match[2] in SIZES or match[2] in DIMENSIONS)
+    return (match[1], match[2]) if match and is_known else (head, "")
 
 
 def write_text(text: str, out: Path) -> Path:
