@@ -147,7 +147,6 @@ class Number(Kind):
             raise UnfitError(f"{quoted(value)} is out of range, {span}")
 
 
-@dataclass(frozen=True)
 class Share(Number):
     """Kind of scene entry: a share of a whole, as a number or in percent."""
 
@@ -159,7 +158,6 @@ class Share(Number):
         return super()._read(value, place, faults)
 
 
-@dataclass(frozen=True)
 class Whole(Number):
     """Kind of scene entry: a whole number."""
 
