@@ -22,7 +22,7 @@ from pipeline.scene.shipped import scene_path
 from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.limits import MOST_POINTS
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import Report, silent
 from pipeline.sweep.tables import Entries, entry_at, flat, replace_value, replace_values
 from pipeline.sweep.variants import SEED, surfaces
@@ -196,4 +196,5 @@ def run_point(
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     named = {"realization": realization, "variant": sample}
     variant = tuple((name, value) for name, value in named.items() if value is not None)
-    return plan.run_point(sweep_of(sweep), *place, variant, progress or silent)
+    points = (Point(*place, variant),)
+    return plan.run_points(sweep_of(sweep), points, progress=progress or silent)[0]

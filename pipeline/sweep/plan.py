@@ -24,7 +24,7 @@ from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.variants import Row, Variant
+from pipeline.sweep.variants import Row
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     UNSOLVED,
@@ -169,13 +169,6 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 def step_count(scene: Scene, load: float) -> int:
     """Number of steps of the ramp up to a load [N]."""
     return sum(1 for _ in scene.stations(load))
-
-
-def run_point(
-    sweep: Sweep, load: float, velocity: float, variant: Variant = (), progress: Report = silent
-) -> PointResult:
-    """Simulate one point; see `pipeline.run_point`, which also accepts text with units."""
-    return run_points(sweep, (Point(load, velocity, variant),), progress=progress)[0]
 
 
 def run_points(

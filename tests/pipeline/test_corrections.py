@@ -7,9 +7,9 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline import run_point
 from pipeline.analysis.rise_error import counted_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
 from pipeline.uncertain.inputs import FRICTION
 from pipeline.uncertain.samples import SPECIFIC_WEAR_RATE

@@ -7,8 +7,8 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline import run_point
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import momentary_rise
 from tests.helpers import tiny
 from tests.helpers.entries import changed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.plan import run_point
+from pipeline import run_point
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import pipeline
-from pipeline.sweep.plan import run_point
+from pipeline import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import weigh

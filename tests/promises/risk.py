@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline import run_point
 from pipeline.quantities import shown_in
-from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import rise_limit, worst_rises
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain.answers import draws_of

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 import tribo
+from pipeline import run_point
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import (
     end_of_point,
@@ -21,7 +22,6 @@ from pipeline.analysis.warned_points import warned
 from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.stores import commit

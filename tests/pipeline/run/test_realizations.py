@@ -7,8 +7,9 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline import run_point
 from pipeline.run.sweep import run_sweep
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import changed

@@ -8,8 +8,9 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline import run_point
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points, run_points
 from pipeline.sweep.variants import Variants
 from pipeline.uncertain import inputs, sensitivity
 from pipeline.uncertain.emulator import load_numbers
@@ -90,7 +91,7 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         stored = stored_values(sampled / "out.zarr", point, name)[-len(expected[name]) :]
         # The contact is computed with k and V of another sample; k V is equal up to rounding.
         np.testing.assert_allclose(stored, expected[name], rtol=1e-9)
-    again = run_point(sweep, *point).columns["max_rise"]
+    again = run_points(sweep, [point])[0].columns["max_rise"]
     assert np.array_equal(
         stored_values(sampled / "out.zarr", point, "max_rise"), again, equal_nan=True
     )

@@ -18,6 +18,7 @@ import zarr
 
 import pipeline
 import tribo
+from pipeline import run_point
 from pipeline.run import cluster as of_run
 from pipeline.run import schedule
 from pipeline.run import sweep as execute
@@ -29,7 +30,7 @@ from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, run_point
+from pipeline.sweep.plan import PointRecord
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.heard import Heard

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline import run_point
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
-from pipeline.sweep.plan import run_point
 from pipeline.sweep.surface import surface_facts
 from tests.helpers import tiny
 from tests.helpers.entries import changed

@@ -25,7 +25,7 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points, run_points
 from pipeline.sweep.variants import surfaces
 from pipeline.uncertain.samples import Design, Draw, drawn_rows
 from pipeline.uncertain.unknown import Unknown
@@ -261,7 +261,7 @@ def test_surfaces_and_samples_are_added_to_those_that_are_there(
 ):
     chosen = points(fewer)[1::2]
     with writing(path, fewer) as store:
-        store.commit(run_point(fewer, *point).record(with_fields=False) for point in chosen)
+        store.commit(run_points(fewer, [point])[0].record(with_fields=False) for point in chosen)
     before = open_sweep(path).load()
     with killed_after(monkeypatch, files), writing(path, more):
         pass

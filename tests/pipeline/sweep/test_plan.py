@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point, run_points, tasks
+from pipeline.sweep.plan import points, run_points, tasks
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
