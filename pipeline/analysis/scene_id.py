@@ -91,7 +91,7 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """List the loads of wrong points, and their velocities and rows unless all are wrong."""
+    """List the loads of points of another scene, and their velocities and rows unless all are."""
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values

@@ -43,7 +43,7 @@ class Export:
 
 @functools.cache
 def exports() -> Mapping[str, Export]:
-    """All export formats, by name."""
+    """Formats of the files that test machines export, by name, from ``exports/*.toml``."""
     folder = resources.files("pipeline.laboratory").joinpath("exports")
     files = sorted((one for one in folder.iterdir() if one.name.endswith(".toml")), key=str)
     return {one.name[:-5]: Export(**tomllib.loads(one.read_text("utf-8"))) for one in files}

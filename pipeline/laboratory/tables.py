@@ -78,7 +78,7 @@ def vocabulary() -> Mapping[str, Any]:
 
 @functools.cache
 def patterns_of(name: str) -> Patterns | None:
-    """Unit and patterns of a quantity; None if ``words.toml`` does not have the quantity."""
+    """Unit of a quantity, and patterns that find its heading; None if ``words.toml`` lacks it."""
     table = vocabulary().get(name)
     if not isinstance(table, dict):
         return None

@@ -52,7 +52,7 @@ def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
 
 
 def _require_law(kind: str, law: Any) -> None:
-    """Raise an `InputError` unless `law` has what its kind needs, and can be hashed and stored."""
+    """Raise an `InputError` unless `law` has its kind's methods, and can be hashed and stored."""
     if kind == "criterion":
         if not isinstance(law, tribo.Rule):
             raise tribo.InputError(f"{law!r:.60} is not a tribo.Rule; give one")

@@ -124,7 +124,7 @@ def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
             raise _no_room(place, f"{name} would not grow at its upper end")
     grown = {name for name, values in axes.items() if len(values) > len(old[name])}
     own = {path_of(name) for name in before.variables}
-    for path, array in before.others.items():
+    for path, array in before.found_metadata.items():
         if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
             raise _no_room(place, f"{path}, which is not of the store, would not grow with it")
 

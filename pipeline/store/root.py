@@ -113,8 +113,11 @@ class Root:
         }
 
     @property
-    def others(self) -> dict[str, Document]:
-        """Zarr metadata of all arrays and groups in the store, including those added by users."""
+    def found_metadata(self) -> dict[str, Document]:
+        """Zarr metadata, by path, of all arrays and groups that the store had when it was read.
+
+        Those added by users are included. A new store has none.
+        """
         return dict(self.found[CONSOLIDATED]["metadata"]) if self.found else {}
 
     def documents(self) -> dict[str, bytes]:
@@ -128,7 +131,7 @@ class Root:
         arrays = {path_of(name): array for name, array in self.arrays.items()}
         facts["digest"] = _digest(facts, arrays)
         own = {ABOUT: _group(facts), AT_ENDS: _group({})} | arrays
-        others = self.others
+        others = self.found_metadata
         whole = others | {path: with_others(others.get(path), own[path]) for path in own}
         # Zarr finds the members of a group only where they stand side by side.
         metadata = {path: whole[path] for path in sorted(whole, key=lambda p: p.rpartition("/")[0])}

@@ -179,7 +179,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Part for `Encoder`: values of a variable in a chunk, with new values at some points."""
+        """Name, place and values of a variable in a chunk, with new values at some points."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():

@@ -106,7 +106,7 @@ class Variants:
 
     @cached_property
     def names(self) -> tuple[Variant, ...]:
-        """Name of each row."""
+        """Name of each row: its labels along the dimensions of the table."""
         return tuple(self.by_name)
 
     @cached_property

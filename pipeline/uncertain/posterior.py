@@ -56,7 +56,7 @@ class Judged(NamedTuple):
 
     @property
     def test(self) -> Test:
-        """The test that represents the run."""
+        """Test that stands for the run, chosen by `shown_test`."""
         return self.tests[shown_test(self.tests)]
 
     @property

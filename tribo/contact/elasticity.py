@@ -131,9 +131,10 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Transform of the factor E of Eq. (1) along one axis, with images, shape (widths, modes).
+    """Transform of the factor E of Eq. (1) along one axis, shape (widths, modes).
 
-    `s` has the widths of the Gaussians [m].
+    Along a periodic axis it includes the neighbouring periods. `s` has the widths of the Gaussians
+    [m].
     """
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:

@@ -51,7 +51,10 @@ class Problem:
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
-        """Index of the row in which each node lies; rows run along the softer axis."""
+        """Index of the row in which each node lies.
+
+        Rows run along x or y, whichever axis yields more to a uniform pressure.
+        """
         return self.soft.numbers(nodes, self.heights.shape)
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:

@@ -349,7 +349,7 @@ def _describe_curve(curve: Curve) -> str:
 
 
 def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
-    """Thermal resistance of the stem at each moment, by its heat flow until then [K/W]."""
+    """Thermal resistance of the stem at each moment [K/W], given its heat flow until then."""
     if stem is None:
         return 0.0
     return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])

@@ -200,12 +200,12 @@ def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
 
 
 def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution, Convolution]:
-    """The thermal maps of pin and disk for the heat that has acted since time 0."""
+    """Maps from heat flux to temperature rise, of pin and disk, for heat since time 0."""
     pin, disk = _bodies(scene, velocity)
     return _conductor(scene.grid, pin, state.time), _conductor(scene.grid, disk, state.time)
 
 
 def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Thermal map of a body for heat that has acted for a `time` [s]."""
+    """Map from heat flux to temperature rise of a body, for heat that acts for a `time` [s]."""
     settled = min(time, settling_time(grid, body.material, body.velocity))
     return heat_map(grid, body, settled)

@@ -101,9 +101,11 @@ def wavenumbers(axis: Axis, s: float) -> Array:
 
 
 def series_terms(axis: Axis, s: Array, k: Array) -> Array:
-    """Transform of the factor E at rest, 2 sinc(ka) exp(−k²s²/4), shape (nodes, aliases, modes).
+    """Fourier transform, along an axis, of the thermal kernel's factor E for a body at rest.
 
-    `s` are diffusion lengths [m], and `k` has the `wavenumbers`.
+    It is 2 sinc(ka) exp(−k²s²/4), with half the side of an element, a = `axis.step`/2. `s` are the
+    diffusion lengths at the nodes of the quadrature [m], and `k` has the `wavenumbers`. The shape
+    is (nodes, aliases, modes).
     """
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)
