@@ -128,7 +128,7 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     yield from _film_rows(sweep)
     depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
     yield "wear", depth
-    u = "V" if facts.disk_velocity is None else "of the disk u"
+    u = "of the disk u" if sweep.scene.motion else "V"
     peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
     yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
     if sweep.conditions.corrections:

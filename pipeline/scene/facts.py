@@ -44,7 +44,6 @@ class Facts:
     sliding_distance: Span  # distance slid until then [m]
     wear_depth: Span | None = None  # expected on the pin at the end [m]; None without wear
     peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
-    disk_velocity: Span | None  # of its surface through the contact [m/s]; None if the pin rests
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
 
 
@@ -60,7 +59,6 @@ def facts_of(sweep: Sweep) -> Facts:
         window=scene.grid.size,
         peclet_number=Span.of(peclet),
         surface=surface,
-        disk_velocity=Span.of(disk) if scene.motion else None,
     )
 
 
