@@ -318,9 +318,9 @@ class PointField:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
         A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated, where wear is certain (the second marks of `_rises_and_marks`). For its
-        extrapolation a line along velocity uses the row of its load, see `filled`, and other loads
-        where there is none.
+        interpolated where wear is certain (the second marks of `_rises_and_marks`). Beyond its
+        points, a line along velocity follows the rises of `filled` at its load. If these are
+        unknown, it is extrapolated from other loads.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         parts = [rises * factor(self.velocities) for rises in (self._rises, self._filled)]

@@ -63,10 +63,13 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield pairs (heading, column) for several surfaces: median, band, counts of outcomes.
+    """Yield pairs (heading, column) of a boundary over several surfaces.
 
-    For samples there are only velocities at which severe wear has a certain probability. See
-    `_surface` for `name` and `axis`.
+    The columns are the median, the 5 and 95 % quantiles of the critical value, and the number of
+    surfaces with each outcome. For samples they are the velocities at which severe wear has a
+    certain probability.
+
+    `name` is the variable of the critical value in the boundary, and `axis` the axis of the rows.
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

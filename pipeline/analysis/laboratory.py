@@ -114,8 +114,9 @@ def _known_comparison(data: Results, field: PointField, test: Measurement) -> Co
 def _update_error(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
     """Update the model's own error `plain` by `found`, tests compared with the model.
 
-    In each run only the transition farthest from the model counts, and the farthest wrong outcome
-    on each side of it. If a transition was measured but none is computed, that is a wrong outcome.
+    In each run only the transition farthest from the model counts. Of wrong outcomes the farthest
+    counts below the computed critical velocity, and the farthest above. A measured transition
+    counts as a wrong outcome if none is computed.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()
     for number, (test, one) in enumerate(found):

@@ -151,7 +151,11 @@ class Results:
 
     @property
     def shown_conditions(self) -> Conditions:
-        """Conditions for figures; without a critical temperature if the user's rule is missing."""
+        """Conditions for figures.
+
+        If the criterion is a user's rule whose code is not at hand, the highest temperature is
+        shown, without a critical temperature.
+        """
         if not isinstance(self.sweep.conditions.rule, Law):
             return self.conditions
         return replace(self.plain_conditions, criterion="highest", critical_temperature=None)

@@ -89,7 +89,10 @@ _PARTS = (
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Relative error of a temperature rise, split by cause; None for an unknown part."""
+    """Numerical error of a temperature rise, split into four parts by cause.
+
+    The parts are relative to the rise; `times` converts them to K. A part is None if unknown.
+    """
 
     interpolation: float | None
     preset: float | None
@@ -98,17 +101,20 @@ class RiseError:
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """Make an error from its four parts (4,), with NaN for an unknown part."""
+        """Make an error from its parts as an array (4,), in the order of the fields.
+
+        NaN stands for an unknown part.
+        """
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
     def parts(self) -> Array:
-        """The four parts as an array (4,); NaN for an unknown part."""
+        """Errors due to interpolation, preset, warnings and later effects (4,); NaN if unknown."""
         return np.array(astuple(self), float)
 
     @property
     def total(self) -> float | None:
-        """Root of the sum of squares of the parts; None if a part is unknown."""
+        """Total error: root of the sum of squares of the parts; None if a part is unknown."""
         total = float(totals(self.parts))
         return None if math.isnan(total) else total
 
@@ -130,7 +136,10 @@ class RiseError:
 
 
 def totals(errors: Array) -> Array:
-    """Root of the sum of squares over parts (the first axis); NaN if a part is unknown."""
+    """Total errors: root of the sum of squares over parts, the first axis of `errors`.
+
+    A total is NaN if a part is unknown.
+    """
     return np.asarray(np.sqrt(np.square(errors).sum(axis=0)))
 
 

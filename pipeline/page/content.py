@@ -432,12 +432,12 @@ def heat_along(
 
 
 def rows_beside(done: Mask, parts: int) -> Indices:
-    """Numbers of the loads below and above each load of the grid (2, surface, n_fine).
+    """Indices of the sweep's loads below and above each load of the page's fine grid.
 
-    Between loads of the sweep, loads with fewer than two points are passed over. A load of the
-    sweep has its own number twice.
+    Loads with fewer than two computed points are skipped. Where the grid has a load of the sweep,
+    both indices are of this load. The shape is (2, surface, n_fine).
 
-    `done` is the mask of computed points. Each interval of loads has `parts` parts.
+    `done` is the mask of computed points. The grid divides each interval of loads into `parts`.
     """
     number = np.arange(done.shape[-2])
     has_row, up = done.sum(axis=-1) > 1, np.arange(number[-1] * parts + 1) / parts

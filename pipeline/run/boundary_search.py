@@ -50,7 +50,8 @@ class _Root(NamedTuple):
 class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
-    The search chooses velocities with six digits, and divides them by `scale`.
+    `scale` is the factor from a velocity to the velocity of the variant whose contacts are reused,
+    1 if there is none. The search chooses the latter velocity, with six digits.
     """
 
     loads: Sequence[float]

@@ -118,8 +118,8 @@ def _laws_of(parts: Parts) -> dict[str, Any]:
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
     """Add the laws of a scene to its entries: name, fields and the hash of the source.
 
-    The laws are in `parts`. One is left out if `like` has the same law, and `entries` lack the
-    law's table.
+    The laws are in `parts`. A law is left out if `like` has the same law and `entries` lack the
+    table of the law.
     """
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():

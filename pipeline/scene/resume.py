@@ -76,9 +76,10 @@ def _differs(path: str, old: Any, new: Any) -> str:
 
 
 def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Yield, in words, entries that differ between two sweeps and affect simulations.
+    """Yield, in words, entries that affect simulations and differ between two sweeps.
 
-    They are those of the first variant in both that is simulated differently.
+    Variants that both sweeps have are compared in turn. Only the first variant that differs is
+    reported.
     """
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
         old, new = stored.variant(name), sweep.variant(name)

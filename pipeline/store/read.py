@@ -111,11 +111,11 @@ def _require_chunks(store: Store) -> None:
 
 
 def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
-    """Root document with the axes that the dataset of a store has; and an array, or None.
+    """Put the single points that a boundary search has stored on a grid.
 
-    A boundary search stores single points. Their dataset has all of their loads and velocities as
-    axes. The array has the number of the stored point at each place on these axes, or −1. For other
-    stores the root document is returned unchanged, with None.
+    Returns a root document whose axes are all loads and velocities of these points, and an array
+    over these axes with the number of the stored point, or −1 without a point. The root document
+    of any other store is returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None
@@ -133,7 +133,7 @@ def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data.
 
-    `rows` are the numbers of stored points from `_plane_of_points`.
+    `rows` has the number of the stored point at each load and velocity; see `_plane_of_points`.
     """
 
     def __init__(self, store: Store, name: str, rows: Indices | None) -> None:
@@ -168,7 +168,10 @@ class _Masked(BackendArray):
 
 
 def _grid_values(values: Any, rows: Indices | None) -> Any:
-    """Put values of stored points on the grid of loads and velocities, with 0 elsewhere."""
+    """Put values of single stored points on a grid of loads and velocities, with 0 elsewhere.
+
+    `rows` is from `_plane_of_points`. If it is None, the values are returned unchanged.
+    """
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 

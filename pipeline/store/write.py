@@ -179,7 +179,11 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Name, place and values of a variable in a chunk, with new values at some points."""
+        """Replace values of a variable at some points of a chunk, without writing the chunk.
+
+        `values` has the new values by the index of the point. Returns the variable's name, the
+        slices of the chunk and all its values, ready for `Encoder`.
+        """
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():

@@ -15,7 +15,8 @@ _DIGITS = 12  # digits of a wear number that are compared: equal numbers differ 
 class ContactSource(NamedTuple):
     """The variant whose contact solutions another variant reuses, and at which velocities.
 
-    `ratio` is the source's velocity over the variant's, unless `places` has a velocity of each.
+    The source's velocity is `ratio` times the variant's velocity. If each has only one velocity,
+    `places` is the pair (variant's velocity, source's velocity) [m/s], and `ratio` is not used.
     """
 
     variant: Variant

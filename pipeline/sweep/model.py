@@ -196,7 +196,11 @@ class Sweep:
 
     @property
     def verdict_inputs(self) -> tuple[Any, ...]:
-        """Data that affect verdicts, besides simulation and conditions: tests, oil and others."""
+        """Data, besides simulation and conditions, that affect verdicts.
+
+        They are tests, measured friction, the stated model error, oil, preset, and the error that
+        was measured for the numerical choices.
+        """
         friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 

@@ -232,7 +232,10 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """Add to a contact its temperature at a velocity [m/s] of the same wear number."""
+    """Add to a solved contact its temperature at a sliding velocity [m/s].
+
+    The contact may have been solved at another velocity, with the same `tribo` wear number.
+    """
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)
@@ -240,7 +243,10 @@ def _heated(scene: Scene, velocity: float, contact: State) -> State:
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values to record after an increment of a ramp, from a contact on the ramp's coarse grid."""
+    """Values to record after a load increment, by name of the variable in the dataset.
+
+    `contact` is the contact on the ramp's coarse grid, and `velocity` the sliding velocity [m/s].
+    """
     try:
         return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it

@@ -136,7 +136,11 @@ def corrected_columns(columns: Mapping[str, Any], conditions: Conditions) -> Map
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
-    """Raise an `InputError` if bulk temperatures are unequal, but `columns` are for equal ones."""
+    """Raise an `InputError` if the bodies' bulk temperatures differ, but were simulated as equal.
+
+    `columns` are the stored variables. Only a simulation for unequal bulk temperatures has stored
+    the response to their difference.
+    """
     kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
     if conditions.disk_temperature is None or kept:
         return

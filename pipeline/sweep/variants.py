@@ -117,7 +117,7 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """Columns that a dimension determines, each with its value for each label of it."""
+        """Columns that a dimension determines, each with its value by label of the dimension."""
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns

@@ -115,9 +115,10 @@ class _TaskTimes:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task on a worker [s]; `has` is the worker's memory of earlier tasks.
+        """Time of a task on a worker [s].
 
-        It is changed as the worker would change it.
+        `has` records the ramps and contacts that the worker has cached from earlier tasks. Those
+        of this task are added to it.
         """
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:

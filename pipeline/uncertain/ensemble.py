@@ -357,7 +357,10 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of the samples `rows`, each with its own drawn corrections and failing share."""
+    """Conditions of the samples `rows`, with the corrections that were drawn for each sample.
+
+    `shares` are the drawn failing shares; None if the share was not drawn.
+    """
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]
     if shares is not None:

@@ -174,7 +174,7 @@ def _add_correlations(
 def _design(inputs: Sequence[Unknown], layers: list[Layer], seed: int, sweep: Sweep) -> Design:
     """Design of the samples: inputs, velocities, seed, and number of samples that share a contact.
 
-    `layers` has the first part of a simulation that each input affects.
+    `layers` has for each input the first part of a simulation that it affects, such as the contact.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.scene.friction_heat:

@@ -213,9 +213,10 @@ _FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard
 
 
 class JudgedTests(NamedTuple):
-    """Distances and runs of the tests, and ln(likelihood × prior) for each draw and scatter.
+    """Tests compared with n draws of the inputs.
 
-    `joint`, the last of these, has the shape (n, n_scatter).
+    `distances` are those of single tests, `runs` has the bounds that each run of tests sets.
+    `joint` is ln(likelihood of all runs × prior of the scatter), (n, n_scatter).
     """
 
     distances: Distances

@@ -142,7 +142,10 @@ class Draw:
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Inputs, by path, that can be fixed at a value: unknown inputs, and some fixed ones."""
+        """Inputs, by path, that can be fixed at a value without a new simulation.
+
+        They are the unknown inputs, and fixed inputs that are conditions or vary in the samples.
+        """
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
         return {one.path: one for one in (*stored, *self.unknown)}

@@ -22,7 +22,10 @@ class Gradient(NamedTuple):
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first step: 1/(self influence of an element) [Pa/m]; 1 if rows are soft."""
+    """Length of the first gradient step: 1/(self influence of an element) [Pa/m].
+
+    It is 1 if steps are in the metric for soft rows (`RowMetric`).
+    """
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
 

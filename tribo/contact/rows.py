@@ -33,7 +33,9 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 class SoftRows:
     """Rows of elements along x or along y, whichever yield more to a uniform pressure.
 
-    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa].
+    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa]. Rows
+    are soft, and need `RowMetric`, if it is not small against the influence of an element on
+    itself.
     """
 
     axis: int  # along which the rows lie

@@ -32,7 +32,7 @@ class Neighbourhood:
     along y. `influence` is the middle of the kernel. `inverse` is the inverse of `influence` on a
     block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The coupling is
     the displacement that elements of a row along the soft axis add to each other at any distance
-    (see `tribo.contact.rows`). It is the task of `Preconditioner`.
+    (see `tribo.contact.rows`). Stencils leave the coupling out; `Preconditioner` adds it.
 
     Examples
     --------

@@ -100,7 +100,7 @@ class CoupledHeat:
 def coupled_heat(
     scene: Scene, state: State, velocity: float, law: Friction, bulk: float, added: float = 0.0
 ) -> CoupledHeat:
-    """Solve Eq. (1) of this module for a state of a simulation.
+    """Find the temperature of a contact whose friction depends on temperature: Eq. (1) above.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def coupled_heat(
 
 
 def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
-    """Solve Eq. (1) with the disk at the position to which the state's pressure belongs.
+    """Find the temperature by Eq. (1) with the disk at one position, that of the state's pressure.
 
     `added` is the rise per unit friction that is added to all elements, r of Eq. (1) [K].
     """

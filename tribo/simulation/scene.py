@@ -203,14 +203,14 @@ class Scene:
 
     @property
     def is_plane(self) -> bool:
-        """True if nothing depends on y."""
+        """True if nothing depends on y: smooth bodies in an endless line contact."""
         smooth = self.roughness is None and self.pin.length is not None
         kernels = self.fidelity.kernel, self.fidelity.heat_kernel
         return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels
 
     @property
     def rows_per_element(self) -> int:
-        """Number of rows that one element stands for; above 1 only in a plane scene."""
+        """Number of rows that one element stands for; above 1 only if nothing depends on y."""
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property
@@ -348,7 +348,10 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Grid of elements of ``block × block`` pixels; along y as long as the patch if `is_plane`."""
+    """Grid of elements of ``block × block`` pixels.
+
+    If nothing depends on y (`is_plane`), there is a single element along y.
+    """
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)

@@ -83,8 +83,8 @@ def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
 def touching_elements(scene: Scene, state: State) -> int:
     """Number of elements that touch.
 
-    In a plane scene an element stands for a whole row along y. There the number is squared, as if y
-    were divided like x.
+    If nothing depends on y, an element stands for a whole row along y. Then the number is squared,
+    as if y were divided like x.
     """
     nodes = int(np.count_nonzero(state.pressure))
     return nodes**2 if scene.is_plane else nodes

@@ -251,10 +251,11 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Rises per unit friction [K] that Eq. (1) of `friction` turns into the solved temperatures.
+    """Rises per unit friction [K] to use in place of `rise` if friction depends on temperature.
 
-    `coupled` is `CoupledRise.rise`. Where it is NaN, the result is `rise`. Where it is infinite,
-    the contact ignites, and the temperature is taken at the highest friction of the law.
+    The contact temperature by Eq. (1) of `friction` is then the solved temperature. `coupled` is
+    the solution, `CoupledRise.rise`. Where it was not solved (NaN), the result is `rise`. Where the
+    contact ignites (infinite), the temperature is that at the highest friction of the law.
     """
     if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
         return rise

@@ -159,10 +159,11 @@ class Wear:
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min, the decay of the shortest wave over a sliding distance.
+        """Stiffness of the wear equation for a step over a sliding distance dS: k·dS/λ_min.
 
-        λ_min is the smallest eigenvalue of the elastic map: of all shapes, or for swept wear of
-        shapes that are uniform along y.
+        Over the step, wear lets the shortest wave of the shape decay by exp(−k·dS/λ_min). λ_min is
+        the smallest eigenvalue of the map from pressure to displacement [m/Pa]: of all shapes, or
+        for swept wear of shapes that are uniform along y.
 
         Examples
         --------
@@ -218,7 +219,7 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without such waves.
+        """Stiffness k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without them.
 
         `distance` is the sliding distance dS [m].
         """
