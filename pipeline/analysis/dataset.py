@@ -115,9 +115,10 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
-    """Pairs (name, value) of all varied entries in a dataset, as names a row of the `table`.
+    """Name of the variant that a dataset was selected to: pairs (varied entry, value).
 
-    It is empty if an entry still has several values.
+    The values are written as in the `table` of variants. The name is empty if an entry still has
+    several values in the dataset.
     """
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()

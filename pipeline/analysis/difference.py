@@ -26,7 +26,7 @@ _STATES = {DONE: "done", FAILED: "failed"}
 @shown
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between two stores A and B, as data frames."""
+    """Differences between two stores A and B, as data frames: entries, boundary and points."""
 
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
     #: Critical velocities at loads of both stores, each store under its own conditions: ``load

@@ -105,7 +105,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 
 
 class Judged(NamedTuple):
-    """An operating point in one scene, with its margin or the reason why it is unknown."""
+    """An operating point in one scene, with its `Margin` or the reason why that is unknown."""
 
     field: Field  # field under the conditions of the place
     place: Place

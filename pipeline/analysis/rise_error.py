@@ -245,7 +245,7 @@ def preset_error(velocity_error: float | None) -> float:
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Relative error of effects added after the simulation: film, and friction by temperature.
+    """Relative error of rises due to effects added later: film, and friction by temperature.
 
     `rises` are for a friction coefficient of 1 [K], and `is_solved` marks where friction by
     temperature was solved. The error is NaN where friction may run away with temperature and was

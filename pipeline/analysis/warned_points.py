@@ -81,7 +81,7 @@ def warning_flags(data: Results) -> Indices:
 
 
 def _is_molten(scene: Results) -> Mask:
-    """Mask of points at which steel would have melted."""
+    """Mask of points at which the temperature of the deciding share would melt steel."""
     # The user's own criterion is not run here; "share" serves as well.
     judged = scene.plain_conditions
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))

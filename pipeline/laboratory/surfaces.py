@@ -237,10 +237,10 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Crop heights from the corner ``crop`` on to the number of pixels of the window.
+    """Part of a scan's heights [m] that fills the window, from the scene's corner ``crop`` on.
 
-    There may be fewer heights if the scan is to be repeated. Returns None if a fault was reported.
-    `table` has the scene's entries on roughness.
+    `table` has the scene's entries on roughness, and `pixels` the window's numbers of pixels. The
+    part is smaller if the scan is to be repeated. Returns None if a fault was reported.
     """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":

@@ -32,7 +32,10 @@ _CANNOT = "a Dask worker cannot run this program"
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task given to Dask, with its worker's address, and whether the worker has no other task."""
+    """A task given to Dask: its points, and the address of its worker.
+
+    `is_alone` is True if the worker has no other task.
+    """
 
     task: Task
     worker: str = ANYWHERE

@@ -183,8 +183,8 @@ class Range(Kind):
 class Either(Kind):
     """Kind of scene entry: one of several kinds, the first unless another fits the value better.
 
-    Of several tables, the table that has most of the value's keys is taken. Keys of the first table
-    do not count. The first table is taken if the value has no other keys.
+    If the kinds are tables, keys of the value that the first table lacks decide: the table that has
+    most of them is taken.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:

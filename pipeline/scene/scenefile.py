@@ -105,7 +105,7 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Put the path of an entry before the message `words`, which begins with the entry's name."""
+    """Complete an error message that begins with the name of an entry by the path of the entry."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words

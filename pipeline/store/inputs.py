@@ -15,9 +15,10 @@ DIM = "input"
 
 
 def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
-    """The variable that holds all input arrays of a scene, as {name: variable}; {} without arrays.
+    """The variable that holds the arrays read from a scene's files, one after the other.
 
-    `sizes` has the number of values of each array, by SHA-256.
+    It is returned as {name: variable}, or {} without arrays. `sizes` has the number of values of
+    each array, by SHA-256.
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
     meaning = "arrays that the attribute sweep names by their digests, one after the other"

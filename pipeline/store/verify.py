@@ -112,7 +112,10 @@ class _Damage(NamedTuple):
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Read all data of a store to find damage, and set its `flags` and `asked`; write nothing."""
+    """Read all data of a store to find damage; nothing is written.
+
+    The statuses and requests that are not damaged are put into ``store.flags`` and ``store.asked``.
+    """
     damage = _Damage({}, {})
     with io_errors(store.place):
         keys = store.place.keys()
@@ -140,7 +143,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
-    """Read statuses and requests of a chunk of points into `store`; add damage to `damage`.
+    """Read a chunk of ``status`` and ``asked`` into the open `store`; add damage to `damage`.
 
     `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
     """

@@ -36,7 +36,9 @@ UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
 
 @dataclass(frozen=True, slots=True)
 class Conditions(Judging):
-    """Conditions that judge points: like `tribo.Conditions`, but the criterion has name and share.
+    """Conditions by which points are judged mild or severe.
+
+    They are those of `tribo.Conditions`, with the criterion given by its name and share.
 
     Attributes
     ----------

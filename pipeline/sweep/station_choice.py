@@ -18,7 +18,10 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _default_steps(sweep: Sweep) -> Steps:
-    """Default of ``sweep.steps``: "course" if pins wear and share no contacts, else "end"."""
+    """Default of ``sweep.steps``: store all steps of points ("course"), or only the "end".
+
+    All steps are stored if the pin wears under a ramp without hold, and no variants share contacts.
+    """
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)

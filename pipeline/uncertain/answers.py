@@ -44,10 +44,11 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
 
 
 def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
-    """Find changes of wear on `lines` (n, m) of ln(rise/limit) at the places `x` (m,).
+    """Find where wear changes along n lines of ln(rise/limit), straight between abscissae.
 
-    Returns two arrays (n, m − 1) with a value for each interval between places: 1 if wear turns
-    severe, −1 if it turns mild, else 0; and the place of the change.
+    `x` (m,) are the abscissae, such as ln(velocity), and `lines` (n, m) the values. Returns two
+    arrays (n, m − 1) with a value for each interval: 1 if wear turns severe, −1 if it turns mild,
+    else 0; and the abscissa of the change.
     """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]

@@ -363,7 +363,10 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 
 
 def _spread_between_nodes(x: Array, values: Array) -> float:
-    """Standard deviation of values (n, n_load) from lines through the neighbours of each in `x`."""
+    """Standard deviation of values (n, n_load) from straight lines between their neighbours.
+
+    `x` (n_load,) are the abscissae.
+    """
     found = []
     for number in range(1, len(x) - 1):
         beside = [number - 1, number + 1]

@@ -275,7 +275,10 @@ class Ensemble:
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """Ensembles by hold [s]: this one, and for each test with a shorter hold one at its end."""
+        """Ensembles by hold [s]: this ensemble, and one for each shorter hold of a test.
+
+        The latter has the rises at the end of that hold.
+        """
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
             for hold, rises in self.rises_by_hold.items()

@@ -102,7 +102,10 @@ class SampleField:
 
     @property
     def rig_scatter(self) -> Array | float:
-        """Scatter of ln(friction) between tests by draw (n,); 0 if no test measured friction."""
+        """Standard deviation of ln(friction) between tests of the rig, for each draw (n,).
+
+        It is 0 if no test measured friction.
+        """
         return self.posterior.rig_scatter if self.posterior else 0.0
 
     @property

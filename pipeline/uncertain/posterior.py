@@ -108,7 +108,10 @@ class Posterior:
 
     @property
     def rig_scatter(self) -> Array | float:
-        """Scatter of ln(friction) between tests by draw (n,); 0 if no test measured friction."""
+        """Standard deviation of ln(friction) between tests of the rig, for each draw (n,).
+
+        It is 0 if no test measured friction.
+        """
         return self.draws.inputs[:, self.rig[1]] if self.rig else 0.0
 
     @property

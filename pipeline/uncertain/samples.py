@@ -187,9 +187,9 @@ def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
 
 
 def _widen_shares(unknown: Unknown, shares: Array) -> Array:
-    """Move uniform numbers outwards, so that samples reach further into an input's tails.
+    """Move probabilities, `shares`, away from 0.5, so that samples reach further into the tails.
 
-    `shares` are the numbers, from 0 to 1.
+    Only a normal or log-normal input has tails; others are unchanged.
     """
     if unknown.kind not in ("normal", "log-normal"):
         return shares

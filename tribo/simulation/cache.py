@@ -71,8 +71,9 @@ class Cache(Generic[Value]):
 class ElasticBodies(NamedTuple):
     """Elastic map and undeformed separation of both bodies, equal at all steps of a loading.
 
-    `heights` are those of the roughness, and `yielding` is their elastic response; both serve to
-    estimate imprints in the pin.
+    Two fields serve to estimate imprints in the pin: the `heights` of the roughness [m], and
+    `yielding` [m²], the sum over elements of height × displacement by a pressure of height × 1
+    Pa/m.
     """
 
     solid: ElasticHalfSpace

@@ -140,7 +140,10 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """Add to `summary` the response of temperatures to a disk 1 K warmer than the pin."""
+    """Add to a temperature, `summary`, the warming of the pin's surface by a disk 1 K warmer.
+
+    `response` is the heat that flows then, and `contact` the mask of touching elements.
+    """
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
     return replace(

@@ -231,7 +231,7 @@ class RollingWear(Wear):
     def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
         """Depth worn over a sliding distance [m] per mean pressure along x [m/Pa].
 
-        It is scaled for the padding of the transform.
+        The mean is over the padded length of the transform.
         """
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
