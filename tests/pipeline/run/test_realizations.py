@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline import run_point
 from pipeline.run.sweep import run_sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
@@ -44,7 +43,7 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
     assert ds["realization"].values.tolist() == sorted(SEEDS)
     for point in points(several()):
         seed = dict(point.variant)["realization"]
-        expected = run_point(alone_on(seed), point.load, point.velocity)
+        expected = pipeline.run_point(alone_on(seed), point.load, point.velocity)
         stored = ds.sel(realization=seed, load=point.load, velocity=point.velocity)
         for name, values in expected.columns.items():
             assert stored[name].values[-len(values) :].tobytes() == values.tobytes()
@@ -96,5 +95,5 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     (point,) = irg("point", scene, *place)
     take_surface = pipeline.load_scene(scene).take_surface(1)
-    rise = 0.1 * run_point(take_surface, 400.0, 2.0).columns["max_rise"][-1]
+    rise = 0.1 * pipeline.run_point(take_surface, 400.0, 2.0).columns["max_rise"][-1]
     assert point["highest temperature [°C]"] == pytest.approx(25 + rise, rel=1e-12)

@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline import run_point
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_points
 from pipeline.sweep.variants import Variants
@@ -85,7 +84,7 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         variants=Variants(),
         wear=dataclasses.replace(sweep.scene.wear, specific_wear_rate=rate),
     )
-    expected = run_point(changed(alone, steps="end"), 600.0, velocity).columns
+    expected = pipeline.run_point(changed(alone, steps="end"), 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("variant", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
         stored = stored_values(sampled / "out.zarr", point, name)[-len(expected[name]) :]

@@ -18,7 +18,6 @@ import zarr
 
 import pipeline
 import tribo
-from pipeline import run_point
 from pipeline.run import cluster as of_run
 from pipeline.run import schedule
 from pipeline.run import sweep as execute
@@ -70,7 +69,7 @@ def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
     sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
     run_sweep(sweep, path, workers=1)
     with xr.open_zarr(path, chunks=None) as ds:
-        expected = run_point(sweep, 600.0, 1.0).columns["max_rise"]
+        expected = pipeline.run_point(sweep, 600.0, 1.0).columns["max_rise"]
         stored = ds["max_rise"].sel(load=600, velocity=1).values
         assert stored[-len(expected) :].tobytes() == expected.tobytes()
 
@@ -87,7 +86,7 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
     assert content(copy) == content(alone)
     outcome = run_sweep(tiny.full(loads=(250.0, 800.0), velocities=(1.5,)), copy)
     assert (outcome.total, outcome.computed, outcome.done) == (2, 1, 2)
-    result = run_point(changed(SWEEP, loads=(*tiny.LOADS, 800.0)), 800.0, 1.5)
+    result = pipeline.run_point(changed(SWEEP, loads=(*tiny.LOADS, 800.0)), 800.0, 1.5)
     with xr.open_zarr(copy, chunks=None) as ds:
         volumes = ds["wear_volume"].sel(load=800, velocity=1.5).values
         assert volumes[-len(result.columns["time"]) :].tobytes() == (
@@ -134,7 +133,7 @@ def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, m
     assert verify_store(path).is_clean
     with xr.open_zarr(path, chunks=None) as ds:
         rises = ds["max_rise"].sel(load=150.0, velocity=velocities[1]).values
-    expected = run_point(tiny.sweep(), 150.0, velocities[1]).columns["max_rise"]
+    expected = pipeline.run_point(tiny.sweep(), 150.0, velocities[1]).columns["max_rise"]
     assert rises[-len(expected) :].tobytes() == expected.tobytes()
 
 
