@@ -275,7 +275,7 @@ class Kind(Enum):
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
-    """Arrangement of a sweep's points; see `Kind`."""
+    """Arrangement of a sweep's points: grid, single rows or samples; see `Kind`."""
     draw = scene_sweep(ds).variants.draw
     if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES

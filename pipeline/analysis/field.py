@@ -260,7 +260,10 @@ class PointField:
 
     @functools.cached_property
     def _filled(self) -> Array:
-        """Rises as `_rises`, with whole rows at loads of a single point; see `filled`."""
+        """Rises as `_rises`, but with rises at all velocities at loads of a single point.
+
+        They are estimated from neighbouring loads; see `filled`.
+        """
         return filled(self._rises, self.loads, self.velocities)
 
     @functools.cached_property
@@ -274,7 +277,7 @@ class PointField:
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
+        """Relative numerical errors of k rises, by part of `RiseError` (4, k); NaN if unknown."""
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
             [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
@@ -298,7 +301,8 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is the mean over surfaces. See `Field.probability` for `scatter` and `shift`.
+        It is the mean over surfaces. `scatter` is the distribution of the model's own error, and
+        `shift` is added to ln(rise).
         """
         loads, velocities = places_of(loads, velocities)
         # Places at a load of the sweep share its line.

@@ -170,7 +170,7 @@ def _split_heading(head: str) -> tuple[str, str]:
 
 
 def write_text(text: str, out: Path) -> Path:
-    """Write text to a file in UTF-8; see `write_bytes`."""
+    """Write text to a file in UTF-8, completely or not at all; see `write_bytes`."""
     return write_bytes(text.encode(), out)
 
 

@@ -72,7 +72,7 @@ class Line:
 
     @functools.cached_property
     def outcome(self) -> Array:
-        """Code of the outcome of each line; see `outcomes`."""
+        """Code of the outcome of each line; `outcomes` has the texts of the codes."""
         count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
         is_first, is_last = low <= self.ends[0], high >= self.ends[1]
         turns_back = self.turns_back & (self.continued.count > 0)

@@ -166,7 +166,10 @@ def _shade_verdicts(
 
 
 def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
-    """Shade where 10 to 90 % of the surfaces are severe; see `_excess` for `x`, `y`, `excess`."""
+    """Shade where wear is severe on 10 to 90 % of the surfaces.
+
+    `excess` is the result of `_excess` at velocities `x` [m/s] and loads `y` [N].
+    """
     if len(excess) == 1:
         return []
     low, high = (np.quantile(excess, share, axis=0) for share in (BAND[0], BAND[-1]))

@@ -53,7 +53,10 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Result for a log file: columns, tests, faults, scene lines. See `_log_toml` for `named`."""
+    """Result for a log file: columns, tests, faults, scene lines.
+
+    `named` are the options that the user gave, by name.
+    """
     found, faults = log.tests, log.sheet.faults
     if log.row_class is Test and not faults:  # faulty rows have no test
         faults += [

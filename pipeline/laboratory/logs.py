@@ -104,7 +104,8 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     """Find the tests in a table; faults are listed in the sheet of the result.
 
     `words` has the outcome that the user gives to words such as "ok". Other words have their usual
-    meaning; an unknown word is a fault. See `read_log` for `key`.
+    meaning; an unknown word is a fault. `key` is the scene's list that needs the tests ("measured"
+    or "tested"); if it is None, the log's columns decide.
     """
     sheet, export, missing = read
     row_class = Transition if key == "measured" else _row_class(sheet)

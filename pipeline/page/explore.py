@@ -164,7 +164,10 @@ class _Main(NamedTuple):
 
 
 def _plane(scene: Results, most_fields: int) -> _Main:
-    """Main part of the page for a grid of loads and velocities; see `content` for `most_fields`."""
+    """Main part of the page for a grid of loads and velocities.
+
+    Contact fields are shown for at most `most_fields` points.
+    """
     held = content(scene, most_fields)
     values = {
         "operating": _text("operating.html"),

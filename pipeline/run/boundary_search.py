@@ -51,7 +51,7 @@ class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
     `scale` is the factor from a velocity to the velocity of the variant whose contacts are reused,
-    1 if there is none. The search chooses the latter velocity, with six digits.
+    1 if there is none. The search rounds that variant's velocity to six digits.
     """
 
     loads: Sequence[float]
@@ -67,8 +67,9 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
-        `tolerance` is the relative error allowed in velocity; see the class for `scale`. Raises an
-        `InputError` if the sweep has only one velocity, or no friction.
+        `tolerance` is the relative error allowed in velocity. `scale` is the factor from a velocity
+        to the velocity of the variant whose contacts are reused. Raises an `InputError` if the
+        sweep has only one velocity, or no friction.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")

@@ -195,8 +195,8 @@ def connected(
     """Context manager: connect to the workers of a client, or start workers here.
 
     Workers that were started here are ended with the block. Raises an `ExecutionError` if they do
-    not start. See `Connection` for `patience`; `dashboard` also serves Dask's page on their
-    progress.
+    not start. `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
+    `dashboard` also serves Dask's page on their progress.
     """
     with ExitStack() as stack:
         cluster = None

@@ -48,7 +48,7 @@ class Facts:
 
 
 def facts_of(sweep: Sweep) -> Facts:
-    """Calculate numbers that describe a scene, in closed form; see `Facts`."""
+    """Calculate numbers that describe a scene, in closed form: contact, wear, Péclet number."""
     scene, surface = sweep.scene, surface_facts(sweep)
     velocities, diffusivity = sweep.plane.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])

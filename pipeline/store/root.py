@@ -92,7 +92,7 @@ class Root:
         return array_documents(self.variables, sizes, self.block)
 
     def coordinates(self) -> dict[str, Any]:
-        """Values of coordinates and of input arrays, by name."""
+        """Values of coordinates, and of the arrays from the scene's files, by name."""
         made = made_coordinates(self.sweep, self.axes, self.variables, self.ids)
         values: dict[str, Any] = self.axes | made
         if arrays := file_contents(self.sweep):

@@ -158,7 +158,7 @@ def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> N
 def _note_chunk(store: Store, damage: _Damage, name: str, chunk: Index, block: Slices) -> None:
     """Add a damaged chunk of the variable `name` to `damage`, so that fill values replace it.
 
-    See `_read_flags` for `chunk` and `block`.
+    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
     """
     damage.files[store.key(name, chunk)] = name, block, store.arrays[name].fill_value
 

@@ -154,7 +154,7 @@ class Conditions(Judging):
         return self.critical_temperature
 
     def changed(self, **changes: Any) -> Conditions:
-        """The conditions with some values replaced; see `changes_of` for the keywords."""
+        """The conditions with some values replaced; keywords are the arguments of `changes_of`."""
         return replace(self, **changes_of(**changes))
 
 

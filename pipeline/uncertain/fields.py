@@ -165,7 +165,7 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities; see `Field.errors`."""
+        """Relative numerical errors of k rises, by part of `RiseError` (4, k); NaN if unknown."""
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
@@ -212,7 +212,7 @@ class SampleField:
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
         """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe.
 
-        See `probability` for `scatter` and `shift`.
+        `scatter` is the distribution of a run about the model, and `shift` is added to ln(rise).
         """
         x, lines = self._lines(load, _FAR)
         turns, places = line_turns(x, lines + shift)

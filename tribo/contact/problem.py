@@ -127,7 +127,7 @@ class Judgement(NamedTuple):
     """How far an iterate is from the solution: its gap, residual and nodes at wrong bounds.
 
     A node is at a wrong bound if it is unloaded where the bodies overlap, or at the hardness across
-    a gap.
+    a gap. Free nodes, `nodes`, are those at a wrong bound or between the bounds.
     """
 
     gap: Array  # with the bodies at the level [m]

@@ -106,9 +106,9 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a past flux into a body; cached.
+    """Spectrum of the rise due to a past flux into a body [K m²/W], cached.
 
-    See `flux_history_spectrum` for `ages` and `strengths`.
+    The flux had these `strengths` at these `ages` before now [s]; see `flux_history_spectrum`.
     """
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)

@@ -29,9 +29,10 @@ _NEW, _RIM = 0.01, 0.75
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the end of a step implicitly if much new area has come into contact; return the state.
+    """Repeat the end of a step by the implicit wear scheme, if much new area came into contact.
 
-    The step leads from the state `before` to the state `after`, at `station`, on one grid.
+    The step leads from the state `before` to the state `after`, at `station`, on one grid. Returns
+    the new state at the station, or `after` if nothing was repeated.
     """
     if not _comes_into_contact(scene, before, after, velocity):
         return after
@@ -48,9 +49,10 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages leaves much load on elements unloaded before it.
+    """True if elements that were unloaded before a step carry much of the load after it.
 
-    `before` and `after` are the states at both ends of the step.
+    `before` and `after` are the states at both ends of the step. Schemes of a single stage, and
+    pins that roll, give False.
     """
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.

@@ -89,10 +89,11 @@ def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float
 def _excess_warming(
     material: Material, velocity: float, length: float, ages: Array, lacking: Array
 ) -> float:
-    """Excess of the rise if the present heat had acted since time 0, per heat per length [m K/W].
+    """How much too high a rise is if the present heat is taken to have acted since time 0.
 
-    `lacking` are the shares of the present load that were missing at `ages`, ascending from 0 [s].
-    The body moves at `velocity` [m/s]; the heat acts on a `length` across the motion [m].
+    The result is per heat per length across the motion [m K/W]. `lacking` are the shares of the
+    present load that were missing at `ages`, ascending from 0 [s]. The body moves at `velocity`
+    [m/s], and the heat acts on a `length` across the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -189,7 +189,7 @@ def _past_rise(
     """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes.
 
     `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux into the body at
-    each end. See `partition_with_history` for `spectrum_of`.
+    each end. `spectrum_of` computes the spectrum of the rise due to a flux [K m²/W].
     """
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
