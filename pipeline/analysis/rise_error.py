@@ -120,7 +120,7 @@ class RiseError:
 
     @property
     def text(self) -> str:
-        """The error [K] and its parts, in words."""
+        """The error and its parts in words, if they are in K (see `times`)."""
         parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         if unknown := " and ".join(name for name, part in parts.items() if part is None):
@@ -184,9 +184,10 @@ class RisePlane:
 
     @functools.cached_property
     def _loads_around(self) -> Indices:
-        """Indices of the two loads to interpolate between, by slot of velocity and of load.
+        """Indices of the two loads to interpolate between (2 n_velocity + 1, 2 n_load + 1, 2).
 
-        A slot is a point of an axis or a gap between points; see `_slots`.
+        The first two axes count places on the axes of velocity and load: points, and gaps between
+        points, as numbered by `_slots`.
         """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
@@ -195,7 +196,10 @@ class RisePlane:
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
-        """Indices of the two velocities to interpolate between, by load and slot of velocity."""
+        """Indices of the two velocities to interpolate between (n_load, 2 n_velocity + 1, 2).
+
+        The second axis counts points and the gaps between them, as numbered by `_slots`.
+        """
         return _neighbours(self._is_done)
 
     @functools.cached_property
@@ -232,7 +236,10 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot of each place on an axis: 2 i + 1 at point i, 2 i between points i − 1 and i."""
+    """Slot number of each of `places` on an axis, which numbers points and the gaps between them.
+
+    It is 2 i + 1 at point i, and 2 i between the points i − 1 and i.
+    """
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
 
@@ -265,11 +272,11 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Indices of two done points for each slot, (r, 2 n + 1, 2), from masks (r, n) of done points.
+    """Indices of the two done points to interpolate between, for each slot of r rows.
 
-    See `_slots`. A slot at a done point has this point twice, a slot between points has its
-    neighbours, and a slot beyond the ends has the nearest two points. A row with a single point has
-    this point twice; an empty row has -1.
+    `is_done` is the mask of done points (r, n), the result is (r, 2 n + 1, 2); see `_slots`. At a
+    done point both indices are of this point. In a gap they are its neighbours, beyond the ends the
+    nearest two points. In a row with a single point both are of this point; in an empty row -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]

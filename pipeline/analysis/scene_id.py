@@ -91,7 +91,10 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """List the loads of points of another scene, and their velocities and rows unless all are."""
+    """List, in words, where `wrong` marks points of another scene.
+
+    Loads are always listed. Other axes are listed only if some of their values have no such point.
+    """
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values

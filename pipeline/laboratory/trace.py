@@ -122,7 +122,7 @@ class Trace:
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
-        """Yield lines on each stage, and on each rise of friction and its cause."""
+        """Yield lines on each stage, and on each rise of friction and whether it is scuffing."""
         spans = (
             _span_text(name, [getattr(one, name) for one in self.stages]) for name in _COMMANDS
         )

@@ -399,10 +399,9 @@ def divided(places: Array, parts: int) -> Array:
 
 
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
-    """Interpolate values along an axis from abscissae `x` to `places`; see `Curve`.
+    """Interpolate values along an axis, from abscissae `x` to `places`, by cubics (`Curve`).
 
-    Values that are not finite are left out. If `continued`, values are extrapolated by the power
-    laws of `Curve`.
+    Values that are not finite are left out. If `continued`, values are extrapolated by power laws.
     """
     fine = Curve(x, np.moveaxis(values, axis, -1))(places, continued)
     return np.moveaxis(fine, -1, axis)

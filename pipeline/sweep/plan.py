@@ -234,7 +234,7 @@ def run_points(
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
     """Add to a solved contact its temperature at a sliding velocity [m/s].
 
-    The contact may have been solved at another velocity, with the same `tribo` wear number.
+    The contact may have been solved at another velocity with the same `wear_number`, k|V|.
     """
     warm = contact.heat
     if warm is None and contact.pressure.any():

@@ -104,9 +104,9 @@ def verdict(
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary velocity if a rise on the boundary is not as `expected`.
+    """Relative error of the boundary velocity, if a rise on the boundary is in error.
 
-    `exponent` is d ln(rise)/d ln(velocity).
+    `expected` is the right value of the `rise`, and `exponent` is d ln(rise)/d ln(velocity).
     """
     return math.expm1(-math.log(rise / expected) / exponent)
 

@@ -131,7 +131,7 @@ class Variants:
 
     @property
     def given(self) -> tuple[Variant, ...]:
-        """Every combination of labels along the dimensions of `chosen`."""
+        """Every combination of labels along the dimensions that the user chose, as names."""
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
     def base(self, name: Variant) -> Variant:

@@ -146,9 +146,9 @@ def fit_emulator(
 def _solve_kernel(
     features: Array, dimensions: Groups, contacts: Groups, outputs: Array, constants: Array
 ) -> tuple[Array, Array]:
-    """Inverse Cholesky factor of the kernel K between rows, and K⁻¹ × outputs.
+    """Inverse Cholesky factor of the covariance K of the samples' outputs, and K⁻¹ × outputs.
 
-    See `fit_emulator` for the parameters, and `Emulator` for `constants`.
+    `constants` are those of the kernel. The other parameters are as for `fit_emulator`.
     """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)

@@ -47,7 +47,10 @@ class Problem:
 
     @property
     def coupling(self) -> float:
-        """Displacement of a soft row by unit pressure on one of its nodes [m/Pa]; 0 if small."""
+        """Displacement of a row by unit pressure on one of its nodes [m/Pa]; 0 if it is small.
+
+        Rows with a larger coupling are soft: they yield as a whole.
+        """
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:

@@ -272,7 +272,7 @@ class Scene:
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
 
-        `heights` are the result of `Scene.heights`, which is the same for all fidelities.
+        `heights` are the disk's heights on the pixels, from `Scene.heights`; None if it is smooth.
         """
         profile = self.pin.profile(self.grid)
         if heights is None:
