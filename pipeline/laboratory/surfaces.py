@@ -258,7 +258,10 @@ def _cropped(
 
 
 def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Heights with holes filled; None if `missing` is "refuse", or there are no heights."""
+    """Fill the holes (NaN) in heights [m], or add a fault and return None.
+
+    Holes are a fault if `missing` is "refuse", or if all heights are missing.
+    """
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):
         return heights

@@ -334,9 +334,10 @@ def _span(time: Array, rows: slice) -> float:
 
 
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
-    """True if load or velocity drifts in piece `k` by over a third of the step to a neighbour.
+    """True if piece `k` of a trace is a ramp, not a stage of constant load and velocity.
 
-    `levels` are the medians of `commands` in each piece.
+    A piece is a ramp if it is very short, or if load or velocity drifts by over a third of the step
+    to a neighbouring piece. `levels` are the medians of `commands` in each piece.
     """
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)

@@ -292,10 +292,10 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index in a table at which the values of each line begin, by a key such as "0 12".
+    """Index at which the values of each line begin in the page's flat table of rises.
 
-    The key has the line's surface and node. The first line begins at `begin`; each has `width`
-    values.
+    Keys such as "0 12" are the surface and the node of a line. The first line begins at `begin`,
+    and each line has `width` values.
     """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}

@@ -39,7 +39,7 @@ _OF_FAILED = {*RECORDS} - {*_FLAGS, "steps"}  # variables that a failed point ha
 @shown
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """Result of checking a whole store."""
+    """Result of checking a whole store: the number of intact points, and what is damaged."""
 
     done: int  #: Points that are done and intact.
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.

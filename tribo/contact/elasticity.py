@@ -131,10 +131,10 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Transform of the factor E of Eq. (1) along one axis, shape (widths, modes).
+    """Discrete Fourier transform of the kernel's factor E, Eq. (1), along one axis.
 
-    Along a periodic axis it includes the neighbouring periods. `s` has the widths of the Gaussians
-    [m].
+    `s` has the widths of the Gaussians [m]; the shape is (widths, modes). Along a periodic axis the
+    transform includes the images in other periods.
     """
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
@@ -146,14 +146,22 @@ def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) ->
 
 
 def _factor_values(n: int, step: float, s: Array) -> Array:
-    """Factor E of Eq. (1) for widths s at 0 to n − 1 times `step`, the side of an element."""
+    """Kernel's factor E of Eq. (1) at the offsets of n elements, shape (widths, n).
+
+    The offsets are 0 to n − 1 times `step`, the side of an element; `s` has the Gaussians' widths,
+    in the same unit.
+    """
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
 
 
 def _all_images(n: int, s: Array) -> Array:
-    """Transform of E with images, Eq. (2), for widths s in elements, shape (widths, n // 2 + 1)."""
+    """Transform of the kernel's factor E with all periodic images, Eq. (2).
+
+    A period has n elements, and `s` has the Gaussians' widths in elements. The shape is (widths,
+    n // 2 + 1).
+    """
     # Below the shortest node s, E is 2 on the element and 0 off it.
     s = np.maximum(s, 1 / (2 * _REACH))
     narrow, wide = s[s < _WIDE], s[s >= _WIDE, None, None]
@@ -167,9 +175,9 @@ def _all_images(n: int, s: Array) -> Array:
 
 
 def _line_load(grid: Grid, axis: int) -> Array:
-    """Transform along `axis` of a line load's influence, −2 ∫ ln(|x|/c) dx over an element.
+    """Transform of the influence of a line load across `axis`: −2 ∫ ln(|x|/c) dx over an element.
 
-    c exceeds all |x|.
+    x runs along the axis, and the length c, which only adds a constant, exceeds all |x|.
     """
     step, length = grid.spacing[axis], padded_shape(grid)[axis]
     c = length * step + grid.size[1 - axis]

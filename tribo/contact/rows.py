@@ -111,7 +111,9 @@ class RowMetric:
         )
 
     def nearest(self, field: Array, total: float, highest: float) -> Array:
-        """The field nearest to `field` that sums to `total` and lies between 0 and `highest`.
+        """The field that is nearest to `field` in this metric, within the bounds and of given sum.
+
+        It sums to `total` and lies between 0 and `highest`.
 
         Within row i the result is clip(q + sᵢ), with the given field q and
 
@@ -134,9 +136,10 @@ class RowMetric:
     def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) for μ and all sᵢ together; return clip(q + s), s and sums of rows, or None.
+        """Solve Eq. (2) of `nearest` for μ and all sᵢ together, by a few Newton steps.
 
-        `sums` are Qᵢ; see `nearest` for `total` and `highest`.
+        Returns clip(q + s), the shifts s and the sums of rows, or None if it fails. `sums` are Qᵢ.
+        The result sums to `total`, with values from 0 to `highest`.
         """
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
@@ -168,9 +171,10 @@ class RowMetric:
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) as exactly as rounding allows; return clip(q + s), s and the sums of rows.
+        """Solve Eq. (2) of `nearest` as exactly as rounding allows.
 
-        `sums` are Qᵢ; see `nearest` for `total` and `highest`.
+        Returns clip(q + s), the shifts s and the sums of rows. `sums` are Qᵢ. The result sums to
+        `total`, with values from 0 to `highest`.
         """
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
@@ -196,10 +200,11 @@ class RowMetric:
     def _solve_rows(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) for sᵢ at a given μ; return clip(q + s), s, and nodes between the bounds.
+        """Solve Eq. (2) of `nearest` for the shift sᵢ of each row, at a given μ.
 
-        `sums` are Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top`
-        is the most that a node can carry. If a row has no root, all its nodes are at one bound.
+        Returns clip(q + s), s, and the number of nodes between the bounds in each row. `sums` are
+        Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top` is the most
+        that a node can carry. If a row has no root, all its nodes are at one bound.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

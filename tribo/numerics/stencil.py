@@ -157,7 +157,11 @@ class Preconditioner:
 
 
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """Stencil that inverts a kernel on a block of ±rx by ±ry elements."""
+    """Stencil (3, 2) that inverts a kernel on a block of elements, −rx to rx by −ry to ry.
+
+    Its factors are the sources on the block that give 1 on the middle element, and 0 on the others.
+    `kernel` is from `_near_kernel`.
+    """
     i, j, middle = _block(rx, ry)
     inverse = np.zeros((3, 2))
     try:
@@ -170,9 +174,9 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Flat arrays for a block: offsets along x (−rx to rx), along y (−ry to ry), and a unit load.
+    """Offsets of a block's elements along x (−rx to rx) and along y (−ry to ry), as flat arrays.
 
-    The load is 1 on the middle element, else 0.
+    A third array is 1 at the middle element, else 0.
     """
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
@@ -192,9 +196,10 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Matrices from modes to values at offsets 0 to 2: cosine and sine along x, cosine along y.
+    """Matrices that turn Fourier modes into a kernel's values at offsets 0 to 2.
 
-    `mx` and `my` are the lengths of the transform.
+    They are cosines and sines along x, and cosines along y. `mx` and `my` are the lengths of the
+    transform.
     """
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my

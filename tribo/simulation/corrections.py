@@ -194,7 +194,7 @@ class Corrections:
 
     @property
     def text(self) -> str:
-        """The corrections in words."""
+        """The corrections that are present, in words, with their sizes."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
             "friction by velocity": _describe_curve(self.friction.by_velocity),

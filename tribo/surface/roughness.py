@@ -25,7 +25,7 @@ class Surface(Protocol):
     """
 
     def __hash__(self) -> int:
-        """Hash under which the heights are cached."""
+        """Hash of the surface; surfaces of equal hash must have equal heights, which are cached."""
 
     def heights(self, pixels: Grid) -> Array:
         """Heights, positive towards the pin [m], shape ``pixels.shape``."""

@@ -250,9 +250,10 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add the outer products of g and f, summed over the quadrature's nodes, to a spectrum.
+    """Add a panel of the integral to a spectrum, `half`, in place.
 
-    They are added to the first modes of `half` along each axis.
+    `f` and `g` are the kernel's factors along x and y at the panel's nodes (nodes, modes). Their
+    products, summed over the nodes, are added to the first modes along each axis.
     """
     block = half[: g.shape[1], : f.shape[1]].view(float)
     block += g.T @ f.view(float)
