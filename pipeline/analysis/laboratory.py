@@ -77,7 +77,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 def model_error(data: Results, field: Field) -> Scatter:
     """Distribution of the model's own error in ln(critical velocity), from tests and a prior.
 
-    If `field` is of samples that have inferred the error, it is theirs.
+    If `field` is of samples whose tests have inferred the error, the inferred one is returned.
     """
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)

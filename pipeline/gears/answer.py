@@ -102,7 +102,7 @@ def _simulate(options: argparse.Namespace, simulate: Callable[..., Any], *given:
 
 
 def _facts(one: Mesh) -> pd.DataFrame:
-    """Quantities of the whole gear mesh, as a data frame of one row."""
+    """Data frame of one row with quantities of the whole mesh, such as load and friction."""
     pair, gears, duty, rule = one.pair, one.pair.gears, one.duty, one.integral
     angle = gears.working_angle
     pitch = next(place for place in one.places if place.position == 0)

@@ -247,11 +247,11 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of deciding rises for the page: on a fine grid, and on columns with missing points.
+    """Tables of deciding rises for the page: on a fine grid, and at single velocities.
 
     The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
-    of the grid are far outside the sweep. A column belongs to one velocity of the sweep at which
-    points are missing, and uses only the points there.
+    of the grid are far outside the sweep. If points are missing at a velocity of the sweep, there
+    is also a table over load from only the points at this velocity.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)

@@ -96,7 +96,7 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
 
 
 def _judged(sweep: Sweep) -> dict[str, str]:
-    """Conditions that replace entries when a sweep is judged, in words, by the entry's path."""
+    """Conditions under which a sweep is judged, in words, by the path of the entry they replace."""
     named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
     return {
         path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)

@@ -82,7 +82,10 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Values along each dimension of variants, sorted, and of columns that depend on them."""
+    """Axes of a sweep's variants, such as surfaces: sorted values along each dimension.
+
+    Values of columns that such a dimension determines are included.
+    """
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
     return axes | {

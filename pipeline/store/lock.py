@@ -84,10 +84,7 @@ def _is_flocked(folder: Folder, descriptor: int) -> bool:
 
 
 def _is_in_place(folder: Folder, descriptor: int) -> bool:
-    """True if the open lock file is still in its folder, not deleted or replaced.
-
-    `descriptor` is that of the file.
-    """
+    """True if the open lock file, `descriptor`, is still in its folder, not deleted or replaced."""
     try:
         return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
     except OSError:  # also on a file server that no longer knows the folder

@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields of a fidelity by name; where 0 stands for another value, that value replaces it."""
+    """Fields of a fidelity by name; a 0 of special meaning is replaced by what it stands for."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,

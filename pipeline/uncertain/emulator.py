@@ -191,7 +191,8 @@ def _kernel(
     """Smooth part (n, m) of the covariance between two sets of features, and its three terms.
 
     The terms are for linear, quadratic and further dependence. `one` (n, n_feature) and `other` (m,
-    n_feature) are the features. See `Emulator` for `dimensions` and `constants`.
+    n_feature) are the features. `dimensions` has the number of the input that each feature belongs
+    to, and `constants` are those of the kernel.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -205,7 +206,7 @@ def _kernel(
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """Covariance (n, n) of training rows: smooth part, part that rows of a contact share, noise.
 
-    `contacts` has the number of each row's contact. See `Emulator` for `constants`.
+    `contacts` has the number of each row's contact, and `constants` are those of the kernel.
     """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
@@ -266,7 +267,7 @@ def band_factor(scores: Array, count: int) -> float:
 
 
 def end_weight(along: Array) -> Array:
-    """Weight that is 1 at both ends of a range of ln(velocity), and 0 in the middle.
+    """Weight of the errors at the ends of a range of ln(velocity): 1 at both ends, 0 in the middle.
 
     `along` is the position in the range, from 0 to 1.
     """

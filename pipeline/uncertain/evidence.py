@@ -226,7 +226,7 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """All unknown inputs, of a sweep, its rig and its oils, and the tests that depend on them.
+    """All unknown inputs of a sweep, with those of its rig and oils, and the tests to weigh them.
 
     `rig` and `oils` have the columns of the inputs that belong to the rig and to each oil.
     """

@@ -148,9 +148,10 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
     heat = friction_heat(scene, state, frictions.velocity).take(nodes)
 
     def rise_by(flux: Array, whole: Array) -> Array:
-        """Rise of the touching elements due to a flux [K].
+        """Rise of the touching elements due to a flux of heat into the contact [K].
 
-        The smaller `flux` is, compared with the `whole` flux, the looser is the tolerance.
+        The partition of heat is solved to a tolerance that is looser, the smaller `flux` is
+        compared with the `whole` flux.
         """
         size = float(np.linalg.norm(flux))
         if not size:

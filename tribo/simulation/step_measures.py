@@ -60,13 +60,13 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """`Scene.windows_worn` at the velocity of a state; 1 at rest."""
+    """Length of the pin that wears, in windows along x: the track of a rolling pin, else 1."""
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
-    """Measures of contact and pressure, which depend on the size of the elements."""
+    """Contact fraction and width, pressures and share at the hardness, by name; see `measures`."""
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))

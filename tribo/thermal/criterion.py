@@ -134,7 +134,7 @@ class Criterion:
 
     @property
     def severe(self) -> str:
-        """Severe wear in words, to be followed by the critical temperature."""
+        """Sentence on when wear is severe, to be completed by the critical temperature."""
         return self._rule.severe.format(share=100 * self.share)
 
     @staticmethod
