@@ -207,13 +207,15 @@ class Curve:
 def filled(rises: Array, loads: Array, velocities: Array) -> Array:
     """Rises (..., n_load, n_velocity) in which a load with a single point has a whole row.
 
-    The row is that of the loads on both sides, scaled to pass through the point. At the first or
-    last load, and where these rows are unknown, only the point is known.
+    The row is that of the loads on both sides, scaled to pass through the point, where all these
+    are positive. At the first or last load, and where the rows are unknown, only the point is
+    known.
     """
     count = np.isfinite(rises).sum(axis=-1, keepdims=True)
     rows = np.where(count > 1, Curve(velocities, rises)(velocities, continued=True), np.nan)
     between = Curve(loads, rows.swapaxes(-1, -2))(loads).swapaxes(-1, -2)
-    scale = np.fmax.reduce(rises / between, axis=-1, keepdims=True)
+    between = np.where(between > 0, between, np.nan)
+    scale = np.fmax.reduce(np.where(rises > 0, rises / between, np.nan), axis=-1, keepdims=True)
     return np.where((count == 1) & np.isnan(rises), scale * between, rises)
 
 

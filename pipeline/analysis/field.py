@@ -340,7 +340,8 @@ class PointField:
         computed, going_on = (
             np.where(is_row[:, None], points, np.where(mark == 1, far, np.nan)) for mark in marks
         )
-        far = np.where(is_row[:, None] & np.isfinite(row).any(axis=-1, keepdims=True), row, far)
+        has_row = is_row[:, None] & (np.isfinite(row).sum(axis=-1, keepdims=True) > 1)
+        far = np.where(has_row, row, far)
         turns_back = self.conditions.has_friction_curve and axis == "velocity"
         if turns_back:  # with friction by velocity, rises beyond the points are no power law
             going_on = computed

@@ -32,8 +32,9 @@ def one(**changes):
 
 
 def with_single_point():
-    """Sweep with only one point at 300 N."""
-    return one(status={(300.0, float(v)): 0 for v in _VELOCITIES if v != 3.0})
+    """Sweep with only one point at three of its loads."""
+    alone = {150.0: 3.0, 200.0: 2.4, 450.0: 1.8}
+    return one(status={(x, float(v)): 0 for x in alone for v in _VELOCITIES if v != alone[x]})
 
 
 def with_zero_velocity():

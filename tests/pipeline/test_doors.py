@@ -137,8 +137,7 @@ def test_the_page_judges_its_nodes_as_their_margins_are(name):
             own = [row[f"{axis} outcome"] for axis in ("velocity", "load")]
             assert all("throughout" not in one or one in own for one in page["outcomes"])
         state, hot = max(page["states"]), row["decisive temperature [°C]"] + 273.15
-        likely = clipped(page["probabilities"][1])
-        assert likely == pytest.approx(row["probability"], **ON_THE_PAGE)
+        assert clipped(page["probabilities"][1]) == pytest.approx(row["probability"], **ON_THE_PAGE)
         assert page["temperature"] == pytest.approx(hot, rel=1e-6 if state == 1 else 1e-3)
     assert verdicts & {"mild", "severe"} or name == "one column"
 
@@ -149,7 +148,7 @@ def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
     frame = pipeline.margin(STORES[name](), {"load": asked[0], "velocity": asked[1]})
     known = frame[(frame["verdict"] != "not known") & (frame["distance [K]"].abs() > 1e-6)]
     assert ((known["distance [K]"] < 0) == (known["probability"] > 0.5)).all()
-    assert len(known) > (3 if name == "one column" else 90)
+    assert len(known) > (3 if name == "one column" else 80)
 
 
 @pytest.mark.parametrize("name", PLANES)
