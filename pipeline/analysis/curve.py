@@ -100,9 +100,10 @@ class Curve:
         return v + way * (low + way * (bend + way * twist))
 
     def __call__(self, places: Array, continued: bool = False) -> Array:
-        """Ordinates at abscissae `places`, (p,) or (..., p), for each row; NaN outside the points.
+        """Ordinates of each curve (..., p) at the abscissae `places`; NaN outside its points.
 
-        If `continued`, a curve of positive points is extended by power laws; see `end_exponent`.
+        `places` are (p,), the same for all curves, or (..., p). If `continued`, a curve of positive
+        points is extended by power laws; see `end_exponent`.
         """
         places = np.broadcast_to(places, (*self.count.shape, np.shape(places)[-1]))
         (first, _), (last, _) = self.end(0), self.end(-1)

@@ -106,7 +106,7 @@ class Line:
 
     @property
     def _turns_severe(self) -> Mask:
-        """Mask of `places`: True where wear turns severe, False where it turns mild."""
+        """Mask of the changes `places`: True where wear turns severe, False where it turns mild."""
         number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
         return np.asarray(np.isfinite(self.places) & (number % 2 == 1))
 
@@ -163,10 +163,10 @@ class Line:
         return Transitions(self.outcome, self.first, ends, alone)
 
     def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
-        """Probability that a run is severe at each of `velocities`, for each line and its limit.
+        """Probability that a run is severe, for each curve and limit at its own velocity.
 
-        A run at velocity V behaves like the model at V·exp(ε), where ε has the distribution
-        `scatter`.
+        `velocities` [m/s] broadcast with the limits. A run at velocity V behaves like the model at
+        V·exp(ε), where ε has the distribution `scatter`.
         """
         places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))

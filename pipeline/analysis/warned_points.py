@@ -74,7 +74,10 @@ def warned(ds: ResultsLike) -> Warned:
 
 
 def warning_flags(data: Results) -> Indices:
-    """Flags (`WarningKind`) of each done point: the stored ones, and the flag of a slow rise."""
+    """Flags (`WarningKind`) of each done point: the stored ones, and ``SLOW_RISE``.
+
+    The latter is found here from neighbouring points: the rise hardly grows with velocity.
+    """
     data.require("status", "warning_flags")
     flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
     return np.asarray(flags | _mask_by_scene(data, _rises_slowly) * int(WarningKind.SLOW_RISE))

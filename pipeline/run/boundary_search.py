@@ -114,7 +114,7 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Crossings of the limit expected on straight lines between known points of a load.
+        """Crossings of the limit expected on straight lines of y(x) between known points of a load.
 
         `x` is ln(velocity), `y` ln(rise) without the effect of velocity on friction.
         """
@@ -154,10 +154,10 @@ class BoundarySearch:
         return first
 
     def _refine(self, root: _Root, curvature: float) -> set[float]:
-        """Velocities to compute next on both sides of a crossing, on the coarsest grid possible.
+        """Velocities [m/s] to compute next beside a crossing; none once it is known well enough.
 
-        `curvature` is κ of `_curvatures`. The set is empty once the crossing is known to the
-        tolerance.
+        They are nodes of a grid of equal steps of ln(velocity). The steps are halved until a node
+        lies between the known points beside the crossing. `curvature` is κ of `_curvatures`.
         """
         if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()

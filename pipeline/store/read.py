@@ -170,7 +170,8 @@ class _Masked(BackendArray):
 def _grid_values(values: Any, rows: Indices | None) -> Any:
     """Put values of single stored points on a grid of loads and velocities, with 0 elsewhere.
 
-    `rows` is from `_plane_of_points`. If it is None, the values are returned unchanged.
+    `rows` has the number of the stored point at each load and velocity, −1 where there is none. If
+    it is None, the values are on a grid already, and are returned unchanged.
     """
     return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 

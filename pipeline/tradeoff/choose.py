@@ -47,7 +47,7 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """Measure the error of a sweep's own fidelity, or read it from the store; return the sweep."""
+    """The sweep with the measured error of its own fidelity, read from the store if it is there."""
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)

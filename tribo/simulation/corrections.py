@@ -57,10 +57,10 @@ class Track:
     length : float
         Length of the track [m].
     width : float or None
-        Width of the track [m]; None for the contact's width times `aspect`.
+        Width of the track [m]; None for `aspect` times the contact's extent along the track.
     aspect : float
-        Width of the contact across the track divided by its length along the track, for a ball or a
-        crowned pin.
+        Extent of the contact across the track divided by that along it, for a ball or a crowned
+        pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
     disc : Disc or None

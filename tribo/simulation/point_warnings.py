@@ -275,7 +275,7 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the temperature of a few elements decides."""
+    """Warn if the temperature of a few elements decides the verdict."""
     smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
     few = _FEW_ELEMENTS
     if is_worn:
