@@ -148,7 +148,7 @@ def hertz_ellipse(
     elliprd = scipy.special.elliprd
 
     def excess(log_ratio: float) -> float:
-        """Error of ln(R_a/R_b) for a trial value `log_ratio` of ln(b/a); its root is sought."""
+        """Computed minus given ln(R_a/R_b), for a trial value `log_ratio` of ln(b/a)."""
         square = math.exp(2 * log_ratio)
         ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
         return float(np.log(ratio)) - math.log(long / short)

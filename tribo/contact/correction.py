@@ -16,7 +16,7 @@ _LOCAL_STEPS = 2
 
 
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Improve a guess of the pressure [Pa] by solving for it among neighbours only.
+    """Improve a guess of the pressure [Pa] by influences between neighbouring elements alone.
 
     `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds; the
     result does not. `separation` is the distance of the undeformed surfaces [m].

@@ -87,7 +87,7 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _spring_pressure(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure [Pa] if each element were a spring, and the nearest tenth of them carried the load.
+    """Pressure [Pa] if elements were springs, and the tenth of least separation carried the load.
 
     `heights` is the separation [m], `total` the sum of the pressure, and `hardness` the highest
     pressure [Pa].

@@ -73,7 +73,11 @@ class LowestResidual(NamedTuple):
     convolutions: float = 0.0  # spent until it was reached
 
     def updated(self, residual: float, convolutions: float) -> LowestResidual:
-        """The lowest residual once an iterate has a `residual` after a number of `convolutions`."""
+        """The lowest residual after one more iterate, and the convolutions spent until then.
+
+        `residual` and `convolutions` are those of the iterate. They count if its residual is lower
+        by more than a tenth.
+        """
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:

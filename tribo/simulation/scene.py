@@ -210,7 +210,7 @@ class Scene:
 
     @property
     def rows_per_element(self) -> int:
-        """Number of rows that one element stands for; above 1 only if nothing depends on y."""
+        """Number of blocks of pixels along y in one element; 1 unless nothing depends on y."""
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property

@@ -64,8 +64,8 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
 
     `s` are the diffusion lengths at the nodes, and `shift` is how far the source has moved [m].
-    Only the elements within reach of the source are evaluated. Elements of all periods fall on
-    the same `length` places and add up.
+    Only the elements within reach of the source are evaluated. Values of elements that lie a
+    whole number of periods apart are added up.
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

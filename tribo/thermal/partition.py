@@ -256,8 +256,8 @@ def _divide_uniformly(
 ) -> HeatPartition:
     """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, means over the contact.
 
-    `rise` is T₁q, `target` the right-hand side on the contact, and `delta` is ΔT_b on the contact
-    [K]; `heat_flux` is q [W/m²].
+    `rise` is T₁q on the grid. `target` is T₂q + ΔT_b, the right-hand side of Eq. (1), and `delta`
+    is ΔT_b, both on the contact alone [K]. `heat_flux` is q [W/m²].
     """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:

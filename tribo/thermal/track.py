@@ -64,7 +64,7 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Warming of the track due to passes `rounds` rounds ago [K]."""
+        """Warming of the track, per unit friction, by the pass that was `rounds` rounds ago [K]."""
         age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
