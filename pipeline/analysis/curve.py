@@ -50,7 +50,7 @@ class Curve:
         self.is_log = np.logical_not(((self.x <= 0) | (self.y <= 0)).any(axis=-1))
 
     def _pick(self, values: Array, number: Any) -> Array:
-        """The element of each row of `values` at the row's own index in `number`."""
+        """For each curve, the element of `values` (..., n) at the curve's own index in `number`."""
         found: Array = np.take_along_axis(values, np.asarray(number)[..., None], -1)[..., 0]
         return found
 
@@ -206,11 +206,11 @@ class Curve:
 
 
 def filled(rises: Array, loads: Array, velocities: Array) -> Array:
-    """Rises (..., n_load, n_velocity) in which a load with a single point has a whole row.
+    """Rises (..., n_load, n_velocity), estimated at all velocities at a load with a single point.
 
-    The row is that of the loads on both sides, scaled to pass through the point, where all these
-    are positive. At the first or last load, and where the rows are unknown, only the point is
-    known.
+    The estimates are interpolated between the loads on both sides, and scaled to pass through the
+    point; there is none where such a rise is not positive. At the first or last load, and where the
+    other loads' rises are unknown, only the point is known.
     """
     count = np.isfinite(rises).sum(axis=-1, keepdims=True)
     rows = np.where(count > 1, Curve(velocities, rises)(velocities, continued=True), np.nan)
@@ -221,7 +221,7 @@ def filled(rises: Array, loads: Array, velocities: Array) -> Array:
 
 
 def _pairs(rows: Indices, values: Array) -> Array:
-    """Pairs (row, value) as complex numbers, which sort by row, then by value."""
+    """Pairs (number of a curve, value) as complex numbers, which sort by curve, then by value."""
     keys = np.empty(np.broadcast_shapes(rows.shape, values.shape), complex)
     keys.real, keys.imag = rows, values
     return keys

@@ -222,7 +222,7 @@ class PointField:
         """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks, 1 or 2.
 
         Rises include the effect of velocity on friction. Beyond the points of a load they are
-        extrapolated by power laws. A load with a single point has the row of `filled`.
+        extrapolated by power laws. At a load with a single point they are estimated by `filled`.
 
         The first marks are 1 within the points of a load. The second are 1 where wear is certain:
         within the points, below the lowest if wear is mild there, and above the highest if it is
@@ -363,9 +363,10 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
 
 
 def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, Array]:
-    """Insert a point (place, value) into each curve y(x); return ascending x, and y (..., n + 1).
+    """Insert a point into each curve y(x); return ascending x, and y, each (..., n + 1).
 
-    If a value is NaN, its abscissa becomes NaN and comes last.
+    `places` are the abscissae of the points, and `values` their ordinates. If an ordinate is NaN,
+    its abscissa becomes NaN and comes last.
     """
     is_there = np.isfinite(values)[..., None]
     others = np.where(is_there & (x == places[:, None]), np.nan, x)

@@ -69,7 +69,7 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest root mean square of residuals, for any number of wrong outcomes included.
+        """Largest scale of Student's t, for any number of wrong outcomes included.
 
         `known` is the sum of squares of the transitions' residuals and the prior. `squares` are
         squared residuals of wrong outcomes, the largest first; they are included in this order.

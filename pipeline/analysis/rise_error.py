@@ -158,7 +158,7 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k places: True if friction by temperature was solved at all points around."""
+        """Mask of k places: True if friction by temperature was solved at all points around it."""
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
@@ -186,8 +186,8 @@ class RisePlane:
     def _loads_around(self) -> Indices:
         """Indices of the two loads to interpolate between (2 n_velocity + 1, 2 n_load + 1, 2).
 
-        The first two axes count places on the axes of velocity and load: points, and gaps between
-        points, as numbered by `_slots`.
+        The first two axes count slots along velocity and load. Slots are points and the gaps
+        between them, as numbered by `_slots`.
         """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
@@ -294,7 +294,8 @@ def _interpolation(
 ) -> Array:
     """Relative errors of interpolation or extrapolation to k loads and velocities (k,), or NaN.
 
-    `rows` and `columns` are the points around each place; see `RisePlane.rests_on`.
+    `rows` (k, 2) and `columns` (k, 2, 2) are the indices of load and of velocity of the points
+    between which each rise is interpolated; see `RisePlane.rests_on`.
     """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
@@ -310,7 +311,7 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of interpolation over `gaps`.
+    """Relative errors of rises that are interpolated across `gaps`.
 
     Gaps are differences of ln(load) or ln(velocity) between neighbouring points along `axis`.
     """
@@ -319,7 +320,11 @@ def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(grid: RisePlane, axis: str) -> float:
-    """Root mean square error of ln(rise) at points left out, per gap in ln(x) along `axis`."""
+    """Root mean square error of ln(rise) at points left out, over the gap that each leaves.
+
+    Each point is interpolated from the others along `axis`, load or velocity. The gap is the
+    difference of ln(load) or ln(velocity) between the neighbours of the point.
+    """
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.
@@ -343,7 +348,7 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae `x` and of `rows`; values that are not positive become NaN."""
+    """Logarithms of abscissae `x`, and of the curves' ordinates `rows`; NaN if not positive."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)

@@ -84,7 +84,7 @@ def warning_flags(data: Results) -> Indices:
 
 
 def _is_molten(scene: Results) -> Mask:
-    """Mask of points at which the temperature of the deciding share would melt steel."""
+    """Mask of points at which over the failing share of the contact is hot enough to melt steel."""
     # The user's own criterion is not run here; "share" serves as well.
     judged = scene.plain_conditions
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
