@@ -176,7 +176,10 @@ def _number(cell: str) -> float | None:
 
 
 def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
-    """Sizes and unit of heights by name, and units of columns x, y, z, from header lines [m]."""
+    """Lengths by name, and units of columns x, y and z, from the lines of a header [m].
+
+    The lengths are the sizes of the surface or of its pixels, and the unit of heights.
+    """
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
     for line in head:

@@ -384,7 +384,7 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if friction rises by `half` within a small share of the stage, near a row."""
+    """True if friction rises by at least `half` near index `row`, in a small share of the stage."""
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

@@ -292,10 +292,11 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index at which the values of each line begin in the page's flat table of rises.
+    """Index at which the rises over load at single velocities begin in the page's flat table.
 
-    Keys such as "0 12" are the surface and the node of a line. The first line begins at `begin`,
-    and each line has `width` values.
+    `lines` are pairs (surface, index of the velocity), and `nodes` the numbers of the velocities on
+    the page's grid. Keys such as "0 12" are a surface and such a number. The rises of the first
+    line begin at `begin`; each line has `width` rises.
     """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}
@@ -414,7 +415,7 @@ def heat_along(
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
     the sweep. Outside the points of a load, values are extrapolated by a power law of the velocity.
-    A load with a single point has the row of `filled`, or is known at that point alone.
+    At a load with a single point they are estimated by `filled`, or known at that point alone.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)

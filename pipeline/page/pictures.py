@@ -51,7 +51,10 @@ def packed_fields(
 
 
 def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
-    """Values and pictures of a point, in the order of `packed_fields`."""
+    """Highest pressure, lowest and highest rise, greatest wear depth, and a picture of each field.
+
+    The last three entries are the pictures of pressure, rise and wear depth, as base64 text.
+    """
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
     touching = _summed(contact.astype(float), block)

@@ -191,7 +191,10 @@ class BoundarySearch:
 
 
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
-    """Interpolate y(x) linearly at `at`; extrapolate with a slope near `slope`."""
+    """Interpolate y(x) linearly at `at`; extrapolate with the slope of the outermost interval.
+
+    That slope is limited to within a fixed factor of `slope`, which a single point has.
+    """
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
     slopes = np.diff(y)[[0, -1]] / np.diff(x)[[0, -1]]
@@ -202,7 +205,7 @@ def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
 
 
 def _curvatures(x: Array, y: Array, number: int) -> Iterator[float]:
-    """Yield κ = |curvature/slope| of the line y(x) near a crossing, each from three points.
+    """Yield κ = |curvature/slope| of the curve y(x) near a crossing, each from three points.
 
     The crossing is just before the point at index `number`. There are up to two values, and none if
     points are missing or far apart.

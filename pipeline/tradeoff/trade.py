@@ -177,7 +177,7 @@ def trade(
 
 
 def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Approximate cost of simulating the targets `places`: steps × elements per pixel."""
+    """Relative cost of simulating the targets `places`: steps × elements per pixel, summed."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)

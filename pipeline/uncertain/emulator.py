@@ -293,8 +293,9 @@ def _cross_validate(
 ) -> LeftOut:
     """Summarise cross-validation: errors of rows that were predicted from the other rows.
 
-    `groups` and `parts` are from `_folds`. `solutions` has the result of `_solve_kernel` without
-    each part.
+    `groups` has the number of each row's contact, and `parts` are masks of the rows left out
+    together. `solutions` has a result of `_solve_kernel` for each part: on all rows, with the
+    kernel's constants for that part.
     """
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
@@ -341,7 +342,7 @@ _BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the interpolation error.
+    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the error of that ln(rise).
 
     `rises` (n, n_load) are the rises of all samples at `loads`.
     """
@@ -378,9 +379,9 @@ def _spread_between_nodes(x: Array, values: Array) -> float:
 
 
 def _spline(x: Array, place: float, degree: int) -> Array:
-    """Weights (n,) of values at nodes `x` whose sum is the value of a spline at `place`.
+    """Weights (n,) of the values at nodes `x` that give the value of their spline at `place`.
 
-    `degree` is the degree of the spline.
+    `place` is an abscissa, and `degree` the degree of the spline.
     """
     return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 

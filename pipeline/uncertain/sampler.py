@@ -129,7 +129,7 @@ class Mixture(NamedTuple):
         return np.asarray(constant + logsumexp(parts, axis=0))
 
     def _distances(self, scores: Array) -> list[tuple[Array, float]]:
-        """Squared Mahalanobis distances (n,) of scores and ln(share/volume), for each component."""
+        """By component, squared Mahalanobis distances (n,) of scores, and ln(share/volume)."""
         return [
             (
                 np.sum(np.linalg.solve(factor, (scores - centre).T) ** 2, axis=0),
