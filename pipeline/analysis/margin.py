@@ -226,8 +226,8 @@ def probabilities(
 ) -> tuple[Array, Array, Array]:
     """Probabilities of severe wear (k,): lowest, as computed, and highest within numerical error.
 
-    `scatter` is the model's own error. `errors` are relative numerical errors, one for each place
-    (k,) or one for all; NaN if unknown.
+    `scatter` is the model's own error. `errors` are relative numerical errors of the rise, one for
+    each place (k,) or one for all. Where one is NaN, unknown, the lowest is 0 and the highest 1.
     """
     is_known = np.isfinite(errors)
     shift = np.where(is_known, np.log1p(errors), 0.0)

@@ -162,7 +162,7 @@ class Results:
 
     @property
     def plain_conditions(self) -> Conditions:
-        """Conditions with the criterion "share", which does not need code of the user."""
+        """The sweep's conditions with criterion "share" for its own, which may be a user's code."""
         return self._require_computed(replace(self.sweep.conditions, criterion="share"))
 
     def _require_computed(self, conditions: Conditions) -> Conditions:

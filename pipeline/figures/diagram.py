@@ -168,7 +168,8 @@ def _shade_verdicts(
 def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
     """Shade where wear is severe on 10 to 90 % of the surfaces.
 
-    `excess` is the result of `_excess` at velocities `x` [m/s] and loads `y` [N].
+    `excess` is the deciding minus the critical temperature [K] (surface, y, x), at velocities `x`
+    [m/s] and loads `y` [N].
     """
     if len(excess) == 1:
         return []

@@ -447,26 +447,26 @@ def rows_beside(done: Mask, parts: int) -> Indices:
     return np.where(up % 1, both, up).astype(int)
 
 
-def states(done: Mask, parts: tuple[int, int], places: Indices) -> Indices:
-    """State of each grid node (surface, load, velocity), as a code.
+def states(done: Mask, parts: tuple[int, int], numbers: Indices) -> Indices:
+    """State of each node (surface, load, velocity) of the page's grid, as a code.
 
-    It is `COMPUTED` at points; `INTERPOLATED` if both loads of `rows_beside` have points on both
-    sides of its velocity; else `EXTRAPOLATED`.
+    A computed point is `COMPUTED`. A node is `INTERPOLATED` if the sweep's loads below and above it
+    (`rows_beside`) have points on both sides of its velocity; else `EXTRAPOLATED`.
 
     `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
-    divides intervals of load and of velocity. `places` are node numbers along velocity, 0 at the
-    sweep's first velocity.
+    divides intervals of load and of velocity. `numbers` are those of the nodes along velocity, 0 at
+    the sweep's first velocity and negative below it.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)
     low = parts[1] * np.argmax(done, axis=-1)[..., None]
     high = parts[1] * (count - 1 - np.argmax(done[..., ::-1], axis=-1)[..., None])
-    is_in = is_any & (places >= low) & (places <= high)
+    is_in = is_any & (numbers >= low) & (numbers <= high)
     in_both = np.logical_and(
         *(np.take_along_axis(is_in, row[..., None], -2) for row in rows_beside(done, parts[0]))
     )
     state = np.where(in_both, INTERPOLATED, EXTRAPOLATED)
-    of_points = np.flatnonzero((places >= 0) & (places % parts[1] == 0))[:count]
+    of_points = np.flatnonzero((numbers >= 0) & (numbers % parts[1] == 0))[:count]
     on_points = np.zeros(state.shape, dtype=bool)
     on_points[..., :: parts[0], :][..., of_points] = done
     state[on_points] = COMPUTED

@@ -199,7 +199,7 @@ class Quantity(Kind):
 
     @property
     def unit(self) -> str:
-        """Unit of the example."""
+        """Unit of the kind's example of a value, such as "mm" of "2 mm"."""
         return self.example.partition(" ")[2]
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:

@@ -117,9 +117,10 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
 def points_at(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], where: Sequence[Indices]
 ) -> list[Point]:
-    """Points at the indices that `where` has for each dimension of the variable ``status``.
+    """Points at some indices of the variable ``status``.
 
-    `wanted` has the store's variables.
+    `where` has an array for each of its dimensions, as `np.nonzero` gives. `wanted` has the store's
+    variables.
     """
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:

@@ -103,7 +103,7 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Fit a surface of the first `count` terms; return heights above it, and coefficients."""
+        """Heights above a fit of the first `count` of 1, u, v, u², uv, v²; and its factors."""
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

@@ -40,7 +40,11 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 
 
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Say above which temperature wear is severe: "of each sample" if its path is in `drawn`."""
+    """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C".
+
+    `drawn` has the paths of entries that differ between samples. A critical temperature or share
+    among them is "of each sample".
+    """
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
         severe = "more than the share of each sample of its contact above"

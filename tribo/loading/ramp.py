@@ -107,7 +107,8 @@ class Ramp:
     def increment(self, normal_load: float, increments: int) -> float:
         """Load increment of each step on the shared ramp (trunk) that leads to `normal_load` [N].
 
-        Loads with the same increment share one such ramp.
+        It is the reference load over `increments`, halved until `normal_load` takes at least a
+        quarter of `increments` steps. Loads with the same increment share one such ramp.
 
         Examples
         --------
