@@ -41,9 +41,10 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Velocities, in words, above which wear is severe if heat of earlier turns is included.
+    """Velocities, in words, above which wear is severe if heat of a body's earlier turns counts.
 
-    Empty unless the scene leaves that heat out, and has a single diagram under its own conditions.
+    The text is empty unless the scene leaves that heat out, and the results are one grid of loads
+    and velocities under the scene's own conditions.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions

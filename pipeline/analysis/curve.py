@@ -94,7 +94,8 @@ class Curve:
     def _cubic(self, pieces: Indices, way: Array) -> Array:
         """Ordinates (logarithms if `is_log`) within intervals of the curves, shape (..., p).
 
-        `pieces` has the numbers of the intervals, and `way` the distances from their beginnings.
+        `pieces` has the numbers of the intervals. `way` has the distances from their beginnings
+        along the abscissa, also logarithmic if `is_log`.
         """
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
@@ -209,8 +210,8 @@ def filled(rises: Array, loads: Array, velocities: Array) -> Array:
     """Rises (..., n_load, n_velocity), estimated at all velocities at a load with a single point.
 
     The estimates are interpolated between the loads on both sides, and scaled to pass through the
-    point; there is none where such a rise is not positive. At the first or last load, and where the
-    other loads' rises are unknown, only the point is known.
+    point. Nothing is estimated where the interpolated rise is not positive. At the first or last
+    load, and where the other loads' rises are unknown, only the point is known.
     """
     count = np.isfinite(rises).sum(axis=-1, keepdims=True)
     rows = np.where(count > 1, Curve(velocities, rises)(velocities, continued=True), np.nan)

@@ -126,8 +126,9 @@ def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
     """Frame of points with load, velocity, variant, state and highest rise [K].
 
-    Pending points are included if the last run was to compute them. The variant of a single surface
-    is its seed if `has_seeds`, else None.
+    Pending points are included if the last run was to compute them. The variant is a text with the
+    labels of the point's dimensions. If there are none, it is the seed of the single surface if
+    `has_seeds`, else None.
     """
     data.require("max_rise")
     values = {

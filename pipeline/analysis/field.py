@@ -86,12 +86,13 @@ class Field(Protocol):
         """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at loads and velocities, and whether these are computed points."""
+        """Deciding temperatures at k loads and velocities, with reasons for unknown ones."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The first axis has the parts of `RiseError`, for the surface or draw of largest error.
+        The first axis has the causes: interpolation, preset, warnings and later effects. The errors
+        are of the surface or draw with the largest error.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
@@ -260,9 +261,9 @@ class PointField:
 
     @functools.cached_property
     def _filled(self) -> Array:
-        """Rises as `_rises`, but with rises at all velocities at loads of a single point.
+        """Rises [K] (m, n_load, n_velocity), completed at loads that have only a single point.
 
-        They are estimated from neighbouring loads; see `filled`.
+        Rises at the other velocities are estimated from neighbouring loads; see `filled`.
         """
         return filled(self._rises, self.loads, self.velocities)
 
@@ -277,7 +278,10 @@ class PointField:
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of k rises, by part of `RiseError` (4, k); NaN if unknown."""
+        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
+
+        The causes are interpolation, preset, warnings and later effects; see `RiseError`.
+        """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
             [rise_errors(plane, loads, velocities, self.promised) for plane in self.planes]
@@ -321,10 +325,10 @@ class PointField:
     def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
-        A line at a load or velocity of the sweep uses only the points there. Other lines are
-        interpolated where wear is certain (the second marks of `_rises_and_marks`). Beyond its
-        points, a line along velocity follows the rises of `filled` at its load. If these are
-        unknown, it is extrapolated from other loads.
+        A line at a load or velocity of the sweep uses only the points at that value. Other lines
+        are interpolated between neighbouring lines of points, where wear is certain on both (the
+        second marks of `_rises_and_marks`). Beyond its points, a line along velocity follows the
+        rises of `filled` at its load. If these are unknown, it is extrapolated from other loads.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         parts = [rises * factor(self.velocities) for rises in (self._rises, self._filled)]
@@ -380,8 +384,8 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
     """Rises [K] at closely spaced velocities [m/s], if friction depends on velocity.
 
     Returns velocities and rises. Friction is known at every velocity, so only rise/friction is
-    interpolated: rises are divided by the friction `factor` at their velocity, and multiplied by
-    the factor at each new velocity.
+    interpolated: rises are divided by the friction factor at their velocity, and multiplied by the
+    factor at each new velocity. `factor` is a function that returns the factor at velocities.
     """
     steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
     places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)

@@ -114,8 +114,8 @@ def _known_comparison(data: Results, field: PointField, test: Measurement) -> Co
 def _update_error(plain: ModelError, found: Sequence[tuple[Measurement, Comparison]]) -> ModelError:
     """Update the model's own error `plain` by `found`, tests compared with the model.
 
-    In each run only the transition farthest from the model counts. Of wrong outcomes the farthest
-    counts below the computed critical velocity, and the farthest above. A measured transition
+    In each run at most three tests count: the transition farthest from the model, and the wrong
+    outcomes farthest below and farthest above the computed critical velocity. A measured transition
     counts as a wrong outcome if none is computed.
     """
     transitions, wrong = dict[Any, float](), dict[Any, float]()

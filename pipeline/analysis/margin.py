@@ -185,8 +185,8 @@ def _margin_columns(
 ) -> dict[str, Sequence[Any]]:
     """Attributes of `Margin` by name, with values for the k places at which `is_known` is True.
 
-    `loads` and `velocities` belong to the k places, `here` to all places. `scatter` is the model's
-    own error.
+    `loads` and `velocities` belong to the k places. `here` has the temperatures at all places,
+    known or not. `scatter` is the model's own error.
     """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]

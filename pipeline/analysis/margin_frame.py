@@ -144,7 +144,7 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_places(
     field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge `places` by a field: pairs of load and velocity, and a place's own conditions by name.
+    """Judge `places` by a field: pairs of a place (load, velocity) and its own conditions by name.
 
     `scatter` is the model's own error. The result is in the order of `places`. Places with the same
     conditions are judged together.

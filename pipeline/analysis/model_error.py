@@ -69,7 +69,7 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Largest scale of Student's t, for any number of wrong outcomes included.
+        """Scale of Student's t: the largest that results with none, one or more wrong outcomes.
 
         `known` is the sum of squares of the transitions' residuals and the prior. `squares` are
         squared residuals of wrong outcomes, the largest first; they are included in this order.

@@ -162,7 +162,10 @@ class Results:
 
     @property
     def plain_conditions(self) -> Conditions:
-        """The sweep's conditions with criterion "share" for its own, which may be a user's code."""
+        """The sweep's conditions, but always with the criterion "share".
+
+        So the code of a user's own criterion is not needed.
+        """
         return self._require_computed(replace(self.sweep.conditions, criterion="share"))
 
     def _require_computed(self, conditions: Conditions) -> Conditions:
@@ -298,7 +301,10 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity), or NaN."""
+        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity).
+
+        It is NaN at points that are not done.
+        """
         if self.place is None:
             self.require_lists(*PLANE)
         column = conditions.decisive.column
@@ -311,7 +317,10 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises/friction [K] at points where friction by temperature was solved; else NaN."""
+        """Rises/friction [K] at points solved with friction that depends on temperature.
+
+        They are NaN at other points, or if this dependence is now another one.
+        """
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:
             return np.array(np.nan)

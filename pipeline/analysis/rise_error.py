@@ -101,7 +101,7 @@ class RiseError:
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """Make an error from its parts as an array (4,), in the order of the fields.
+        """Make an error from an array (4,): interpolation, preset, warnings, later effects.
 
         NaN stands for an unknown part.
         """
@@ -158,7 +158,10 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k places: True if friction by temperature was solved at all points around it."""
+        """Mask (k,): True if all points around were solved with temperature-dependent friction.
+
+        They are the points between which the rise at a place is interpolated.
+        """
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
@@ -175,8 +178,8 @@ class RisePlane:
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
         """Indices of the points around k places: of loads (k, 2), and of velocities (k, 2, 2).
 
-        If a place is a computed point, all indices are of this point. An index is -1 if there is no
-        point.
+        The latter are two velocities at each of the two loads. If a place is a computed point, all
+        indices are of this point. An index is -1 if there is no point.
         """
         along = _slots(self.velocities, velocities)
         rows = self._loads_around[along, _slots(self.loads, loads)]
@@ -252,11 +255,11 @@ def preset_error(velocity_error: float | None) -> float:
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Relative error of rises due to effects added later: film, and friction by temperature.
+    """Relative error of rises due to effects added later: oil film, temperature-dependent friction.
 
-    `rises` are for a friction coefficient of 1 [K], and `is_solved` marks where friction by
-    temperature was solved. The error is NaN where friction may run away with temperature and was
-    not solved.
+    `rises` are for a friction coefficient of 1 [K]. `is_solved` marks rises that were solved
+    together with the friction at their temperature. The error is NaN if a rise was not, and
+    friction may grow without limit as the contact gets hotter.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -320,9 +323,9 @@ def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(grid: RisePlane, axis: str) -> float:
-    """Root mean square error of ln(rise) at points left out, over the gap that each leaves.
+    """Root mean square of (error of ln(rise))/gap, over points that are left out in turn.
 
-    Each point is interpolated from the others along `axis`, load or velocity. The gap is the
+    A left-out point is interpolated from the others along `axis`, load or velocity. The gap is the
     difference of ln(load) or ln(velocity) between the neighbours of the point.
     """
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)

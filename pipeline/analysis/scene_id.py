@@ -80,7 +80,7 @@ def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable
 
 
 def _numbers(values: Sequence[Label], labels: Any) -> Array:
-    """Index of the value nearest to each label; labels may have lost their last digits."""
+    """Index in `values` of the value nearest to each label, which may have lost its last digits."""
     index, flat = pd.Index(values), np.ravel(labels)
     if index.dtype.kind in "if":
         order = index.argsort()

@@ -202,9 +202,10 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 
 
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
-    """Notes in a frame of operating points, each once; a note on some points names them.
+    """Notes in a frame of operating points, each once.
 
-    Notes in `said` were printed before, and are left out.
+    A note that is not on all points names its points. Notes in `said` were printed before, and are
+    left out.
     """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
     noted = noted.assign(notes=[split_notes([cell]) for cell in noted["notes"]]).explode("notes")

@@ -175,7 +175,10 @@ class Line:
         return np.asarray(np.clip(shares + is_severe, 0.0, 1.0))
 
     def _continued_end(self, end: int) -> Array:
-        """Velocity or load beyond an end (0 or -1) at which its power law reaches the limit."""
+        """Velocity or load at which the power law beyond an end of each curve reaches the limit.
+
+        `end` is 0 for the first point of a curve, -1 for the last.
+        """
         parts = *self.curve.end(end), self.curve.end_exponent(end)
         x, y, slope = (part[self.rows] for part in parts)
         with np.errstate(all="ignore"):

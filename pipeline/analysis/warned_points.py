@@ -84,14 +84,17 @@ def warning_flags(data: Results) -> Indices:
 
 
 def _is_molten(scene: Results) -> Mask:
-    """Mask of points at which over the failing share of the contact is hot enough to melt steel."""
+    """Mask of points at which steel would melt in more than the failing share of the contact."""
     # The user's own criterion is not run here; "share" serves as well.
     judged = scene.plain_conditions
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
 
 
 def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Mask of all points, from `mark` called for each scene; False if points are not on a grid."""
+    """Mask of all points, joined from the masks that `mark` returns for each scene.
+
+    It is False everywhere if the points are not on a grid.
+    """
     if data.kind is not Kind.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
@@ -119,7 +122,7 @@ _APART = 1.1  # least ratio of two velocities that give an exponent
 
 
 def _rises_slowly(scene: Results) -> Mask:
-    """Mask of points where the rise grows with a power of the velocity below `SLOWEST`.
+    """Mask of points where d ln(rise)/d ln(velocity) is below `SLOWEST`.
 
     The rise is for bodies of equal bulk temperature, and friction 1.
     """

@@ -155,7 +155,7 @@ def load_share(gears: Involutes, position: float, quality: int) -> float:
     gears : Involutes
         The pair.
     position : float
-        Place on the path of contact [m].
+        Place on the path of contact, from the pitch point [m].
     quality : int
         Flank tolerance class of ISO 1328-1.
 

@@ -24,7 +24,10 @@ _MISFIT = 0.1  # largest error of the centre distance against the profile shifts
 
 
 class Path(NamedTuple):
-    """Places on the path of contact [m]: ends A and E; one pair of teeth touches from B to D."""
+    """Places on the path of contact, from the pitch point [m]: A, B, D and E.
+
+    Contact begins at A and ends at E. A single pair of teeth touches from B to D.
+    """
 
     a: float
     b: float
@@ -148,7 +151,7 @@ class Involutes:
 
     @property
     def path(self) -> Path:
-        """Places [m] where contact begins (A) and ends (E); one pair touches from B to D."""
+        """Places A, B, D and E on the path of contact, from the pitch point [m]; see `Path`."""
         (rb1, rb2), (da1, da2) = self.base_radii, self.tip_diameters
         first, second = self.tangents
         e = math.sqrt(da1**2 / 4 - rb1**2) - first
@@ -174,8 +177,9 @@ class Involutes:
     def radii(self, place: float) -> tuple[float, float]:
         """Radii of curvature of both flanks at a place g, normal to the line of contact [m].
 
-        In the transverse section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to the line
-        of contact, which is inclined by βb, they are larger by 1/cos βb.
+        The place is counted on the path of contact from the pitch point [m]. In the transverse
+        section ρ1 = rb1 tan αwt + g and ρ2 = rb2 tan αwt − g. Normal to the line of contact, which
+        is inclined by βb, they are larger by 1/cos βb.
         """
         first, second = self.tangents
         cosine = math.cos(self.base_helix_angle)

@@ -79,7 +79,7 @@ def judge(
 def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, Any]]:
     """Columns of `pipeline.margin` by name, at the worst place of each mesh.
 
-    `choices` are the last three arguments of `judge`.
+    `choices` are preset, workers and progress, as for `judge`.
     """
     preset, workers, progress = choices
     chosen = [decisive_places(one) for one in meshes]

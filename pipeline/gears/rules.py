@@ -74,7 +74,7 @@ def scuffing_integral(
     """Scuffing integral temperature [K] of an oil that fails in a load stage of FZG's test.
 
     ISO/TR 13989-2, Eq. (94): θ = θM + 1.5 XW θfl with θM of `stage_bulk` and, by Eq. (96), θfl =
-    0.2 T1 (100/ν40)^0.02 XL.
+    0.2 T1 (100/ν40)^0.02 XL. T1 is the torque on the pinion [N m], and ν40 is in mm²/s.
 
     Parameters
     ----------
@@ -101,9 +101,9 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
     """Mean coefficient of friction of a mesh: from the file, else by ISO/TR 13989-2, Eq. (1).
 
     µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load per face width w [N/mm], at least
-    150; the sum velocity vΣC [m/s] and the reduced radius ρC [mm] at the pitch point; the oil's
-    viscosity η [mPa s], here at the bulk temperature; and XR = 2.2 (Ra/ρC)^0.25 with the mean Ra
-    [µm] of both flanks.
+    150; the helical load factor KBγ; the lubricant factor XL; the sum velocity vΣC [m/s] and the
+    reduced radius ρC [mm] at the pitch point; the oil's viscosity η [mPa s], here at the bulk
+    temperature; and XR = 2.2 (Ra/ρC)^0.25 with the mean Ra [µm] of both flanks.
     """
     if pair.file.friction.coefficient is not None:
         return pair.file.friction.coefficient
@@ -232,8 +232,9 @@ def _helical_load(ratio: float) -> float:
 
 
 def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε of ISO/TR 13989-2: flash temperature, mean divided by value at tip.
+    """Contact ratio factor Xε of ISO/TR 13989-2, for the mean flash temperature along the path.
 
+    It is this mean, divided by the flash temperature if the pinion's tip carried the whole load.
     `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
     """
     total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)

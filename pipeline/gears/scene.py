@@ -116,8 +116,8 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
 def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
     """Row of the scene's table for one place of a mesh.
 
-    `number` counts several duties, which also have columns for friction and bulk temperature. It is
-    0 for a single duty.
+    `number` is the number of the mesh's duty, from 1 on, or 0 if there is only one duty. With
+    several duties, friction and bulk temperature are columns of the row.
     """
     track = 2 * math.pi * place.radius_1 * math.cos(mesh.pair.gears.base_helix_angle)
     row: dict[str, str | float] = {"position": f"{place.position:.7g} m"}

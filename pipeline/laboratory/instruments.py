@@ -137,7 +137,10 @@ def _gwy_unit(unit: Any) -> float | None:
 
 
 def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
-    """Read the Gwyddion object at byte `place`; return its name, components and end."""
+    """Read the Gwyddion object at byte `place`.
+
+    Returns the object's name, its components by name, and the number of the byte after it.
+    """
 
     def text(begin: int) -> tuple[str, int]:
         end = content.index(b"\0", begin)

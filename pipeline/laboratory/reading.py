@@ -300,7 +300,10 @@ def read_trace(read: Read) -> Trace:
 
 
 def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
-    """Leave out marked rows, for a reason, from the table and from the arrays in `columns`."""
+    """Leave out rows, for a reason, from the table and from the arrays in `columns`.
+
+    `rows` is a mask, True for rows to leave out.
+    """
     numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
     sheet.leave_out(dict.fromkeys(numbers, reason))
     columns |= {name: values[~rows] for name, values in columns.items()}

@@ -139,14 +139,18 @@ class _Periodogram:
     def misfit(self, parameters: Array) -> float:
         """Whittle's misfit Σ(ln S + P/S) of spectrum S to power P, with the best factor on S.
 
-        A constant is left out. See `spectrum` for the `parameters`.
+        A constant is left out. `parameters` are ln(correlation length [m]) along x and y, and the
+        Hurst exponent.
         """
         spectrum = self.spectrum(parameters)
         factor = np.mean(self.power / spectrum)
         return float(spectrum.size * (np.log(factor) + np.mean(np.log(spectrum))))
 
     def largest_factor(self, parameters: Array) -> float:
-        """Largest factor between fit and periodogram in bands of wavelength; see `spectrum`."""
+        """Largest factor between fitted spectrum and periodogram in any band of wavelength.
+
+        `parameters` are ln(correlation length [m]) along x and y, and the Hurst exponent.
+        """
         ratio = self.power / self.spectrum(parameters)
         q = np.hypot(self.q_x, self.q_y)[self.is_compared]
         bands = np.digitize(q, np.geomspace(q.min(), q.max(), _BANDS + 1)[1:-1])

@@ -43,7 +43,7 @@ class MeasuredSurface:
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
 
     def replace_pixels(self, sides: tuple[float, float]) -> MeasuredSurface:
-        """Copy of the surface with other sides of a pixel [m], which must have the file's ratio."""
+        """Copy with other sides of a pixel [m], whose ratio must be the same as in the file."""
         own, notes = self.pixel_size or self.steps, self.notes
         if own and abs(own[0] / own[1] * sides[1] / sides[0] - 1) > _SAME:
             known = display_sides(own) if self.pixel_size else f"as {own[0]:.4g} to {own[1]:.4g}"

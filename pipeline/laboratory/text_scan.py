@@ -110,9 +110,9 @@ def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] 
 
 
 def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Split the lines of a text; return its header, table (NaN in holes), x and number of tables.
+    """Split a text; return header lines, table (NaN in holes), x coordinates, number of tables.
 
-    x is from the row above the table, if it stands there.
+    The x coordinates are from the row above the table; they are empty without such a row.
     """
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])

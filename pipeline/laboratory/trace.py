@@ -185,10 +185,10 @@ class Trace:
         ]
 
     def _shared_values(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Median friction of a stage before scuffing, and median bulk temperature before it.
+        """Median friction of a stage, and median bulk temperature since the beginning of the trace.
 
-        They are by name, as entries of a test. `rows` are those of the stage, and `severe` is the
-        rise of friction that counts as scuffing.
+        Both end at scuffing if it occurs. They are by name, as entries of a test. `rows` are those
+        of the stage, and `severe` is the rise of friction that counts as scuffing.
         """
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
@@ -354,8 +354,8 @@ def _rises(
     `friction` is the smoothed friction of the stage. The level before is the lowest so far; it
     begins with `before`, from the previous stage. Friction that exceeds this level by a fixed share
     and by `scatter` counts as a rise. If `before` is infinite, the first `skipped` rows are left
-    out. If friction rises in these rows, above their lowest value or `start`, that rise is yielded
-    with the reason "begins".
+    out. A rise within these rows is yielded with the reason "begins". It is measured from their
+    lowest value or from `start`, the friction before the stage, whichever is lower.
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]
@@ -384,7 +384,10 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if friction rises by at least `half` near index `row`, in a small share of the stage."""
+    """True if friction rises by `half` or more near index `row`, in a small share of the stage.
+
+    `half` is half of the whole rise.
+    """
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]
     steps = near[min(reach, len(near) - 1) :] - near[: max(1, len(near) - reach)]

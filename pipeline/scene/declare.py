@@ -225,7 +225,7 @@ class Axis(Either):
 class Table(Kind):
     """Kind of scene entry: a table of fixed keys.
 
-    `make` is called with their values, None for a faulty value.
+    The function `make` is called with the values of the keys, None for a faulty value.
     """
 
     holds = dict

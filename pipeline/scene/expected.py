@@ -66,8 +66,9 @@ def _worn_contact(
 ) -> tuple[Array, Array]:
     """Width of the contact of a smooth, worn pin, and greatest wear depth [m].
 
-    `half_widths` are half the widths of the unworn contact [m], `worn_volumes` are in m³. `fastest`
-    is the highest sliding velocity [m/s].
+    `half_widths` (n_load, 1) are half the widths of the unworn contact [m]. `worn_volumes` [m³] and
+    both results have the shape (n_load, n_velocity). `fastest` is the highest sliding velocity
+    [m/s].
     """
     pin, hertz = scene.pin, 2 * half_widths
     if scene.velocities_at(fastest).pin:  # the pin rolls: it wears all around, and stays round

@@ -136,7 +136,7 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
 
 
 def _require_alike(row: Parts, base: Parts) -> None:
-    """Raise an `InputError` if a variant (`row`) needs other variables than the sweep (`base`)."""
+    """Raise an `InputError` if a variant (`row`) stores other variables than the sweep (`base`)."""
     has_fields = base.declared.sweep.fields
     for name, is_other in (
         ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),

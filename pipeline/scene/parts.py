@@ -63,7 +63,10 @@ class Contents:
         return key
 
     def take(self, key: str, shape: tuple[int, ...]) -> Array:
-        """The array with the SHA-256 `key`, in a shape; `InputError` if its content differs."""
+        """Look up an array by its SHA-256, `key`, and give it a shape.
+
+        Raises an `InputError` if the content of the array has another SHA-256.
+        """
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
             raise tribo.InputError(f"the array {key} is another one")

@@ -149,8 +149,9 @@ class SceneReader:
     def _part(
         self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
     ) -> Any:
-        """Make a part of a scene by `make`, from its tables at `paths` and from `more`; cache it.
+        """Make a part of a scene by calling `make`, and cache the part.
 
+        The arguments of `make` are the scene's tables at `paths`, then the values in `more`.
         Returns None if the first table is missing, or a table is faulty.
         """
         tables = [entry_at(scene, path) for path in paths]

@@ -243,9 +243,10 @@ def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Write `mark` and a line, then the line's meaning and `form` as a comment.
+    """Write a line of a scene file, then its meaning and `form` as a comment.
 
-    A long meaning is cut after a clause.
+    `mark` stands before the line: "#" makes a comment of it, "" does not. A long meaning is cut
+    after a clause.
     """
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]

@@ -318,7 +318,7 @@ _SCALE = re.compile(r"(HV) ?[\d.]*|(HB)W?(?: ?[\d.]+/\d+)?|(HR)[Cc]")
 
 @functools.cache
 def _hardness_of_steel() -> dict[str, tuple[list[int], list[int]]]:
-    """Hardness numbers of steel by scale, HRC and HB, each list with equivalent Vickers numbers."""
+    """By scale, "HR" (HRC) or "HB": hardness numbers of steel, and their Vickers numbers."""
     file = resources.files("pipeline.scene").joinpath("hardness.toml")
     vickers, brinell = tomllib.loads(file.read_text(encoding="utf-8")).values()
     return {"HR": ([*range(20, 69)], vickers), "HB": (brinell, vickers[: len(brinell)])}

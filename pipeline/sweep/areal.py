@@ -103,7 +103,10 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def above(count: int) -> tuple[Array, Array]:
-        """Heights above a fit of the first `count` of 1, u, v, u², uv, v²; and its factors."""
+        """Heights above a fitted sum of the terms 1, u, v, u², uv, v², and the terms' factors.
+
+        Only the first `count` terms are used. u and v are x and y, scaled to −1 to 1.
+        """
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 

@@ -34,9 +34,10 @@ class Measurement:
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Name a test's oil relative to `oil`: None for a test of this oil, else the oil's name.
+        """Copy of the test for answers on `oil`: its own `oil` is None if it is the same oil.
 
-        The test is unchanged if `oil` is None.
+        A test of another oil has the name of that oil. The test is unchanged if the argument
+        `oil` is None.
         """
         if oil is None:
             return self

@@ -233,7 +233,7 @@ class Sweep:
         return changed
 
     def description(self) -> tuple[str, dict[str, Any]]:
-        """Title and entries of the sweep, and the number of variants, for printing it."""
+        """Title, and a dictionary of the entries and the number of variants, for printing."""
         return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
 
     @cached_property

@@ -82,7 +82,7 @@ class Choice:
 @shown
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Fidelity of a sweep, chosen for an accuracy or the scene's own, and its measured error."""
+    """A sweep's fidelity, either chosen for an accuracy or as in its scene, with measured error."""
 
     #: Largest relative error of the boundary velocity that was asked for; None: the scene's own.
     accuracy: float | None

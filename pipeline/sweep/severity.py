@@ -49,9 +49,10 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Limits of the rise [K] for equally likely errors of the critical temperature, shape (n,).
+    """Limits of the decisive rise per unit friction [K] (n,), as the critical temperature varies.
 
-    A limit is negative if the critical temperature is below the bulk temperature.
+    There is one for each of n equally likely errors of the critical temperature. A limit is
+    negative if the critical temperature is below the bulk temperature.
     """
     critical = conditions.known_critical_temperature()
     return np.array([conditions.limit(critical + error) for error in critical_errors(conditions)])
@@ -64,7 +65,10 @@ def critical_errors(conditions: Conditions) -> list[float]:
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact area above the critical temperature, from quantiles of the rise [K]."""
+    """Share of the contact area above the critical temperature.
+
+    `rise_quantile` has quantiles of the rise per unit friction [K], at `tribo.QUANTILES`.
+    """
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
@@ -96,7 +100,8 @@ def verdict(
 ) -> Verdict:
     """Mild or severe wear at a point, from its columns and load [N].
 
-    `coupled` is the solution of friction by temperature, if any. See `tribo.simulation.verdict`.
+    `coupled` is the rise solved with temperature-dependent friction, if any. See
+    `tribo.simulation.verdict`.
     """
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)

@@ -26,7 +26,7 @@ class Stations:
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the steps to a load [N] whose temperature is computed on the finest grid.
 
-        The step that reaches the load and the last step always have a temperature.
+        The step that reaches the load, and the last step, have a temperature in any case.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]

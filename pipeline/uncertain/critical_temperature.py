@@ -163,7 +163,10 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Sweep whose measured transitions are the tests in its list `key`, of the first oil only."""
+    """Sweep whose measured transitions are the tests in its list `key`, of one oil only.
+
+    The oil is the scene's own. If every test names an oil, it is the first in the alphabet.
+    """
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
     entries = [

@@ -60,7 +60,8 @@ class Emulator:
     """Gaussian process that predicts outputs from features, fitted to n rows of data.
 
     `features` (n, n_feature) have a row for each sample, and `dimensions` (n_feature,) has the
-    number of the input that each feature belongs to. `constants` are those of the kernel.
+    number of the input that each feature belongs to. `constants` are logarithms of the kernel's
+    amplitudes and lengths, in the order below.
     """
 
     features: Array  # (n, n_feature), with a spread of about 1
@@ -91,8 +92,8 @@ class Emulator:
 class LeftOut(NamedTuple):
     """Result of cross-validation of an emulator: errors of samples predicted without them.
 
-    Contacts are left out in turn, then the lowest and the highest velocities. `held` is the share
-    of samples inside their 90 % bands.
+    All samples of a contact are left out at a time, then those at the lowest and at the highest
+    velocities. `held` is the share of samples inside their 90 % bands.
     """
 
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
@@ -148,7 +149,9 @@ def _solve_kernel(
 ) -> tuple[Array, Array]:
     """Inverse Cholesky factor of the covariance K of the samples' outputs, and K⁻¹ × outputs.
 
-    `constants` are those of the kernel. The other parameters are as for `fit_emulator`.
+    `outputs` (n, n_output) belong to the rows of `features` (n, n_feature). `dimensions` has the
+    input's number of each feature, `contacts` the contact's number of each row, and `constants` are
+    the logarithms in `Emulator`.
     """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
@@ -192,7 +195,7 @@ def _kernel(
 
     The terms are for linear, quadratic and further dependence. `one` (n, n_feature) and `other` (m,
     n_feature) are the features. `dimensions` has the number of the input that each feature belongs
-    to, and `constants` are those of the kernel.
+    to. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -206,7 +209,8 @@ def _kernel(
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """Covariance (n, n) of training rows: smooth part, part that rows of a contact share, noise.
 
-    `contacts` has the number of each row's contact, and `constants` are those of the kernel.
+    `smooth` is the smooth part, from `_kernel`. `contacts` has the number of each row's contact.
+    `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
     """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
@@ -330,8 +334,9 @@ def _band_factors(scores: Array, count: int) -> Array:
 def _left_out_errors(inverse: Array, weights: Array, rows: Mask) -> Array:
     """Errors of rows that are left out together, divided by predicted errors, (n_row, n_output).
 
-    With the inverse C of the kernel, the error is C_II⁻¹ (C y)_I and its covariance C_II⁻¹
-    (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y, and `rows` is I.
+    With the inverse C of the kernel and the outputs y, the error is C_II⁻¹ (C y)_I, and its
+    covariance is C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows). `weights` are C y,
+    and `rows` is I.
     """
     covariance = np.linalg.inv(inverse[np.ix_(rows, rows)])
     missed: Array = covariance @ weights[rows] / np.sqrt(np.diag(covariance))[:, None]
@@ -367,7 +372,8 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 def _spread_between_nodes(x: Array, values: Array) -> float:
     """Standard deviation of values (n, n_load) from straight lines between their neighbours.
 
-    `x` (n_load,) are the abscissae.
+    It is that of a single value: the part due to the scatter of the neighbours is removed. `x`
+    (n_load,) are the abscissae.
     """
     found = []
     for number in range(1, len(x) - 1):
@@ -423,10 +429,11 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Variables by name (`columns`) without the steps later than `hold` [s] after full load.
+    """Variables by name (`columns`), in which steps later than `hold` [s] do not count.
 
-    `loads` are the full loads [N]. Returns None if a `done` point has no step with a temperature at
-    the end of the hold.
+    The time is counted from full load, and the load of later steps becomes NaN. `loads` are the
+    full loads [N]. Returns None if a `done` point has no step with a temperature at the end of the
+    hold.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)

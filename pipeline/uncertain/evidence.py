@@ -149,7 +149,8 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
 class Runs(NamedTuple):
     """What the tests of each run say: arrays for n draws of the inputs, (n_run, n, n_scatter).
 
-    All tests of a run have one specimen, whose ln(velocity) deviates from the model. The tests show
+    The last axis has possible values of the scatter between runs, whose true value is unknown. All
+    tests of a run have one specimen, whose ln(velocity) deviates from the model. The tests show
     that this deviation is between `low` and `high`, in standard deviations of the scatter between
     runs. At a measured transition the two are equal. `log_likelihoods` are of these outcomes.
     """
@@ -162,8 +163,9 @@ class Runs(NamedTuple):
 def decisive_tests(tests: Sequence[Test], by_load: bool = False) -> list[Test]:
     """Tests whose outcome does not follow from other tests of the same run.
 
-    These are the hardest mild and the easiest severe tests of the run. With `by_load` only tests at
-    the same velocity are compared, because wear may turn mild at a higher velocity.
+    They are the mild tests at the highest load and velocity of a run, and the severe tests at the
+    lowest. With `by_load` only tests at the same velocity are compared, because wear may turn mild
+    at a higher velocity.
     """
     places = ["normal_load"] if by_load else ["normal_load", "velocity"]
     seen = dict[Any, tuple[int, tuple[float, float]]]()
@@ -216,7 +218,8 @@ class JudgedTests(NamedTuple):
     """Tests compared with n draws of the inputs.
 
     `distances` are those of single tests, `runs` has the bounds that each run of tests sets.
-    `joint` is ln(likelihood of all runs × prior of the scatter), (n, n_scatter).
+    `joint` is ln(likelihood of all runs × prior of the scatter), (n, n_scatter). Its last axis has
+    possible values of the scatter between runs.
     """
 
     distances: Distances

@@ -142,7 +142,10 @@ class SampleField:
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures [K] by draw, load and velocity, with a random emulator error."""
+        """Deciding temperatures [K] of n draws at k loads and velocities (n, k); see `Here`.
+
+        They include a random emulator error.
+        """
         places = [*zip(*places_of(loads, velocities), strict=True)]
         inputs, reasons = self.draws.inputs, [""] * len(places)
         friction, bulk, critical = (
@@ -165,7 +168,10 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of k rises, by part of `RiseError` (4, k); NaN if unknown."""
+        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
+
+        The causes are interpolation, preset, warnings and later effects; see `RiseError`.
+        """
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
@@ -295,7 +301,10 @@ class SampleField:
             self._cached[load] = np.log(velocities), lines[:, number]
 
     def _random_excess(self, loads: Axis, velocities: Axis | float) -> Array:
-        """ln(rise/limit) by draw, load and velocity, with random emulator error and friction."""
+        """ln(rise/limit) by draw, load and velocity, with random emulator error and friction.
+
+        A single velocity has no axis. The random friction is the scatter between tests of the rig.
+        """
         seed = self.ensemble.design.seed
         lines = self.ensemble.excess(self.draws.inputs, loads, velocities).draw_error(seed)
         chance = np.random.default_rng(seed + 1).standard_normal(len(lines))
@@ -337,7 +346,7 @@ def single_field(ds: xr.Dataset | Results) -> SampleField:
 
 
 def _describe_left_out(ensemble: Ensemble) -> str:
-    """Say how many samples are inside 90 % bands that were predicted without them."""
+    """Say how many samples lie in the 90 % bands of an emulator that was fitted without them."""
     left_out, count = ensemble.left_out, len(ensemble.inputs)
     inside = (
         f"{100 * left_out.held:.0f} ± {100 * left_out.error:.0f} % of samples left out are inside "

@@ -33,8 +33,8 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
     """ln(friction) that acted in a test, its variance, and ln(likelihood), for each draw.
 
     The likelihood is for the friction measured in the test. `rig` (n, 2) has draws of the rig's
-    friction and of its scatter. `change` (n,) is the change of ln(friction) at the velocity of the
-    test.
+    friction coefficient and of its scatter. `change` (n,) is what velocity and temperature of the
+    test add to the logarithm of that coefficient.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2

@@ -111,7 +111,10 @@ class Mixture(NamedTuple):
         return parts._replace(factors=_WIDER * parts.factors)
 
     def draw(self, points: Array) -> Array:
-        """Convert uniform points (n, n_unknown + 2) to draws (n, n_unknown) from the mixture."""
+        """Convert uniform points (n, n_unknown + 2) to draws (n, n_unknown) from the mixture.
+
+        The last two coordinates of a point give the width of Student's t and choose the component.
+        """
         part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
         wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))
         steps = np.einsum("nij,nj->ni", self.factors[part], ndtri(points[:, :-2]))
@@ -129,7 +132,10 @@ class Mixture(NamedTuple):
         return np.asarray(constant + logsumexp(parts, axis=0))
 
     def _distances(self, scores: Array) -> list[tuple[Array, float]]:
-        """By component, squared Mahalanobis distances (n,) of scores, and ln(share/volume)."""
+        """Pairs by component: squared Mahalanobis distances (n,) of scores, and ln(share/volume).
+
+        The volume is the root of the determinant of the component's covariance.
+        """
         return [
             (
                 np.sum(np.linalg.solve(factor, (scores - centre).T) ** 2, axis=0),

@@ -42,8 +42,9 @@ JUDGED = 32
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
     """Number of samples that share a simulated contact; depends on what their inputs affect.
 
-    `layers` has the part of a simulation that each input affects. Contacts can be shared if the
-    scene is `separable`. `wears` is True if the pin wears.
+    `layers` has the part of a simulation that each input affects. `separable` is True if a contact
+    depends on the velocity only by the product of wear rate and velocity. `wears` is True if the
+    pin wears.
     """
     if not separable:
         return 1
@@ -177,7 +178,7 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
-    """Quantiles at `shares` of the sum of two uniform numbers, from 0 to `one` and to `other`."""
+    """Quantiles at `shares` of a + b, with a uniform from 0 to `one`, and b from 0 to `other`."""
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2
