@@ -39,7 +39,7 @@ class ActiveSet(NamedTuple):
     def reduction(self, nodes: Nodes) -> float:
         """Fraction of the first residual at which the next step may stop.
 
-        It is smaller if the free nodes, `nodes`, are those of the last step.
+        It is smaller if `nodes`, the nodes that are free now, are those of the last step.
         """
         settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
         return _FINAL_REDUCTION if settled else _INNER_REDUCTION

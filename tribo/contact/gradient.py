@@ -15,7 +15,7 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """Length of the next gradient step, and number of gradient steps in a row that failed."""
+    """State of the gradient steps: length of the next one, and number of failures in a row."""
 
     length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down

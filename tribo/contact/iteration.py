@@ -32,7 +32,10 @@ _GOAL = 0.5  # share of the tolerance that active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """When an iteration ends: at which error (tolerance), or after how many convolutions."""
+    """When an iteration ends: at which error (`tolerance`), or after how many convolutions.
+
+    The error is the residual of the contact, or the last change of the pressure if `by_change`.
+    """
 
     tolerance: float  # largest error
     convolutions: float  # after which to give up, including the convolutions for the guess
@@ -41,7 +44,7 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IterationResult:
-    """Last pressure of an iteration, with the displacement, gap and errors that belong to it."""
+    """Last pressure of an iteration, its displacement and gap, and errors of gap and load."""
 
     pressure: Array  # [Pa]
     displacement: Array  # [m]
@@ -66,7 +69,7 @@ class StepCounters(NamedTuple):
     def updated(self, residual: float, has_settled: bool) -> StepCounters:
         """The counters after one more iterate, whose residual is `residual`.
 
-        `has_settled` is True if few nodes are at a wrong bound.
+        `has_settled` is True if the iterate has few nodes at a wrong bound (see `Judgement`).
         """
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:

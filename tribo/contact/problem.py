@@ -27,7 +27,7 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A contact problem: separation, solid and load, and quantities derived from the solid."""
+    """A contact problem: separation, solid, load and hardness, and quantities from the solid."""
 
     solid: ElasticHalfSpace  # the map D
     heights: Array  # separation of the undeformed surfaces, z [m]

@@ -48,7 +48,7 @@ def restore_digits(
 
     `judged` is the judgement of the iterate. One thing is repaired in each call: the zero level of
     the gap (datum), the load or the displacement. `slack` is the tolerance minus the residual. If
-    `exhausted`, no convolution is spent on the load.
+    `exhausted`, the iteration must end, and no convolution is spent on the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)

@@ -65,14 +65,15 @@ class SoftRows:
 class RowMetric:
     """The metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ of Eq. (1) on some nodes of a field; 1ᵢ are nodes of row i.
 
-    All other nodes keep their values. Fields are vectors of the values at these nodes.
+    All other nodes keep their values. Fields are vectors of the values at these nodes. Each node is
+    displaced by d times its own pressure, and a row by c/n times the sum of its pressures.
 
     Parameters
     ----------
     compliance, coupling : float
         d and c/n [m/Pa].
     rows : ndarray of int
-        Number of the row of each node.
+        Number of the row in which each node lies.
 
     Examples
     --------
@@ -203,8 +204,9 @@ class RowMetric:
         """Solve Eq. (2) of `nearest` for the shift sᵢ of each row, at a given μ.
 
         Returns clip(q + s), s, and the number of nodes between the bounds in each row. `sums` are
-        Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top` is the most
-        that a node can carry. If a row has no root, all its nodes are at one bound.
+        Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top`, the most
+        that a node can carry, bounds the search. If a row has no root, all its nodes are at one
+        bound.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

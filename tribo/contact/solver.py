@@ -41,13 +41,14 @@ class ContactSolution:
     gap : ndarray, shape (nx, ny)
         Deformed gap [m]: 0 where bodies touch, negative where the material yields.
     approach : float
-        Rigid displacement α of the bodies towards each other [m], from the datum of the solid.
+        Rigid displacement α of the bodies towards each other [m], counted from the plane of the
+        `separation` given. With a periodic axis it is known up to a constant.
     iterations : int
         Number of convolutions with the solid's kernel; a convolution on a part of the elements
         counts as a fraction.
     residual : float
-        Largest violation of the conditions on the gap, in units of D_self·max(p), plus a bound on
-        the rounding error.
+        Largest violation of the conditions on the gap, plus a bound on the rounding error. Both are
+        divided by max(p) times the influence of an element on itself.
     load_error : float
         Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float

@@ -178,8 +178,8 @@ class Convolution:
     def faster_precision(self, influence: float) -> Self:
         """Return a copy in single precision, or this map if that is slower or impossible.
 
-        It is slower on small grids. It is impossible if `influence`, of an element on itself, is
-        too large or too small.
+        It is slower on small grids. `influence` is the effect of an element on itself; single
+        precision is impossible if it is too large or too small.
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
@@ -192,7 +192,7 @@ class Convolution:
         return changed
 
     def cropped(self, shape: tuple[int, int]) -> Self:
-        """Return the map between fields on a part of the patch of `shape` elements.
+        """Return the map between fields on a part of the patch; the part has `shape` elements.
 
         A periodic axis must be as long as the patch.
         """
@@ -248,7 +248,7 @@ class _Buffers(threading.local):
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
         """Return uninitialised arrays for Fourier modes (mx, my//2 + 1), and for rows (nx, my).
 
-        They are in single precision if `single`.
+        The first are complex, the second real; both are in single precision if `single`.
         """
         key = nx, mx, my, single
         if key in self._kept:

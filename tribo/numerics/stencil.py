@@ -29,7 +29,7 @@ class Neighbourhood:
     The kernel must be even along y.
 
     A stencil, shape (3, 2), has the factors of the elements at -1, 0 and 1 along x, and 0 and 1
-    along y. `influence` is the middle of the kernel. `inverse` is the inverse of `influence` on a
+    along y. `influence` has the middle values of the kernel. `inverse` inverts `influence` on a
     block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The coupling is
     the displacement that elements of a row along the soft axis add to each other at any distance
     (see `tribo.contact.rows`). Stencils leave the coupling out; `Preconditioner` adds it.
@@ -67,7 +67,10 @@ class Neighbourhood:
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
-        """Return a function (stencil, values) -> values at `nodes`, which are ascending indices."""
+        """Return a function that applies a stencil to values at `nodes`, ascending indices.
+
+        The function takes the stencil and the values, and returns new values at the same nodes.
+        """
         nx, ny = self._shape
         (along_x, along_y), even = self._periodic, self._even
         # Fields have a margin of one element, and are summed as one long row. Rows that hold no
@@ -198,7 +201,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
     """Matrices that turn Fourier modes into a kernel's values at offsets 0 to 2.
 
-    They are cosines and sines along x, and cosines along y. `mx` and `my` are the lengths of the
+    In order: cosines along x, sines along x, cosines along y. `mx` and `my` are the lengths of the
     transform.
     """
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
