@@ -35,7 +35,7 @@ def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) 
 
 
 def ramped_flux_rise(final_heat_flux: float, time: float, thermal_effusivity: float) -> float:
-    """Rise of the surface temperature at the end of a flux that grows in proportion to time [K].
+    """Rise of the surface temperature under a flux that has grown in proportion to time [K].
 
     θ = 4q√t/(3√π e) with the final flux q [W/m²], the time t [s] and the effusivity e = √(Kρc), two
     thirds of the rise if the final flux acted from the start (Carslaw & Jaeger, §2.9).

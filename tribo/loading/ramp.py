@@ -159,8 +159,8 @@ class Ramp:
     def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
         """Times since the start of the hold at which its steps end [s].
 
-        `before` is the impulse of the loading before the hold, divided by the full load [s]. A step
-        multiplies the impulse by about exp(10/`increments`).
+        `before` is the impulse (∫F dt) of the loading before the hold, divided by the full load
+        [s]. Each step multiplies the impulse so far by about exp(10/`increments`).
         """
         begin, before = 0.0, max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
         stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}

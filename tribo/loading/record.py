@@ -204,7 +204,9 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of all steps done at each reading, and its time [s]; None if steps are equal in time.
+    """Share of all steps that are done at each reading, and the time of the reading [s].
+
+    The result is None if steps are equal in time.
 
     The share is the mean of two shares: of the duration, and of the load's travel up and down.
     Travel within a dead band does not count, so that noise adds nothing. Steps are equal in time if

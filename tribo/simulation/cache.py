@@ -71,9 +71,9 @@ class Cache(Generic[Value]):
 class ElasticBodies(NamedTuple):
     """Elastic map and undeformed separation of both bodies, equal at all steps of a loading.
 
-    Two fields serve to estimate imprints in the pin: the `heights` of the roughness [m], and
-    `yielding` [m²], the sum over elements of height × displacement by a pressure of height × 1
-    Pa/m.
+    Two fields serve to estimate imprints in the pin: the `heights` z of the roughness [m], and
+    `yielding` [m²]. The latter is the sum of z·u over all elements, with the displacement u under a
+    pressure of 1 Pa per metre of height.
     """
 
     solid: ElasticHalfSpace
@@ -93,7 +93,7 @@ _contacts = Cache[State](
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
-    """Summits of a surface, from the cache or from `compute`; equal for all fidelities."""
+    """Widths and slope of a surface's summits, cached or from `compute`, for all fidelities."""
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found
 
@@ -116,7 +116,7 @@ def heat_spectrum(
 
 
 def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from a flux that has acted for a time [s] to the rise of a body [K], cached."""
+    """Map from a flux [W/m²] that has acted for a time [s] to the rise of a body [K], cached."""
     spectrum = heat_spectrum(grid, body, (0.0, time), (1.0, 1.0))
     return _maps.get((grid, body, time), lambda: Convolution(grid, spectrum))
 

@@ -62,7 +62,8 @@ def wear_number(scene: Scene, velocity: float) -> float:
 def mechanics(scene: Scene) -> Scene:
     """Scene with wear rate and thermal constants set to 1, and without friction.
 
-    Scenes with equal results have the same contacts at equal load and `wear_number`.
+    If two scenes give the same result here, they have the same contacts at equal load and
+    `wear_number`.
 
     Examples
     --------
@@ -83,7 +84,7 @@ def mechanics(scene: Scene) -> Scene:
 
 
 def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
-    """Reason why contacts of equal wear number depend on the velocity; None if they do not.
+    """Reason why contacts of equal `wear_number` still depend on velocity; None if they do not.
 
     Examples
     --------
@@ -192,7 +193,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station that higher loads share, on the coarsest of the `levels`.
+    """State at a station through which higher loads pass, too, on the coarsest of the `levels`.
 
     `levels` is the scene on ever finer grids; `before` is the state one step earlier.
     """
@@ -224,9 +225,10 @@ def _solve_requested(
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """Repeat the step from `before` to `after` on the finest level, and request its temperature.
+    """Repeat the step from `before` to `after` on the finest level; mark it to get a temperature.
 
-    `levels` is the scene on ever finer grids. `course` is stored in the returned state.
+    `levels` is the scene on ever finer grids. `course`, the values that a `Note` recorded on the
+    way, is stored in the returned state.
     """
     if not after.pressure.any():
         return after
@@ -259,7 +261,7 @@ def _unworn(
 
 
 def _later_state(contact: State, station: Station, velocity: float) -> State:
-    """State of a contact without wear at a later station of the loading, at the same load."""
+    """The state `contact`, without wear, at a later station of the loading of equal load."""
     return replace(
         contact,
         time=station.time,

@@ -182,7 +182,7 @@ class Corrections:
         return bool(tracks or any(bulk.capacity for bulk in bulks if bulk))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the corrections that are present as plain data."""
+        """Return the corrections that are present as dictionaries, lists and numbers, by name."""
         curves = {"by_velocity": self.friction.by_velocity}
         curves |= {"by_temperature": self.friction.by_temperature}
         plain = asdict(self)
@@ -213,8 +213,8 @@ class Corrections:
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Rise per unit friction [K] that is due to stem, film, tracks and bulk warming.
 
-        `columns` has all of `NEEDED`, with the steps on the last axis in order of time. The result
-        is NaN where the temperature was not computed.
+        `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
+        time. The result is NaN where the temperature was not computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -269,8 +269,8 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Correct the rises in `columns`, which are per unit friction [K].
 
-        `columns` has all of `NEEDED`, and the rises, including rises for unequal bulk temperatures.
-        All other columns are returned unchanged.
+        `columns` has variables by name: those of `NEEDED`, and the rises, including rises for
+        unequal bulk temperatures. All other columns are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -317,7 +317,9 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """Make the moment at index `place` of recorded columns, whose last axis is the step.
+        """Make the moment of one step from recorded columns, whose last axis is the step.
+
+        `place` is the index of the step along all axes of a column.
 
         The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
         the last step. Without `rate` and `course` it is linear between the recorded steps.

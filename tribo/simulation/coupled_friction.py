@@ -204,8 +204,8 @@ def _solve_rise(
 ) -> tuple[Array, Outcome, int]:
     """Iterate to the rise of each element [K]; return rise, outcome and number of iterations.
 
-    `heat` is the elements' heat at friction 1 [W/m²]. ``rise_by(flux, whole)`` turns a flux into a
-    rise, where `flux` is the change of heat in a round, and `whole` all heat.
+    `heat` is the elements' heat at friction 1 [W/m²]. ``rise_by(flux, whole)`` returns the rise due
+    to `flux`, the change of the heat in a round; `whole` is all heat in this round.
     """
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)
@@ -233,7 +233,8 @@ def _solve_rise(
 class _AndersonMixing:
     """Anderson mixing: guesses a fixed point from the last guesses and their residuals.
 
-    It is called with a guess and the step that the plain iteration would take from there.
+    It is called with a guess, and with the step that the plain iteration would take from this
+    guess. It returns the next guess.
     """
 
     def __init__(self) -> None:

@@ -64,8 +64,8 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
     In each part the disk's roughness wears an imprint into the pin. There are enough parts to keep
     the imprint below a limit. A wave of the roughness leaves an imprint of kS/λ times its height,
-    with the distance S [m] and the compliance λ of the half-space to this wave; the mean over all
-    waves is taken.
+    with the sliding `distance` S [m] and the compliance λ of the half-space to this wave; the mean
+    over all waves is taken.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)
@@ -73,7 +73,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
-    """Imprint that `wear` leaves in the pin over a distance [m], as a share of the roughness.
+    """Imprint that `wear` leaves in the pin over a sliding distance [m], over the roughness height.
 
     It is 0 if it is not known.
     """
@@ -166,7 +166,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
     """Shift of the disk at its position `number`, in elements along x and y.
 
-    Along each axis it is a multiple of `units`.
+    The shift along x is a multiple of the first of `units`, along y of the second.
     """
     # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (

@@ -64,6 +64,8 @@ SMOOTH = Summits((math.inf, math.inf), 0.0)
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
     """Scene with elements small enough for its surface, at a load [N] and at all steps before.
 
+    The fidelity's ``elements_per_summit`` and numbers of summits and elements decide the size.
+
     Examples
     --------
     Summits two pixels wide allow no larger elements, although the fidelity would:
@@ -122,7 +124,7 @@ def summit_width(scene: Scene) -> float:
 
 
 def _lowest_load(scene: Scene, normal_load: float) -> float:
-    """Lowest load whose ramp has the same steps as the ramp to a load [N]."""
+    """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N]."""
     loading = scene.loading
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load
 
@@ -155,7 +157,7 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean length of runs of neighbouring high pixels along an axis [pixels]."""
+    """Mean number of high pixels that follow each other along an axis, a summit's width."""
     high = heights >= np.quantile(heights, _HIGHEST)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

@@ -43,9 +43,9 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth [m] from which a single implicit step reaches the wear depth of `after`.
+    """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`.
 
-    `before` is the state before the step.
+    `before` and `after` are the states at both ends of the step, and `station` is its end.
     """
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)

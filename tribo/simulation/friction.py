@@ -111,7 +111,7 @@ class Friction:
     def at(self, velocity: Any = None, temperature: Any = None) -> Any:
         """Coefficient of friction at sliding velocities [m/s] and contact temperatures [K].
 
-        The factor of an argument that is None is left out.
+        Arrays are taken elementwise. The factor of an argument that is None is left out.
         """
         factor: Any = 1.0
         for name, form in FRICTIONS.items():
@@ -159,7 +159,10 @@ class Friction:
         return np.maximum(above / self.at(temperature=temperature), steep)[()]
 
     def sensitivity(self, temperature: float, bulk: float) -> float:
-        """Derivative of a contact temperature with respect to ln(rise above `bulk`) [K]."""
+        """Derivative of the contact temperature by ln(r) [K], with the rise r per unit friction.
+
+        It is taken at a `temperature` of the contact [K].
+        """
         if not self.by_temperature or self.coefficient == 0:
             return temperature - bulk
         rise = self.limit(temperature, bulk) * (1 + np.array([0.0, 1e-6]))
@@ -194,11 +197,14 @@ class Friction:
         return float(np.ptp(logs))
 
     def hottest(self, rise: Any, bulk: float) -> Any:
-        """Upper bound of the contact temperature for a rise above `bulk` at friction 1 [K]."""
+        """Upper bound of a contact temperature [K], from the rise above `bulk` at friction 1."""
         return bulk + self.highest(bulk) * rise
 
     def _rises_at_nodes(self, bulk: float) -> tuple[Array, Array]:
-        """Temperatures of the friction curve above `bulk`, and the rise at each [K]."""
+        """Temperatures of the friction curve from `bulk` on, and rises per unit friction [K].
+
+        Each rise is the one at which the contact reaches the temperature.
+        """
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk
         nodes = np.array([bulk, *table, 2 * last])

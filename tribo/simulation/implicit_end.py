@@ -68,7 +68,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _is_worn(scene: Scene, state: State) -> Mask:
-    """True at elements where the pressure of a state wears the pin (whole rows with swept wear)."""
+    """True at elements where the pressure of a state wears the pin; swept wear wears whole rows."""
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)

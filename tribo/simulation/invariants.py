@@ -43,9 +43,10 @@ def check_contact(
     residual: float,
     tolerance: float,
 ) -> None:
-    """Check load balance, pressure bounds and complementarity of a contact.
+    """Check that a contact carries its load, keeps the pressure bounds and has a small residual.
 
     `normal_load` is on the whole pin [N], `element_area` the area that an element represents [m²].
+    Raises an `InvariantError` if the contact does not.
 
     Examples
     --------
@@ -78,7 +79,8 @@ def check_contact(
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     """Check wear depths before and after a step [m] against the worn `volume` [m³], k·∫F dS.
 
-    `area` is an element's area times the number of windows that wear [m²].
+    `area` is an element's area times the number of windows that wear [m²]. Raises an
+    `InvariantError` if volume and depths differ.
 
     Examples
     --------

@@ -49,7 +49,7 @@ def solve_friction(
     states : sequence of State
         States of the last steps, including those at full load.
     columns : mapping
-        Columns of all steps, as for `verdict`.
+        Variables of all steps by name, as for `verdict`.
     load : float
         Load of the point [N].
     conditions : Judging

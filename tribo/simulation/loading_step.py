@@ -80,8 +80,8 @@ def advance(
     Returns
     -------
     State
-        State at the station; it has a temperature only if this depends on the heat of earlier
-        steps.
+        State at the station. It has a temperature only if temperatures depend on the heat of
+        earlier steps.
 
     Examples
     --------
@@ -201,8 +201,9 @@ def _element_area(scene: Scene) -> float:
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
     """Pressure [Pa] and elastic displacement [m] at a load [N], linear through the last two states.
 
-    If the load changes much more than in the step before, the pressure is that of `state`. The
-    displacement is None if it is not known. Both are None if the state is unloaded.
+    The states are `state` and the one before it. If the load changes much more than between them,
+    the pressure is that of `state`. The displacement is None if it is not known. Both are None if
+    `state` is unloaded.
     """
     if state.normal_load == 0.0:
         return None, None

@@ -76,7 +76,7 @@ class Pin(Protocol):
         """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
 
     def patches(self, grid: Grid) -> float:
-        """Number of patches in the whole pin: the pin's load or worn volume over the patch's."""
+        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
@@ -120,7 +120,7 @@ class Cylinder:
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """Number of patches in the whole pin: the pin's load or worn volume over the patch's."""
+        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -185,7 +185,7 @@ class Ball:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Number of patches in the whole pin: the pin's load or worn volume over the patch's."""
+        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -242,7 +242,7 @@ class Crowned:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Number of patches in the whole pin: the pin's load or worn volume over the patch's."""
+        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:

@@ -227,7 +227,7 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if a rolling pin hardly turns, or is at rest at this velocity by chance."""
+    """Warn if a rolling pin turns only a few times, or happens to be at rest at this velocity."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
     turning = abs(scene.velocities_at(state.sliding_distance / state.time).pin)

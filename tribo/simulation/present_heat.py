@@ -68,7 +68,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Ascending ages before a state [s], and the share of the present load missing at each."""
+    """Ascending ages before a state [s], and the share of its load that was missing at each."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
@@ -91,9 +91,9 @@ def _excess_warming(
 ) -> float:
     """How much too high a rise is if the present heat is taken to have acted since time 0.
 
-    The result is per heat per length across the motion [m K/W]. `lacking` are the shares of the
-    present load that were missing at `ages`, ascending from 0 [s]. The body moves at `velocity`
-    [m/s], and the heat acts on a `length` across the motion [m].
+    The result is divided by the heat per length across the motion [W/m], so in m K/W. `lacking` are
+    the shares of the present load that were missing at `ages`, ascending from 0 [s]. The body moves
+    at `velocity` [m/s], and the heat acts on a `length` across the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -197,7 +197,7 @@ class Scene:
         """The grid of elements, each of ``pixels_per_element`` squared pixels.
 
         For a smooth cylinder on a smooth disk, on a patch that repeats along y, nothing depends on
-        y. There elements are as long as the patch, and stand for whole rows.
+        y. Then an element is as long along y as the patch.
         """
         return _element_grid(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
@@ -306,7 +306,7 @@ class Scene:
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def ramp_increment(self, normal_load: float) -> float:
-        """Load increment of the ramp to a load [N]; loads with equal increments share a ramp."""
+        """Increment [N] of the ramp to a load [N]; loads with equal increments share a ramp."""
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

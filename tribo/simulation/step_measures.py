@@ -60,7 +60,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """Length of the pin that wears, in windows along x: the track of a rolling pin, else 1."""
+    """Length of the pin that wears, in windows along x: its track if the pin rolls, else 1."""
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 

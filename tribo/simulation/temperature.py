@@ -140,9 +140,10 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """Add to a temperature, `summary`, the warming of the pin's surface by a disk 1 K warmer.
+    """Add to the temperature `summary` how much a disk that is 1 K warmer warms the pin's surface.
 
-    `response` is the heat that flows then, and `contact` the mask of touching elements.
+    `response` is the heat that a disk 1 K warmer makes flow without friction. `contact` is the mask
+    of touching elements.
     """
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)

@@ -47,8 +47,8 @@ class _Trunk:
     def require(self, increments: int, noted: int) -> None:
         """Discard the ramp if it has dropped a state that is needed now.
 
-        Two states are needed: the one after `increments` increments, and the next one to record,
-        number `noted` + 1.
+        Two states are needed: the one after `increments` increments, and the first one of which no
+        value is recorded yet, after `noted` + 1 increments.
         """
         if increments and self.dropped >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}

@@ -114,7 +114,7 @@ class Judging(ABC):
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Change of a contact temperature [K] for a relative change of the rise, d T/d ln(rise)."""
+        """Change of a contact temperature [K] per relative change of the rise, dT/d ln(rise)."""
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
@@ -222,16 +222,20 @@ class Verdict:
 
 
 def rise_limit(conditions: Judging) -> float:
-    """Decisive rise per unit friction above which wear is severe [K]; infinite without friction."""
+    """Limit of the deciding rise per unit friction [K]: above it wear is severe.
+
+    It is infinite without friction.
+    """
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
     return conditions.limit(conditions.critical_temperature)
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
-    """Index of the step with the highest rise, of steps at `load` or above; else of the last step.
+    """Index of the step with the highest rise among the steps at `load` or above, for each point.
 
-    `rise` and `normal_load` [N] have the steps on their last axis.
+    Without such a step it is the last step. `rise` and `normal_load` [N] have the steps on their
+    last axis.
     """
     counts = np.isfinite(rise) & (normal_load >= load)
     step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
@@ -273,9 +277,9 @@ def verdict(
 ) -> Verdict:
     """Mild or severe wear at a point, from its columns and its load [N].
 
-    Columns are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise`` (n_step)
-    above the pin's bulk at friction 1 [K], and the columns that corrections need. `coupled` is the
-    result of `solve_friction`.
+    Columns, by name, are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise``
+    (n_step) above the pin's bulk at friction 1 [K], and those that corrections need. `coupled` is
+    the result of `solve_friction`.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)

@@ -57,7 +57,7 @@ def bulk_warming(
     conductances: tuple[float, float],
     bulks: tuple[Bulk | None, Bulk | None],
 ) -> tuple[float, float]:
-    """Warming of the bulk of pin and disk since the start [K].
+    """Warming of the bulk of pin and disk from time 0 to the last of the `times` [K].
 
     The contact has one temperature, and conductances h₁ and h₂ to the bulks [W/K]. With the heat Q
     of the contact, and the heat that flows from one body to the other, body 1 gets

@@ -19,10 +19,11 @@ def conductances(
     pin_resistance: Values = 0.0,
     disk_resistance: Values = 0.0,
 ) -> tuple[Values, Values]:
-    """Thermal conductances from the contact into pin and disk, with resistances in series [W/K].
+    """Thermal conductances into pin and disk [W/K], with resistances in series.
 
     For half-spaces they are h₁ = φQ/θ and h₂ = (1 − φ)Q/θ, with the mean rise θ [K] and the pin's
     share φ of the heat Q [W]. With resistances R₁ and R₂ in series [K/W], hᵢ' = hᵢ/(1 + Rᵢhᵢ).
+    Arrays are taken elementwise.
 
     Examples
     --------
@@ -47,8 +48,8 @@ def circuit_rise(
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    With the conductances hᵢ' of `conductances`, and the warming of the bulk of pin (θ₁) and disk
-    (θ₂) [K],
+    Between half-spaces the rise is θ. With the heat Q, the conductances hᵢ' of `conductances`, and
+    the warming of the bulk of pin (θ₁) and disk (θ₂) [K], it is
 
         θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 
@@ -62,7 +63,7 @@ def circuit_rise(
     >>> f"{circuit_rise(90.0, 0.1, 100.0, pin_resistance=1e9):.3f} K"
     '100.000 K'
 
-    If the disk is warmer by 10 K, the contact is warmer by 9 K:
+    If the bulk of the disk is warmer by 10 K, the contact is warmer by 9 K:
 
     >>> f"{circuit_rise(90.0, 0.1, 100.0, disk_warming=10.0) - 90:.3f} K"
     '9.000 K'

@@ -189,7 +189,7 @@ class _Stretch(NamedTuple):
         return self.first + self.slope * (s**2 - self.begin**2)
 
     def integral(self, s: float) -> float:
-        """Integral of the strength from the beginning of the stretch to s [m]."""
+        """Integral of the strength over diffusion lengths, from the stretch's start to s."""
         constant = (self.first - self.slope * self.begin**2) * (s - self.begin)
         return constant + self.slope * (s**3 - self.begin**3) / 3
 
@@ -234,7 +234,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s [m] on a panel of the integral, and the kernel's factor along x at each, weighted.
+    """Nodes s [m] on a panel of the integral, and the kernel's factor along x times their weights.
 
     `axis` is the x axis, `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on
     [−1, 1]. With `filon` the weights are from `filon_weights`.
@@ -250,7 +250,7 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add a panel of the integral to a spectrum, `half`, in place.
+    """Add a panel of the integral to the spectrum `half`, in place.
 
     `f` and `g` are the kernel's factors along x and y at the panel's nodes (nodes, modes). Their
     products, summed over the nodes, are added to the first modes along each axis.

@@ -32,7 +32,8 @@ class Rule:
     column : str
         Column that decides, ``"rise_quantile"`` or ``"mean_rise"``.
     rise : callable
-        Called with that column [K], the share and the quantiles; returns the deciding rise [K].
+        Called with the column that decides [K], the share of the contact, and the probabilities of
+        the quantiles; returns the deciding rise [K].
     temperature, severe : str
         Words for the deciding temperature and for severe wear, with the ``{share}`` [%].
 
@@ -165,7 +166,11 @@ class Criterion:
 
 
 def _require_within(name: str, rise: Any, quantiles: Array) -> None:
-    """Raise if a user's criterion returns a rise outside the contact's `quantiles` (last axis)."""
+    """Raise an `InvariantError` if a user's criterion, `name`, returns an impossible `rise`.
+
+    It must lie between the lowest and the highest of `quantiles`, the contact's quantiles of the
+    rise [K] on their last axis, and have the shape of their other axes.
+    """
     expected = np.shape(quantiles)[:-1]
     if np.shape(rise) != expected:
         raise InvariantError(

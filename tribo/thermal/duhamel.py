@@ -131,7 +131,7 @@ def partition_with_history(
     Returns
     -------
     HeatPartition
-        Present partition; its rise includes the rest of earlier heat.
+        Present partition; its rise includes what remains of the rise due to earlier heat.
     HeatHistory
         Heat that has flowed up to now.
 

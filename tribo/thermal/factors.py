@@ -20,7 +20,7 @@ from tribo.types import Array, Spectrum
 class Axis:
     """One axis of the heat kernel: n elements of side `step` [m], transformed over `length` points.
 
-    With `nearest_image` the elements of other periods act up to the distance of one period.
+    With `nearest_image` the elements of neighbouring periods act, up to one period away.
     """
 
     n: int
@@ -48,7 +48,9 @@ class Axis:
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Transform of the kernel's factor E at a panel's nodes s [m], (nodes, modes); real at rest.
+    """Fourier transform, along `axis`, of the kernel's factor E at a panel's nodes s [m].
+
+    Its shape is (nodes, modes), and it is real for a body at rest.
 
     `low` is the lower end of the panel [m], and `drift` is ``|V|/(4κ)`` [1/m].
     """
@@ -64,8 +66,8 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
 
     `s` are the diffusion lengths at the nodes, and `shift` is how far the source has moved [m].
-    Only the elements within reach of the source are evaluated. Values of elements that lie a
-    whole number of periods apart are added up.
+    Only the elements within reach of the source are evaluated. Along a periodic axis, values of
+    elements that lie a whole number of periods apart are added up.
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

@@ -222,7 +222,8 @@ def _iterate_flux(
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
 
     `both` is the sum of the maps of pin and disk, `near` has its stencils, and `target` is the
-    temperature [K] that it has to give on the nodes. See `partition_heat` for the limits.
+    temperature [K] that it has to give on the nodes. See `partition_heat` for
+    `tolerance` and `max_iterations`.
     """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))
@@ -233,7 +234,7 @@ def _iterate_flux(
 
 
 def _node_map(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
-    """The map of a body from flux [W/m²] to temperature [K], both at `nodes` only."""
+    """Return a function from heat flux [W/m²] to rise [K] of a body, both at `nodes` only."""
     field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
     ny = body.grid.shape[1]
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1

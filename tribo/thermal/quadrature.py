@@ -57,11 +57,11 @@ def panels(
 
 
 def _growth_until_edge(drift: float, low: float, side: float) -> float:
-    """Growth of s from `low` [m] until an edge of the moving source is next felt at a centre.
+    """Growth of s from `low` [m] until an edge of the moving source is felt at an element's centre.
 
-    It is 0 or less if an edge is felt there now. An edge passes a centre where drift·s² is an odd
-    multiple of half the side of an element, with the `drift` ``|V|/(4κ)`` [1/m]. Its heat is felt
-    there as long as s differs by less than `REACH`/(2 drift).
+    It is 0 or less if an edge is felt at a centre now. An edge passes a centre where drift·s² is an
+    odd multiple of half the side of an element, with the `drift` ``|V|/(4κ)`` [1/m]. Its heat is
+    felt at the centre while s differs by less than `REACH`/(2 drift) from its value then.
     """
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)

@@ -90,7 +90,9 @@ def track_warming(
 
 
 def strip_response(width: float, body_width: float, spread: Array) -> Array:
-    """Warming in the middle of a strip whose heat spread by √(κt), relative to a heated plane.
+    """Warming in the middle of a heated strip, divided by that of a plane heated all over.
+
+    `spread` is √(κt) [m] at a time t after the heating.
 
     In a body of width W the strip of width B has images at multiples of W. In Fourier space the
     warming is

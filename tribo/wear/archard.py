@@ -34,8 +34,8 @@ _LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its
 class Stage(NamedTuple):
     """A contact to be solved within a step: its load [N], and two sliding distances [m].
 
-    Its pressure wears the pin over `distance`. The shape for which it is solved already has the
-    wear by this pressure over `implicit_distance`.
+    Its pressure wears the pin over `distance` [m]. The shape of the pin for which the contact is
+    solved already includes the wear by this pressure over `implicit_distance` [m].
     """
 
     normal_load: float  # on the whole pin [N]
@@ -231,7 +231,7 @@ class RollingWear(Wear):
     def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
         """Depth worn over a sliding distance [m] per mean pressure along x [m/Pa].
 
-        The mean is over the padded length of the transform.
+        The mean pressure is over the padded length of the transform along x.
         """
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding
