@@ -35,9 +35,10 @@ _EXPECTED = 512  # velocities on which crossings of the limit are sought
 
 
 class _Root(NamedTuple):
-    """Velocity, as a logarithm, at which the rise is expected to cross the limit.
+    """Velocity at which the rise is expected to cross the limit; velocities are logarithms.
 
-    `low` and `high` are the nearest velocities of known rise, also as logarithms.
+    `place` is that velocity. `low` and `high` are the nearest velocities below and above it whose
+    rise is known.
     """
 
     place: float
@@ -102,7 +103,10 @@ class BoundarySearch:
         return tuple(sorted(chosen - past, key=lambda point: (point.velocity, point.load)))
 
     def _points(self, rises: Mapping[Point, float], load: float) -> tuple[Array, ...]:
-        """ln(velocity) and ln(rise/friction) at the known points of a load; empty without them."""
+        """ln(velocity) and ln(rise/factor) at the points of a load whose rise is known.
+
+        The factor is that of friction by velocity. The result is empty without such points.
+        """
         known = sorted(
             (point.velocity, rise)
             for point, rise in rises.items()
@@ -134,9 +138,10 @@ class BoundarySearch:
         ]
 
     def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
-        """Expected crossings at loads without points, from `roots` at other loads, or from a trend.
+        """Expected crossings, by load, at loads that have no points yet.
 
-        If no crossing is known yet, only three loads are begun.
+        They follow from `roots`, the crossings at other loads. If none is known yet, they follow a
+        usual trend of velocity over load, and only three loads are begun.
         """
         middle = self.loads[len(self.loads) // 2]
         loads = self.loads if roots else (self.loads[0], middle, self.loads[-1])
@@ -182,7 +187,10 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals
 
     def _node_velocity(self, number: int, level: int) -> float:
-        """Velocity at node `number` of a grid halved `level` times, limited to the range."""
+        """Velocity [m/s] at node `number` of the search's grid, limited to the sweep's range.
+
+        The grid has equal steps of ln(velocity), which were halved `level` times.
+        """
         along = self.lowest * math.exp(number * self._span / 2**level)
         velocity = float(f"{along:.6g}") / self.scale
         if velocity <= self.lowest * (1 + _ROUNDING):
@@ -193,7 +201,8 @@ class BoundarySearch:
 def _line(x: Array, y: Array, slope: float, at: Any) -> Any:
     """Interpolate y(x) linearly at `at`; extrapolate with the slope of the outermost interval.
 
-    That slope is limited to within a fixed factor of `slope`, which a single point has.
+    Beyond the points the slope stays within a fixed factor of `slope`. If there is only one point,
+    the line has the slope `slope`.
     """
     if len(x) == 1:
         return y[0] + slope * (at - x[0])
@@ -221,7 +230,7 @@ def _curvatures(x: Array, y: Array, number: int) -> Iterator[float]:
 def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
     """Return a function that chooses the next points, given the store of a sweep.
 
-    The function returns the sweep with the points in the store and the points to compute next.
+    The function returns the sweep whose points are those in the store and those to compute next.
     `tolerance` is the relative error that the search adds to the critical velocity.
     """
     sweep.require_search()
@@ -252,7 +261,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
-    """Deciding rise of each done point of a store [K], and the points that failed."""
+    """Deciding rise per unit friction of each done point of a store [K], and the failed points."""
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
     inner = len(store.dims) - store.dims.index(along)  # dimensions after that of loads, and steps

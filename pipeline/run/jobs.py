@@ -114,7 +114,7 @@ class Jobs:
         self._news.clear()
 
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
-        """Return tasks that were lost since the last call, each with the reason.
+        """Return tasks that were lost since the last call, as pairs of job and reason.
 
         A task with a result is lost, too, if its worker is gone before the result was fetched. Gone
         workers are looked for only if the list of workers was just updated (`has_looked`).
@@ -151,7 +151,7 @@ class Jobs:
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
     def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Yield tasks whose worker is gone, each with the reason; Dask may never end such tasks."""
+        """Yield pairs (job, reason) of tasks whose worker is gone; Dask may never end these."""
         present = {ANYWHERE, *self._link.workers}
         for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:

@@ -102,7 +102,10 @@ class Losses:
         return False
 
     def failed(self) -> list[tuple[Point, list[str]]]:
-        """Remove and return points that were lost too often, with the workers lost with each."""
+        """Remove and return the points that were lost too often.
+
+        Each comes with the addresses of the workers that were lost while they computed it.
+        """
         failed = [point for point in self._suspects if len(self._workers[point]) >= TRIALS]
         for point in failed:
             del self._suspects[point]
@@ -111,7 +114,8 @@ class Losses:
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
         """Yield jobs that try a single suspected point on a free worker, least suspected first.
 
-        There are no such jobs while ordinary jobs are `present`.
+        `workers` are addresses of workers with room. There are no such jobs while ordinary jobs
+        are `present`.
         """
         if not all(job.is_alone for job in present):
             return

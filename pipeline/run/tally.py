@@ -16,7 +16,7 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 
 class Tally:
-    """Counts points as they are written, and estimates the remaining time from the mean time."""
+    """Counts points as they are written; estimates the time left from the mean time of a point."""
 
     def __init__(self, store: Store, progress: Report) -> None:
         self.store = store  # replaced where a search of the boundary makes it grow

@@ -54,10 +54,10 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
 
 
 def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
-    """Axes of a store, with the values `before` the run and the values that a sweep adds.
+    """Axes of a store that grows: the values in it `before` the run, and those that `sweep` adds.
 
     `kept` is the sweep of the store after the run, with old and new variants. `wanted` has the
-    store's variables.
+    store's variables by name.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
@@ -84,7 +84,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 def row_axes(sweep: Sweep) -> Axes:
     """Axes of a sweep's variants, such as surfaces: sorted values along each dimension.
 
-    Values of columns that such a dimension determines are included.
+    Columns whose values follow from a dimension, one value for each, are included.
     """
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
@@ -119,8 +119,8 @@ def points_at(
 ) -> list[Point]:
     """Points at some indices of the variable ``status``.
 
-    `where` has an array for each of its dimensions, as `np.nonzero` gives. `wanted` has the store's
-    variables.
+    `where` has an array of indices for each dimension of ``status``, as `np.nonzero` gives; the
+    arrays are taken elementwise. `wanted` has the store's variables by name.
     """
     dims, names, columns = wanted["status"].dims, [*PLANE, *sweep.variants.axes], []
     for name in names:
@@ -146,7 +146,9 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Coordinates that are computed from the scene: time, load and distance by step; scene ids.
+    """Coordinates that are computed from the scene, by name.
+
+    They are time, load and sliding distance at each step, and the scene ids.
 
     `wanted` has the store's variables. Values are NaN at unused steps before the first step of a
     point. `ids` are the scene ids of the sweep's variants, in the order of the table.
@@ -179,7 +181,7 @@ def made_coordinates(
 
 
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
-    """Yield index and slices of each chunk in which `mask` is True for a point.
+    """Yield index and slices of each chunk with at least one point where `mask` is True.
 
     `sizes` are the numbers of points in a chunk along each dimension.
     """

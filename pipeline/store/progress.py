@@ -52,7 +52,7 @@ class Summary:
 
 
 def summary_of(store: Store) -> Summary:
-    """Count the points of an open store by state, and those with a warning."""
+    """Count the points of an open store by state, and the points with a warning."""
     asked, flags = store.asked == 1, store.flags
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()

@@ -152,7 +152,7 @@ class _Masked(BackendArray):
         )
 
     def _read(self, key: tuple[Any, ...]) -> Any:
-        """Read a part of the variable; `key` has an independent index for each dimension."""
+        """Read a part of the variable; `key` has an index for each dimension (outer indexing)."""
         count = self._mask.ndim
         mask = _select(self._mask, key[:count])
         with read_errors(self._place, self._name):
@@ -177,7 +177,7 @@ def _grid_values(values: Any, rows: Indices | None) -> Any:
 
 
 def _select(values: Any, key: tuple[Any, ...]) -> Any:
-    """Select values; `key` has an independent index for each dimension."""
+    """Select values; `key` has an index for each dimension (outer indexing)."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
 
 

@@ -81,7 +81,7 @@ class Root:
 
     @cached_property
     def _inputs(self) -> dict[str, int]:
-        """Sizes of the arrays that were read from the scene's files, by SHA-256."""
+        """Number of values of each array that was read from the scene's files, by SHA-256."""
         return {digest: array.size for digest, array in file_contents(self.sweep).items()}
 
     @cached_property

@@ -156,7 +156,7 @@ def is_of_points(dim: str) -> bool:
 
 
 def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable for a column of the table of variants; its type depends on the `label`."""
+    """Variable for a column of the table of variants; `label`, a value of it, gives the type."""
     kinds = {str: "str", int: "int64", float: "float64"}
     dims = (column.along or column.name,)
     return Variable(dims, column.unit, column.meaning, kinds[type(label)])
@@ -207,7 +207,10 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of variants that affect the coordinate `name`: time, load or distance."""
+    """Dimensions of variants on which the values of the coordinate `name` depend.
+
+    The coordinate is the time, load or sliding distance at each step.
+    """
     table = sweep.variants
     if sweep.chosen is not None:
         return (POINT,)

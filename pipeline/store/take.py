@@ -17,8 +17,8 @@ from pipeline.sweep.station_choice import choose_stations
 def take_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
-    A point is the same if scene, load and velocity are the same; names of variants do not matter.
-    Points with a wrong checksum are not copied.
+    Points of the two stores are the same if scene, load and velocity are the same, whatever their
+    variants are called. Points with a wrong checksum are not copied.
     """
     data = store.arrays.keys() & {*STEPPED, *AT_END, *OF_POINT}
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():

@@ -105,7 +105,10 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
 
 class _Damage(NamedTuple):
-    """Damaged points, and damaged files that several points share, with their correct content."""
+    """Damaged points by index, and damaged files that several points share.
+
+    For each such file, by key, it has the correct content to write.
+    """
 
     points: dict[Index, FailedPoint]
     files: dict[str, tuple[str, Any, Any]]  # by key: variable, slices of the chunk, right values
@@ -114,7 +117,8 @@ class _Damage(NamedTuple):
 def _find_damage(store: Store, progress: Report) -> _Damage:
     """Read all data of a store to find damage; nothing is written.
 
-    The statuses and requests that are not damaged are put into ``store.flags`` and ``store.asked``.
+    Undamaged statuses of points are put into ``store.flags``. Undamaged marks of which points a run
+    was to compute are put into ``store.asked``.
     """
     damage = _Damage({}, {})
     with io_errors(store.place):
@@ -143,7 +147,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
-    """Read a chunk of ``status`` and ``asked`` into the open `store`; add damage to `damage`.
+    """Read a chunk of ``status`` and ``asked`` into the open `store`; record faults in `damage`.
 
     `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
     """

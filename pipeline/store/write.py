@@ -92,7 +92,7 @@ class Store:
         return tuple(i % n for i, n in zip(index, self.block, strict=True))
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at some indices; `where` has an array for each dimension, as of `np.nonzero`."""
+        """Points at some indices; `where` has an array for each of `dims`, as from `nonzero`."""
         return points_at(self.sweep, self.axes, self.root.variables, where)
 
     def in_words(self, point: Point) -> str:
