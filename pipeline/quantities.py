@@ -89,7 +89,7 @@ def units_in_si(*names: str) -> dict[str, str]:
 
 
 def shown_in(value: Any, unit: str) -> Any:
-    """Convert a value, or an array, from SI to a unit; a unit of unknown size counts as SI.
+    """Convert a value, or an array, from SI to a unit; unchanged if the unit is not known.
 
     Examples
     --------

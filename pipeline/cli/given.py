@@ -104,7 +104,7 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
 
 
 def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """Dataset of `store`, by default the command's store, judged under the options' conditions."""
+    """Dataset of `store`, by default the command's store, under the conditions in the options."""
     ds = pipeline.open_sweep(store or options.store)
     weighing = values_in(options, "given_measured", "scatter", "oil")
     return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))

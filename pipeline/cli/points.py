@@ -81,7 +81,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
     """Frame of one row: the contact at the end of a point, and its highest temperatures.
 
-    If friction depends on temperature (`solved`), only the deciding temperature is known.
+    If friction depends on temperature (`solved`), the highest temperatures are left out.
     """
     both = pipeline.end_of_point(ds)
     if not solved:

@@ -14,7 +14,7 @@ from tribo import InputError
 
 
 def vary(options: argparse.Namespace) -> Result:
-    """Answer ``irg vary``: find the boundary for each value of some entries."""
+    """Answer ``irg vary``: find the boundary with one entry changed at a time."""
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)

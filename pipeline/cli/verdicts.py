@@ -52,10 +52,10 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
-    """Lines with the verdict on an operating point in each scene.
+    """Lines with the verdict on one operating point, for each scene of a sweep.
 
-    `found` has a verdict for each scene. Raises an `InputError` if there is only one scene, and no
-    verdict on it.
+    `found` has the verdict for each scene. Raises an `InputError` if there is only one scene, and
+    no verdict on it.
     """
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:

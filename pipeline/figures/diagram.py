@@ -124,14 +124,19 @@ _INSIDE = 1e-4  # distance from a point, over the interval: at points the error 
 
 
 def _refine_axis(points: Array, least: int) -> Array:
-    """Refine an axis to about `least` values or more, some of them just beside each point."""
+    """Values along an axis, about `least` or more, between the loads or velocities `points`.
+
+    The outermost values of each interval lie just beside its two points.
+    """
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding minus critical temperature [K] at velocities x and loads y, (surface, y, x).
+    """Deciding minus critical temperature [K] on the grid of velocities x and loads y.
+
+    The shape is (surface, y, x).
 
     `field` has the temperatures of the scene.
     """
@@ -230,5 +235,8 @@ def _mark_points(axes: Axes, data: Results) -> list[Artist]:
 
 
 def _any_surface(holds: Mask) -> Mask:
-    """Mask (load, velocity) that is True where `holds` is True on at least one surface."""
+    """Mask (load, velocity) that is True where `holds` is True on at least one surface.
+
+    `holds` has the shape (..., load, velocity).
+    """
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))

@@ -28,9 +28,12 @@ _LIKE = {"load": "600 N", "velocity": "1.5 m/s"}
 def chosen_points(
     data: Results, load: Wanted, velocity: Wanted, conditions: Conditions
 ) -> list[Spot]:
-    """Indices of the points that a figure shows, nearest to the user's loads and velocities.
+    """Indices (load, velocity) of the points that a figure shows.
 
-    By default they are the points nearest to a transition under `conditions`.
+    They are nearest to all pairs of the user's loads and velocities.
+
+    By default the load is the highest with a computed point, and the velocity the nearest to the
+    transition under `conditions`.
     """
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)
@@ -55,13 +58,19 @@ def chosen_points(
 
 
 def require_done_at(load: float, is_done: Mask) -> None:
-    """Raise an `InputError` if no point at a load is done."""
+    """Raise an `InputError` if no point at a load [N] is done.
+
+    `is_done` has a value for each velocity.
+    """
     if not is_done.any():
         raise InputError(f"no point at {load:g} N is done; give another load, or run irg run")
 
 
 def nearest_indices(places: Array, axis: str, values: Wanted) -> list[int]:
-    """Indices of the values `places` of an axis that are nearest to `values`; empty for None."""
+    """Indices, in `places`, of the loads or velocities nearest to `values`; empty for None.
+
+    `axis` is load or velocity, and `places` has the sweep's values along it.
+    """
     found = list[int]()
     several = [] if values is None else np.atleast_1d(np.asarray(values, dtype=object)).tolist()
     for value in several:

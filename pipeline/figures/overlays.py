@@ -74,7 +74,8 @@ def mark_test(
 ) -> Line2D:
     """Mark a test at its `place` (x, y) with its number: open if wear stayed mild, else filled.
 
-    With a remark `beside` in its legend entry, the mark is faint.
+    `beside` is a remark that follows the name of the test's outcome in the legend. With a remark
+    the mark is faint.
     """
     name, gid, marker, mfc, mec = TESTS[test.outcome]
     label, present = name + beside, axes.get_legend_handles_labels()[1]

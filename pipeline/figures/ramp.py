@@ -119,7 +119,11 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Pairs (conditions, line style) to draw the highest and the deciding temperature."""
+    """Pairs (conditions, line style): for the highest temperature, then for the deciding one.
+
+    The temperature of a pair follows from the criterion of its conditions. There is one pair if
+    the highest temperature decides.
+    """
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]

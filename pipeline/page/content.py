@@ -130,8 +130,8 @@ def _test_facts(test: Measurement) -> dict[str, Any]:
 def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[dict[str, Any]]:
     """Tests as dictionaries, each with its nearest grid node, friction and bulk temperature.
 
-    `loads` [N] and `velocities` [m/s] belong to the nodes. The sweep's velocities begin at the
-    index `first`.
+    The grid has nodes at all `loads` [N] and `velocities` [m/s]. `first` is the index in
+    `velocities` of the sweep's lowest velocity; slower nodes are not taken.
     """
     facts, tests = [], laboratory_tests(data)
     drawn = reachable_tests(data, number_tests(tests))[0].values()
@@ -241,7 +241,10 @@ def _tables(
 
 
 def _step_values(values: Array, steps: Indices) -> Array:
-    """For each point, the value at the point's own index in `steps`, along the last axis."""
+    """For each point, its value at one step; `steps` has the index of the step by point.
+
+    `values` have the steps on their last axis.
+    """
     chosen: Array = np.take_along_axis(values, steps[..., None], axis=-1)[..., 0]
     return chosen
 
@@ -249,9 +252,10 @@ def _step_values(values: Array, steps: Indices) -> Array:
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
     """Tables of deciding rises for the page: on a fine grid, and at single velocities.
 
-    The grid has rises [K] (surface, load, velocity, bulk ratio, share). The first and last velocity
-    of the grid are far outside the sweep. If points are missing at a velocity of the sweep, there
-    is also a table over load from only the points at this velocity.
+    `rises` are at the sweep's points [K] (surface, load, velocity, bulk ratio, share). The grid has
+    rises of the same axes. Its first and last velocity are far outside the sweep. If points are
+    missing at a velocity of the sweep, there is also a table over load from only the points at this
+    velocity.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -303,7 +307,10 @@ def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str
 
 
 def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
-    """Relative numerical error of the rise at nodes (surface, load, velocity)."""
+    """Relative numerical error of the rise at all pairs of `loads` [N] and `velocities` [m/s].
+
+    The shape is (surface, load, velocity).
+    """
     nodes = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
     planes = (replace(field, planes=(plane,)) for plane in field.planes)
     errors = [totals(plane.errors(*nodes)) for plane in planes]
@@ -314,7 +321,7 @@ def _model_facts(data: Results) -> dict[str, Any]:
     """Distribution of the model's own error, and probabilities at which a verdict is decided.
 
     The distribution, Student's t, depends on the number of transitions compared with the model. The
-    page finds this number under the reader's conditions, so that each possible one is tabulated.
+    page finds this number under the reader's conditions. So there is a table for each number.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
@@ -346,7 +353,9 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices of at most `most` points whose fields are shown: those nearest to the transition.
+    """Indices (surface, load, velocity) of the `most` points nearest to the transition, or fewer.
+
+    The page shows the fields of these points.
 
     `done` is the mask of done points.
     """
@@ -381,7 +390,7 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Numbers of parts into which the grid divides each interval of velocity, and of load.
+    """Numbers of parts into which the page's grid divides each interval of velocity, and of load.
 
     `loads` and `velocities` are how many the sweep has. `others` is the number of values at each
     node, which limits the number of nodes.
@@ -400,7 +409,7 @@ def divided(places: Array, parts: int) -> Array:
 
 
 def along(values: Array, x: Array, places: Array, axis: int, continued: bool = False) -> Array:
-    """Interpolate values along an axis, from abscissae `x` to `places`, by cubics (`Curve`).
+    """Interpolate values along an axis by cubics (`Curve`): known at `x`, wanted at `places`.
 
     Values that are not finite are left out. If `continued`, values are extrapolated by power laws.
     """
@@ -411,11 +420,14 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 def heat_along(
     rises: Array, loads: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises over the friction factor [K] on a finer grid of velocities, and these velocities [m/s].
+    """Rises on a finer grid of velocities [K], and these velocities [m/s].
+
+    The rises are divided by the factor of friction by velocity.
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
     the sweep. Outside the points of a load, values are extrapolated by a power law of the velocity.
-    At a load with a single point they are estimated by `filled`, or known at that point alone.
+    At a load with a single point they are estimated from the loads on both sides (`filled`), or
+    known at that point alone.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)

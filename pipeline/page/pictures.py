@@ -30,8 +30,9 @@ def packed_fields(
     """Draw pressure, rise and wear depth of points `chosen` by (surface, load, velocity) index.
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
-    the number of the point. Each point has the highest pressure [Pa], the lowest and highest rise
-    above the colder body at the bulk ratio [K], the greatest wear depth [m], and three pictures.
+    the flat index of the point. Each point has the highest pressure [Pa], the lowest and highest
+    rise above the colder body at the bulk ratio [K], the greatest wear depth [m], and three
+    pictures.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -86,7 +87,10 @@ def png_of(image: Image.Image) -> str:
 
 
 def coloured(probability: Array) -> str:
-    """Probabilities as base64 text of a .png in the figure's colours, the first row on top."""
+    """Picture of probabilities in the figure's colours, as base64 text of a .png.
+
+    The first row of the array is on top.
+    """
     low, high = PALE
     shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
     return png_of(Image.fromarray(np.ascontiguousarray(shades)))
@@ -100,7 +104,7 @@ def risk_scale() -> str:
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:
-    """Means of a field over blocks: the lowest, the highest, and the colour level of each block.
+    """Lowest and highest of a field's means over blocks, and each block's mean as a colour level.
 
     Only elements in contact count; `touching` is their number in each block.
     """
@@ -125,7 +129,7 @@ def _summed(field: Array, block: tuple[int, int]) -> Array:
 
 
 def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uint8]:
-    """Colour levels of a field, from `least` at `low` to 255 at `high`."""
+    """Colour levels of a field: `least` where its value is `low`, up to 255 where it is `high`."""
     scale = (_LEVELS - least) / (high - low) if high > low else 0.0
     levels: Array = np.clip(least + np.rint((field - low) * scale), least, _LEVELS)
     return levels.astype(np.uint8)

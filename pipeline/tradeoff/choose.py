@@ -24,6 +24,8 @@ def choose_accuracy(
 ) -> Sweep:
     """Change a sweep to the cheapest fidelity whose error is within `accuracy`.
 
+    The error is the relative error of the boundary velocity.
+
     An existing store keeps its fidelity. Raises a `StoreMismatchError` if this fidelity is less
     accurate, or was not chosen for an accuracy.
     """
@@ -47,7 +49,10 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """The sweep with the measured error of its own fidelity, read from the store if it is there."""
+    """The sweep with the measured error of the boundary velocity by its own fidelity.
+
+    The error is read from the store if the store has it.
+    """
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)
     return replace(sweep, selection=selection)
@@ -56,7 +61,7 @@ def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
 def choose_fidelity(
     sweep: SceneLike, accuracy: float | str | None, progress: Report | None = None
 ) -> Selection:
-    """Find the cheapest fidelity whose measured error is within a bound.
+    """Find the cheapest fidelity whose measured error of the boundary velocity is within a bound.
 
     The candidates are the presets and the scene's own fidelity, measured by `trade`. If no
     candidate is within the bound, ``reference`` is taken. The scene's heat model is kept.

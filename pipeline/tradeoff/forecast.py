@@ -40,7 +40,7 @@ _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 @shown
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Forecast of a sweep: numbers of points, steps and tasks, time [s], and disk space [B]."""
+    """Forecast of a sweep's cost: numbers of points, steps and tasks, time [s], disk space [B]."""
 
     points: int  #: Points of the diagram.
     steps: int  #: Contacts to solve for these points.
@@ -164,7 +164,10 @@ def as_computed(sweep: Sweep) -> Scene:
 
 
 def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Time some steps; return the CPU time of a contact and of a heat solution [s], and a state."""
+    """Time some steps; return the mean CPU time of a contact, that of a heat solution, a state.
+
+    Times are in seconds. The state is the last that was computed.
+    """
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()

@@ -33,7 +33,7 @@ _STEP = 0.05  # step of ln(velocity) to either side, to find the exponent
 
 
 class Probe(NamedTuple):
-    """Cost of simulating points with a fidelity, and the points' temperature rises."""
+    """Processor time of simulating points with a fidelity, and the points' temperature rises."""
 
     fidelity: Fidelity
     rises: tuple[float, ...]  # decisive rise at friction 1, by point [K]
@@ -82,7 +82,10 @@ def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 
 def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
-    """Up to `number` targets, with loads spread evenly over the sweep, and variants in turn."""
+    """Up to `number` different targets, each a load and a variant of the sweep.
+
+    The loads are spread evenly over the sweep, and the variants take turns.
+    """
     loads, variants = sweep.plane.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
@@ -124,8 +127,8 @@ def critical_velocity(
 ) -> float:
     """Velocity [m/s] at which a rise [K] reaches a limit, between `lowest` and `highest`.
 
-    If it does not, the result is the nearer end. The velocity is found by secant steps in
-    logarithms, with bisection if a secant returns to an earlier velocity.
+    If the rise reaches it nowhere, the result is the nearer end. The velocity is found by secant
+    steps in logarithms, with bisection if a secant returns to an earlier velocity.
     """
     low, high = math.log(lowest), math.log(highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT

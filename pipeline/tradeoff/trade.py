@@ -84,12 +84,19 @@ class Trade:
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """Cheapest fidelity whose error is at most `error` at each load; else the reference."""
+        """Cheapest fidelity whose error of the boundary velocity is at most `error` at any load.
+
+        Without such a fidelity it is the reference.
+        """
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
     @property
     def table(self) -> pd.DataFrame:
-        """Frame with a row for each fidelity: errors [%], time [s], time relative to ``fine``."""
+        """Frame with a row for each fidelity: two errors [%], and two times.
+
+        The errors are of the boundary velocity, at the points measured and at any load. The times
+        are in seconds, and divided by the time of ``fine``.
+        """
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
         fine = next((one.seconds for one in self.choices if one.name == "fine"), math.nan)
@@ -177,7 +184,7 @@ def trade(
 
 
 def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Relative cost of simulating the targets `places`: steps × elements per pixel, summed."""
+    """Relative cost of simulating the targets `places`: sum of steps × elements per pixel."""
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -204,9 +211,10 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Errors and processor time of a fidelity (`measured`), compared with the reference.
+    """Errors of the boundary velocity, against the reference, and processor time of a fidelity.
 
-    `exponents` are d ln(rise)/d ln(velocity) at each point.
+    `name` names the fidelity, and `measured` has its rises. `exponents` are d ln(rise)/d
+    ln(velocity) at each point.
     """
     pairs = zip(measured.rises, reference.rises, exponents, strict=True)
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)

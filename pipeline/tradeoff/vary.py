@@ -42,7 +42,7 @@ _NUMBER = re.compile(rf"\s*{NUMBER}(?!.*([CF℃]|HRc|degRe|celsius|fahrenheit)\s
 @shown
 @dataclass(frozen=True, slots=True)
 class Variations:
-    """Boundaries of a scene, unchanged and with single entries changed."""
+    """Boundaries of a scene: unchanged, and with one entry changed at a time."""
 
     title: str  #: Title of the scene.
     #: A row for each variation and load: ``entry`` and ``value`` as a scene file would give them,
@@ -134,7 +134,7 @@ def vary(
 def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
     """Make the frame `Variations.table` from a frame `found` with the boundaries of all scenes.
 
-    `variations` has the changed entry and its value, as text, for each scene.
+    `variations` has pairs (changed entry, value) as text, one for each scene.
     """
     velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
     change = 100 * (velocity / velocity[0] - 1)
@@ -150,9 +150,9 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
-    """One sweep with a variant for each of `scenes`, labelled by `variations`.
+    """One sweep with a variant for each of `scenes`, labelled by `variations`: (entry, value).
 
-    Each variant has the entries in which its scene differs.
+    Each variant has the entries in which its scene differs from the scene of `sweep`.
     """
     words = (" = ".join(filter(None, variation)) for variation in variations)
     reader: Any = sweep.reader
