@@ -87,11 +87,11 @@ def iterate(
     displacement: Array | None = None,
     spent: float = 0.0,
 ) -> IterationResult:
-    """Iterate from a guess [Pa] until the error meets the tolerance, or no longer falls.
+    """Iterate from a guess of the pressure [Pa] until the error is small, or no longer falls.
 
-    `limits` are the tolerance and the number of convolutions. `displacement` is caused by the guess
-    [m]. If it is given, the guess has to carry the load, but may exceed the bounds. `spent` is the
-    number of convolutions that the guess took.
+    `limits` has the tolerance of the error and the most convolutions. `displacement` is caused by
+    the guess [m]. If it is given, the guess has to carry the load, but may exceed the bounds.
+    `spent` is the number of convolutions that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, spent)
     counters, progress, change = StepCounters(), LowestResidual(), math.inf

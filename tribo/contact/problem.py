@@ -39,9 +39,10 @@ class Problem:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
-        """Set up the problem of pressing a surface with `heights` [m] into a solid.
+        """Set up the problem of pressing a surface into a solid.
 
-        `total` is the sum of the pressure over all elements, and `hardness` its upper bound [Pa].
+        `heights` is the separation of the undeformed surfaces [m], `total` the sum of the pressure
+        over all elements, and `hardness` the upper bound of the pressure [Pa].
         """
         return cls(solid, heights, total, hardness, *_prepare_solid(solid))
 

@@ -57,7 +57,7 @@ class SoftRows:
         return cls(axis, coupling, coupling > _SOFT * solid.self_influence)
 
     def numbers(self, nodes: Indices, shape: tuple[int, int]) -> Indices:
-        """Index of the row of each node; nodes of a field of `shape` are numbered along y first."""
+        """Index of the row of each node; `nodes` are flat indices into a field of `shape`."""
         numbers: Indices = nodes // shape[1] if self.axis else nodes % shape[1]
         return numbers
 

@@ -179,7 +179,7 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
     """Offsets of a block's elements along x (−rx to rx) and along y (−ry to ry), as flat arrays.
 
-    A third array is 1 at the middle element, else 0.
+    A third flat array is 1 at the middle element, else 0.
     """
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)

@@ -319,10 +319,9 @@ class _Moment(NamedTuple):
     ) -> Self:
         """Make the moment of one step from recorded columns, whose last axis is the step.
 
-        `place` is the index of the step along all axes of a column.
-
-        The load until then grew at `rate`, or followed `course`, whose shares refer to the load at
-        the last step. Without `rate` and `course` it is linear between the recorded steps.
+        `place` is the index of the step along all axes of a column. The load until then grew at
+        `rate`, or followed `course`, whose shares refer to the load at the last step. Without
+        `rate` and `course` it is linear between the recorded steps.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))

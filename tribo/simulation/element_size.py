@@ -130,7 +130,10 @@ def _lowest_load(scene: Scene, normal_load: float) -> float:
 
 
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
-    """Estimate the contact at a load [N] by Eq. (1) of this module, for a surface's `summits`."""
+    """Estimate size and shape of the contact at a load [N] by Eq. (1) of this module.
+
+    `summits` are those of the disk's surface.
+    """
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
     on_window = normal_load / pin.patches(scene.grid)
     hertz = pin.hertz(normal_load, modulus)

@@ -229,7 +229,7 @@ class SolvedFriction:
     criterion : str
         Kind of the criterion, one of `tribo.CRITERIA`.
     share : float
-        Share of the contact that decides.
+        Share of the contact area above the critical temperature beyond which wear is severe.
     """
 
     law: Friction

@@ -114,6 +114,7 @@ def check_heat(
 
     `heat_flux` is the frictional heat [W/m²], and `split` its partition. `tolerance` is for
     `HeatPartition.residual`; infinite if the partition does not make the temperatures equal.
+    Raises an `InvariantError` if a check fails.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
     made = float(heat_flux.sum())

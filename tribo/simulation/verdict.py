@@ -61,8 +61,9 @@ class Judging(ABC):
     def rise_factor(self) -> float:
         """Factor from a rise per unit friction to a rise: the coefficient of friction.
 
-        Even without friction, unequal bulk temperatures warm the colder body. So the factor is then
-        not 0, but so small that `bulk_ratio` is the largest ratio that is stored.
+        Even without friction, unequal bulk temperatures warm the colder body. Then the factor must
+        not be 0. It is so small that `bulk_ratio`, without its sign, is the largest of
+        `BULK_RATIOS`.
         """
         return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
 

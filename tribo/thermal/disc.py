@@ -126,7 +126,8 @@ class Disc:
 def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     """Roots βₙ of a ring from x = `inner` to 1, and the weights φₙ(1)²/∫φₙ² x dx of its modes.
 
-    `rim` and `bore` are the losses at rim and bore as Biot numbers ha/K. See `Disc.rim_response`.
+    `rim` and `bore` are the losses at rim and bore as Biot numbers ha/K. The modes φₙ are those of
+    `Disc.rim_response`.
     """
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
