@@ -77,7 +77,10 @@ def share(text: str) -> float:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE`` to a key and a list of values; see `setting`."""
+    """Read ``KEY=VALUE,VALUE`` to a key and a list of values.
+
+    Values are written as in a scene file, but text needs no quotes.
+    """
     key, values = pair(text, like="friction.coefficient=0.08,0.12")
     return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
 

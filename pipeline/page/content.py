@@ -162,7 +162,10 @@ def _range_hint(loads: Array, velocities: Array) -> str:
 
 
 def _point_states(data: Results) -> dict[str, Any]:
-    """State, values and message of each point."""
+    """Data on each point: its state, if it was asked for, numbers of its contact, and a message.
+
+    Points are in the flat order (surface, load, velocity).
+    """
     stored = {*data.columns, *data.rest}
     return {
         "status": digit_string(data.columns["status"]),
@@ -185,7 +188,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
 def content_of_samples(data: Results) -> dict[str, Any]:
-    """Data of a page for samples: the probability of severe wear on a grid."""
+    """Data of a page for samples, as JSON values: the probability of severe wear on a grid."""
     samples = extras.module("fields")
     field = samples.single_field(data)
     ensemble, scatter = field.ensemble, model_error(data, field)
@@ -209,9 +212,9 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares at which rises are tabulated; the page interpolates between them.
+    """Failing shares of the contact at which rises are tabulated; the page interpolates between.
 
-    There is only one share if the criterion does not depend on it.
+    There is only one if the criterion does not depend on the share.
     """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:

@@ -52,7 +52,7 @@ class Page:
     points_with_fields: int  #: Number of points whose fields the page contains.
 
     def as_dict(self) -> dict[str, Any]:
-        """All values as plain data."""
+        """Path and numbers of points by name, as plain data."""
         return asdict(self) | {"path": str(self.path)}
 
     def __str__(self) -> str:

@@ -170,7 +170,7 @@ class Connection:
         return True
 
     def memory_cause(self, workers: Collection[str]) -> str:
-        """Message that one of `workers` was killed for lack of memory; empty if not known.
+        """Message that one of `workers` (addresses) was killed for lack of memory; else empty.
 
         Dask's nanny of a worker reports it if it has killed the worker. The kernel only counts the
         processes that it has killed.

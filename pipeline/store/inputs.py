@@ -26,7 +26,10 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Split the values of the variable `INPUTS` into arrays by SHA-256, as its attributes say."""
+    """Split the values of the variable `INPUTS` into arrays, by their SHA-256.
+
+    `attributes` are those of the variable, with the number of values in each array.
+    """
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
     return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

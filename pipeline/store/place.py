@@ -152,7 +152,10 @@ StorePlace = Folder | Bucket
 
 
 def place_of(path: PathLike) -> StorePlace:
-    """Place of a store from its path or address; `StoreError` for the root of a file system."""
+    """`Folder` or `Bucket` of a store, from its path or address.
+
+    Raises a `StoreError` for the root of a file system.
+    """
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))

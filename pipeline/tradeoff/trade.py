@@ -69,7 +69,7 @@ class Trade:
 
     @property
     def reference(self) -> Choice:
-        """The fidelity that the others are compared with."""
+        """The fidelity with which all other fidelities are compared."""
         return self.choices[-1]
 
     @property
