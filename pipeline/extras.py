@@ -45,7 +45,10 @@ def modules(part: str) -> Iterator[ModuleType]:
 
 
 def module(part: str) -> ModuleType:
-    """Import the module named `part` from the optional part that has it, else `InputError`."""
+    """Import a module by its name in an optional part, such as "fields"; the first that has it.
+
+    Raises an `InputError` if no part that is there has it.
+    """
     for one in modules(part):
         return one
     from tribo import InputError  # with NumPy, which importing the package does not need

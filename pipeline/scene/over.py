@@ -40,7 +40,10 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 
 def _extend(sweep: Sweep) -> Sweep:
-    """The sweep with a variant for each combination of values; `InputError` for the first fault."""
+    """The sweep with a variant for each combination of the values under ``[sweep] over``.
+
+    Raises an `InputError` for the first fault.
+    """
     over = sweep.plane.over
     if not over:
         return sweep

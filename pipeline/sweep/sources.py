@@ -15,7 +15,10 @@ class FromLibrary(NamedTuple):
 
 
 def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield pairs (values in words, source), one for each table of the scene and each source."""
+    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+
+    The text names the table and its values, such as "pin: density 7800 kg/m³".
+    """
     tables: dict[tuple[str, str], list[str]] = {}
     for key, value, source in taken:
         table, _, name = key.rpartition(".")

@@ -51,9 +51,11 @@ def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple
 def join_rig(
     ensemble: Ensemble, unknown: tuple[Unknown, ...]
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
-    """Add the rig's friction and scatter to the inputs; return inputs, and the columns of both.
+    """Add the rig's friction coefficient, and its scatter between tests, to the `unknown` inputs.
 
-    Nothing is added, and there are no columns, if no test measured friction.
+    Returns the inputs, and the positions of these two among them. If the rig is the scene's own,
+    its coefficient is there already. If no test measured friction, or the scene's friction is
+    known, nothing is added, and there are no positions.
     """
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)

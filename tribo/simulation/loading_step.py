@@ -154,10 +154,11 @@ def solve_pass(
     wear_depth: Array,
     guess: Array | None,
 ) -> tuple[ContactSolution, Array]:
-    """Solve a contact of a step; return the solution and its elastic displacement [m].
+    """Solve one of the contacts of a step; return the solution and elastic displacement [m].
 
-    `wear_depth` [m] is the wear of the pin so far. `guess` is a pressure [Pa] to start from; by
-    default it is extrapolated from `state` and the state before.
+    `contact_pass` has the load and the shift of the disk. `wear_depth` [m] is the wear of the pin
+    so far; with `wear` it grows by the pressure that is sought. `guess` is a pressure [Pa] to start
+    from; by default it is extrapolated from `state` and the state before.
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (

@@ -48,8 +48,9 @@ def circuit_rise(
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    Between half-spaces the rise is θ. With the heat Q, the conductances hᵢ' of `conductances`, and
-    the warming of the bulk of pin (θ₁) and disk (θ₂) [K], it is
+    `rise` is the mean rise θ [K] between half-spaces without them, where the pin takes `pin_share`
+    φ of the `heat` Q [W]. The resistances are in K/W. With the conductances hᵢ' of `conductances`,
+    and the warming of the bulk of pin (θ₁) and disk (θ₂) [K], the rise is
 
         θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 

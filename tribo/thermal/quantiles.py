@@ -62,8 +62,8 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
     """Quantiles of rise + ρ·response over the contact [K], (n_ratio, n_quantile).
 
-    ρ takes each value of `BULK_RATIOS`. `response` is the rise for each kelvin by which the disk's
-    bulk is warmer than the pin's.
+    ρ takes each value of `BULK_RATIOS`: the disk's minus the pin's bulk temperature, over friction
+    [K]. `response` is the rise for each kelvin of this difference.
     """
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
