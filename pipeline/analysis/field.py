@@ -340,7 +340,8 @@ class PointField:
             far, *marks = self._rises_and_marks(velocities)
             parts = [rises.swapaxes(-1, -2) for rises in parts]
         nearest = np.minimum(np.searchsorted(other, place), len(other) - 1)
-        is_row, (points, row) = np.isin(place, other), (rises[:, nearest] for rises in parts)
+        is_row = np.isin(place, other)
+        points, row = (rises[:, nearest] for rises in parts)
         computed, going_on = (
             np.where(is_row[:, None], points, np.where(mark == 1, far, np.nan)) for mark in marks
         )

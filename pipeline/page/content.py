@@ -449,8 +449,8 @@ def heat_along(
 def rows_beside(done: Mask, parts: int) -> Indices:
     """Indices of the sweep's loads below and above each load of the page's fine grid.
 
-    Loads with fewer than two computed points are skipped. Where the grid has a load of the sweep,
-    both indices are of this load. The shape is (2, surface, n_fine).
+    Loads with fewer than two computed points are skipped, but for the first and the last. Where the
+    grid has a load of the sweep, both indices are of this load. The shape is (2, surface, n_fine).
 
     `done` is the mask of computed points. The grid divides each interval of loads into `parts`.
     """
