@@ -120,8 +120,9 @@ def hertz_ellipse(
 ) -> HertzEllipse:
     """Elliptical contact between a body of two principal radii and a plane.
 
-    With the semi-axes a ≥ b, κ = b/a, and Carlson's integral R_D. It replaces differences of
-    complete elliptic integrals, which cancel near a circle (Johnson, Eqs. 4.26 to 4.31):
+    The semi-axes are a ≥ b, the radii along them R_a and R_b, and κ = b/a. Carlson's integral R_D
+    replaces differences of complete elliptic integrals, which cancel near a circle. Then (Johnson,
+    Eqs. 4.26 to 4.31):
 
         1/(2R_a) = p₀b/(3E*a²) R_D(0, κ², 1),   1/(2R_b) = p₀b/(3E*a²) R_D(0, 1, κ²),
         F = 2πp₀ab/3,   α = p₀b K(e)/E*,   e² = 1 − κ².

@@ -87,11 +87,12 @@ def _conjugate_gradients(
     goals: tuple[float, float],
     most: int,
 ) -> tuple[Array, int]:
-    """Find the pressure [Pa] that makes the gap equal at all free nodes, ignoring its bounds.
+    """Find the pressure [Pa] at the free nodes that makes the gap at all of them equal.
 
-    The search begins at `pressure`; `judged` has its gap and the free nodes. `goals` are a fraction
-    of the first residual and a gap [m]; reaching either is enough. Returns the pressure at the free
-    nodes, and the number of iterations, at most `most`.
+    The pressure may leave its bounds. Free nodes are `judged.nodes`. The search begins at
+    `pressure`, whose gap is `judged.gap`. `goals` are a fraction of the first residual and a gap
+    [m]; reaching either is enough. Returns the pressure, and the number of iterations, at most
+    `most`.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)

@@ -116,7 +116,10 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
 
 
 def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
-    """Nodes s and weights of the trapezoidal rule for Eq. (1), including its factor √π/2."""
+    """Widths s of the Gaussians [m] that stand for the integral (1), and the weight of each.
+
+    The weights are those of the trapezoidal rule, times the factor √π/2.
+    """
     shortest = min(grid.spacing) / (2 * _REACH)
     endless = any(grid.periodic) and kernel == "periodic"
     longest = max(grid.size) * (_REACH / math.pi if endless else _FAR)

@@ -87,10 +87,10 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _spring_pressure(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure [Pa] if elements were springs, and the tenth of least separation carried the load.
+    """Pressure [Pa] if elements were independent springs, and a tenth of them carried the load.
 
-    `heights` is the separation [m], `total` the sum of the pressure, and `hardness` the highest
-    pressure [Pa].
+    The loaded elements are those with the least separation. `heights` is the separation [m],
+    `total` the sum of the pressure, and `hardness` the highest pressure [Pa].
     """
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)

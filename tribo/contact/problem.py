@@ -70,11 +70,12 @@ class Problem:
     def bounded_pressure(
         self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
-        """Move a new pressure on `nodes` into the bounds, so that the load is carried [Pa].
+        """Correct a new pressure on `nodes` so that it keeps within bounds and carries the load.
 
-        `changed` is the new pressure on the nodes, `pressure` the old one on all elements. With a
-        metric the result is the nearest pressure that carries the load. Without it the load's error
-        is spread evenly.
+        `changed` is the new pressure on the nodes, `pressure` the old pressure on all elements,
+        which other elements keep. The bounds are 0 and the hardness. With a `metric` for soft rows
+        the result is the nearest pressure in that metric. Without one the load's error is spread
+        evenly. Returns the pressure on the nodes [Pa].
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)

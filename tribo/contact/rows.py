@@ -33,9 +33,9 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 class SoftRows:
     """Rows of elements along x or along y, whichever yield more to a uniform pressure.
 
-    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa]. Rows
-    are soft, and need `RowMetric`, if it is not small against the influence of an element on
-    itself.
+    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa]. If the
+    coupling is not small against the influence of an element on itself, the rows are soft, and
+    need `RowMetric`.
     """
 
     axis: int  # along which the rows lie
@@ -105,7 +105,7 @@ class RowMetric:
         return self._d * float((step * step).sum()) + self._k * float((rows * rows).sum())
 
     def solve(self, gradient: Array) -> Array:
-        """M⁻¹ gradient: the direction in which the energy falls fastest."""
+        """M⁻¹ gradient: in this metric, the direction in which the energy rises fastest."""
         mean = self._sums(gradient) / self._count
         return np.asarray(
             (gradient - mean[self._row]) / self._d + (self._softness * mean)[self._row]
@@ -137,10 +137,9 @@ class RowMetric:
     def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Solve Eq. (2) of `nearest` for μ and all sᵢ together, by a few Newton steps.
+        """Find the shifts sᵢ of all rows that solve Eq. (2) of `nearest`, by a few Newton steps.
 
-        Returns clip(q + s), the shifts s and the sums of rows, or None if it fails. `sums` are Qᵢ.
-        The result sums to `total`, with values from 0 to `highest`.
+        Parameters and result are those of `_shift_and_clip`; the result is None if the steps fail.
         """
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
@@ -172,10 +171,11 @@ class RowMetric:
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) of `nearest` as exactly as rounding allows.
+        """Find the shifts sᵢ of all rows in Eq. (2) of `nearest`, as exactly as rounding allows.
 
-        Returns clip(q + s), the shifts s and the sums of rows. `sums` are Qᵢ. The result sums to
-        `total`, with values from 0 to `highest`.
+        `q` is the field q at the nodes, and `sums` are Qᵢ, one for each row. Returns clip(q + s),
+        the shifts s, and the sum of clip(q + s) in each row. clip(q + s) lies between 0 and
+        `highest`, and sums to `total`.
         """
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
@@ -201,12 +201,12 @@ class RowMetric:
     def _solve_rows(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
-        """Solve Eq. (2) of `nearest` for the shift sᵢ of each row, at a given μ.
+        """Find the shift sᵢ of each row that solves Eq. (2) of `nearest` at a given μ (`mu`).
 
-        Returns clip(q + s), s, and the number of nodes between the bounds in each row. `sums` are
-        Qᵢ, and the search begins at `shift`. Values lie between 0 and `highest`; `top`, the most
-        that a node can carry, bounds the search. If a row has no root, all its nodes are at one
-        bound.
+        `q` is the field q at the nodes, and `sums` are Qᵢ, one for each row. The search begins at
+        `shift`, and is bounded by `top`, the most that a node can carry. Returns clip(q + s), s,
+        and the number of nodes in each row between the bounds 0 and `highest`. If a row has no
+        root, all its nodes are at one bound.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

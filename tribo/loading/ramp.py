@@ -123,7 +123,9 @@ class Ramp:
         return math.ldexp(self.reference_load / increments, -halvings)
 
     def lowest(self, normal_load: float) -> float:
-        """Approximately the lowest load that shares its ramp (trunk) with `normal_load` [N].
+        """Lowest load [N], up to rounding, that shares one ramp with `normal_load` [N].
+
+        Loads share a ramp if they have the same `increment`.
 
         Examples
         --------

@@ -120,11 +120,12 @@ def minimum_point_film(
 ) -> float:
     """Minimum film thickness between a smooth ball or crowned roller and a plane [m].
 
-    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U and G of `minimum_line_film`, W =
-    F/(E'R²), F the load [N] and R the radius in the plane of motion [m] (Hamrock & Dowson, J. Lubr.
-    Technol. 99, 1977). The ellipticity k is the contact's width across the motion over its width
-    along it, and the fit is for 1 to 8. For larger k the result tends to the film of a long
-    contact; for an ellipse along the motion it tends to 0.
+    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U = ηu/(E'R), G = αE', W = F/(E'R²), E' =
+    2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977): u is the mean velocity of both surfaces
+    [m/s], η the viscosity at the inlet [Pa s], α the pressure-viscosity coefficient [1/Pa], F the
+    load [N], and R the radius in the plane of motion [m]. The ellipticity k is the contact's
+    width across the motion over its width along it, and the fit is for 1 to 8. For larger k the
+    result tends to the film of a long contact; for an ellipse along the motion it tends to 0.
 
     Examples
     --------

@@ -178,8 +178,8 @@ class Convolution:
     def faster_precision(self, influence: float) -> Self:
         """Return a copy in single precision, or this map if that is slower or impossible.
 
-        It is slower on small grids. `influence` is the effect of an element on itself; single
-        precision is impossible if it is too large or too small.
+        Single precision is slower on small grids. `influence` is the effect of an element on
+        itself; single precision is impossible if this effect is too large or too small.
         """
         fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
@@ -192,9 +192,9 @@ class Convolution:
         return changed
 
     def cropped(self, shape: tuple[int, int]) -> Self:
-        """Return the map between fields on a part of the patch; the part has `shape` elements.
+        """Return this convolution for fields on a part of the patch, of `shape` elements.
 
-        A periodic axis must be as long as the patch.
+        A periodic axis must keep its full length.
         """
         grid = Grid(shape, self.grid.spacing, self.grid.periodic)
         modes = self.spectrum.astype(np.complex128)
@@ -205,7 +205,7 @@ class Convolution:
         return self._replace_grid(grid, np.fft.fft(kernel, axis=0, out=kernel))
 
     def coarsened(self) -> Self:
-        """Return the map between means over blocks of 2 × 2 elements.
+        """Return this convolution for fields of means over blocks of 2 × 2 elements.
 
         An axis of one element is unchanged; other axes must have an even number of elements.
         """
