@@ -19,7 +19,11 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Rule by which samples were drawn; correlations and units are left out, for comparisons."""
+    """Read the rule by which samples were drawn from `draw`, the plain data of a `Draw`.
+
+    `Sampling.rows` leaves out correlations, since the samples do not depend on them. Units of the
+    scene file, which are for display only, are left out everywhere.
+    """
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
     inputs = [{**one, "correlated": None} for one in design["inputs"]]
@@ -38,9 +42,10 @@ def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def drawn_value(draw: Any, path: str, value: float | str) -> float:
-    """Value of the unknown input at `path` in SI; raises if it is outside the samples' range.
+    """Convert a value of the unknown input at `path` to SI.
 
-    `draw` is the plain data of a `Draw`.
+    `value` is text with a unit, or a number in SI; `draw` is the plain data of a `Draw`. Raises an
+    `InputError` if the value is outside the samples.
     """
     unknown = Draw.of(draw).open_inputs[path]
     number = in_si(unknown.path, value, f"1 {unknown.shown}".rstrip())

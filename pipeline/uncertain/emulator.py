@@ -61,7 +61,8 @@ class Emulator:
 
     `features` (n, n_feature) have a row for each sample, and `dimensions` (n_feature,) has the
     number of the input that each feature belongs to. `constants` are logarithms of the kernel's
-    amplitudes and lengths, in the order below.
+    amplitudes a, b, c, s and n, then of a length ℓ for each input. Outputs have the shape (n,
+    n_output).
     """
 
     features: Array  # (n, n_feature), with a spread of about 1
@@ -150,8 +151,8 @@ def _solve_kernel(
     """Inverse Cholesky factor of the covariance K of the samples' outputs, and K⁻¹ × outputs.
 
     `outputs` (n, n_output) belong to the rows of `features` (n, n_feature). `dimensions` has the
-    input's number of each feature, `contacts` the contact's number of each row, and `constants` are
-    the logarithms in `Emulator`.
+    number of the input that each feature belongs to, and `contacts` the number of the contact of
+    each row. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
     """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
@@ -209,8 +210,8 @@ def _kernel(
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """Covariance (n, n) of training rows: smooth part, part that rows of a contact share, noise.
 
-    `smooth` is the smooth part, from `_kernel`. `contacts` has the number of each row's contact.
-    `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
+    `smooth` is the smooth part, from `_kernel`. `contacts` has the number of the contact of each
+    row. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
     """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
@@ -279,10 +280,11 @@ def end_weight(along: Array) -> Array:
 
 
 def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
-    """Group of each row (its contact), and masks of rows to leave out in cross-validation.
+    """Number of the group of each row, and masks of rows to leave out in cross-validation.
 
-    There is a mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of
-    rows at the highest velocities. `contacts` has the number of the contact of each row.
+    The rows of a contact are a group; with a single contact, each row is a group. There is a
+    mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of rows at the
+    highest velocities. `contacts` has the number of the contact of each row.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
@@ -297,9 +299,9 @@ def _cross_validate(
 ) -> LeftOut:
     """Summarise cross-validation: errors of rows that were predicted from the other rows.
 
-    `groups` has the number of each row's contact, and `parts` are masks of the rows left out
-    together. `solutions` has a result of `_solve_kernel` for each part: on all rows, with the
-    kernel's constants for that part.
+    `groups` and `parts` are those of `_folds`: the number of the group of each row, and masks of
+    the rows left out together. `solutions` has a result of `_solve_kernel` for each mask, computed
+    on all rows with the kernel's constants for that mask.
     """
     *folds, low, high = zip(parts, solutions, strict=True)
     count = int(groups.max()) + 1
@@ -327,7 +329,10 @@ def _cross_validate(
 
 
 def _band_factors(scores: Array, count: int) -> Array:
-    """`band_factor` of each output, from scores (n, n_output) in `count` independent groups."""
+    """Factors (n_output,) on the standard errors of the outputs; see `band_factor`.
+
+    `scores` (n, n_output) are errors divided by predicted errors, in `count` independent groups.
+    """
     return np.maximum([band_factor(one, count) for one in scores.T], _LEAST_SCORE)
 
 

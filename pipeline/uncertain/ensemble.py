@@ -233,7 +233,11 @@ class Ensemble:
             raise InputError(f"no input of the samples is unknown: {values}; leave one open")
 
     def values(self, path: str, draws: Array) -> Array:
-        """Values [SI] of the input at `path` for n draws (n,): drawn, fixed, or the scene's."""
+        """Values [SI] of the input at `path`, one for each of n draws (n,).
+
+        `draws` (n, n_unknown) are values of the unknown inputs. All draws have the same value of an
+        input that is fixed or known.
+        """
         values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
         values |= {one.unknown.path: one.value for one in self.fixed}
         if path in values:

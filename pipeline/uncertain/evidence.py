@@ -147,12 +147,12 @@ def fix_varying(unknown: Sequence[Unknown], inputs: Array) -> Array:
 
 
 class Runs(NamedTuple):
-    """What the tests of each run say: arrays for n draws of the inputs, (n_run, n, n_scatter).
+    """What the tests of each run show about its specimen, for n draws of the inputs.
 
-    The last axis has possible values of the scatter between runs, whose true value is unknown. All
-    tests of a run have one specimen, whose ln(velocity) deviates from the model. The tests show
-    that this deviation is between `low` and `high`, in standard deviations of the scatter between
-    runs. At a measured transition the two are equal. `log_likelihoods` are of these outcomes.
+    The arrays are (n_run, n, n_scatter); the last axis has possible values of the scatter between
+    runs. `low` and `high` bound the deviation of the specimen's ln(critical velocity) from the
+    model, in standard deviations; at a measured transition they are equal. `log_likelihoods` are
+    ln(likelihood) of all that was measured in the run.
     """
 
     low: Array
@@ -217,9 +217,9 @@ _FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard
 class JudgedTests(NamedTuple):
     """Tests compared with n draws of the inputs.
 
-    `distances` are those of single tests, `runs` has the bounds that each run of tests sets.
-    `joint` is ln(likelihood of all runs × prior of the scatter), (n, n_scatter). Its last axis has
-    possible values of the scatter between runs.
+    `distances` are those of single tests from the computed boundary, in ln(velocity). `runs` has
+    bounds on the deviation of each run from the model. `joint` is ln(likelihood of all runs × prior
+    of the scatter), (n, n_scatter). Its last axis has possible values of the scatter between runs.
     """
 
     distances: Distances
@@ -275,7 +275,10 @@ class Joint:
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def _weigh_runs(self, distances: Distances) -> Runs:
-        """Bounds and log likelihoods of the runs, from the distances of their tests."""
+        """Bounds on each run's deviation from the model, and each run's log likelihood.
+
+        `distances` are those of the tests from the boundary; see `Runs` for the result.
+        """
         shape = len(self.runs), distances.values.shape[1], len(self.scatters)
         low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
         for run, rows in enumerate(self.runs):
@@ -301,7 +304,11 @@ class Joint:
 
     @functools.cached_property
     def _specimen_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance (n_test, 1) of distances due to inputs that vary between specimens."""
+        """Mean and variance of the shifts of tests by inputs that vary between specimens.
+
+        A shift is a change of a test's distance from the boundary, in ln(velocity). Both arrays are
+        (n_test, 1), or (1, 1) if no input varies.
+        """
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
         inputs = prior(self.unknown, self.ensemble.design.seed, _VARIED).inputs

@@ -55,7 +55,10 @@ class InferredScatter:
 
 @dataclass(frozen=True, eq=False)
 class SampleField:
-    """Field of deciding temperatures from samples; its members are draws of unknown inputs."""
+    """Temperatures that decide on mild or severe wear, at any load and velocity, from samples.
+
+    This is a `Field` (`pipeline.analysis.field`) whose members are draws of unknown inputs.
+    """
 
     ensemble: Ensemble
     draws: Draws
@@ -128,9 +131,10 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """The field under an operating point's own conditions, such as its friction.
+        """The field judged under an operating point's own conditions, such as its friction.
 
-        Raises an `InputError` if tests weigh the samples.
+        `own` has conditions [SI] by the names in `Conditions.row_conditions`. Raises an
+        `InputError` if the draws have weights from tests.
         """
         if not own:
             return self
@@ -256,10 +260,11 @@ class SampleField:
             yield functools.partial(_normal_below, sd), self.weights * odds
 
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
-        """ln(velocity) (m,), and ln(rise/limit) of the next run at a load [N], by draw (n, m).
+        """Values of ln(velocity) (m,), and ln(rise/limit) there at a load [N], by draw (n, m).
 
-        With `beyond` both are extended by this much at each end of ln(velocity). The rise, divided
-        by friction, is extrapolated as a power law.
+        ln(rise/limit) has the random parts of `_random_excess`. `beyond` extends the range of
+        ln(velocity) by this much at each end. There the rise at constant friction is extrapolated
+        as a power law of the velocity.
         """
         if load not in self._cached:
             self._cache_lines([load])
@@ -332,12 +337,12 @@ def _normal_below(sd: float, distances: Array) -> Array:
 
 
 def fields(data: Results) -> list[SampleField]:
-    """Field of each scene in a sweep of samples."""
+    """`SampleField` of each scene in a sweep of samples."""
     return [single_field(scene) for scene in data.scenes]
 
 
 def single_field(ds: xr.Dataset | Results) -> SampleField:
-    """Field of a sweep of samples; raises an `InputError` if the sweep has several scenes."""
+    """`SampleField` of a sweep of samples; raises an `InputError` if it has several scenes."""
     scene = results(ds)
     ensemble = Ensemble.of(scene)
     weighed = posterior_at(scene, ensemble)

@@ -61,7 +61,7 @@ class Judged(NamedTuple):
 
     @property
     def last_mild(self) -> Test | None:
-        """Last mild test of a run that turned severe: highest load × velocity; else None."""
+        """Mild test of greatest load × velocity in a run that turned severe; None without one."""
         mild = [test for test in self.tests if test.get("outcome") == "mild"]
         return mild[shown_test(mild)] if mild and self.test["outcome"] == "severe" else None
 
@@ -103,7 +103,7 @@ class Posterior:
 
     @property
     def fits(self) -> bool:
-        """True if the model fits the tests; otherwise no test is called an outlier."""
+        """True if the tests as a whole agree with the model, by the criteria of `faults`."""
         return not self.draws.faults
 
     @property
@@ -239,7 +239,7 @@ _EXPLAINED = 1.25  # if leaving out a run lowers the scatter to this × stated, 
 def faults(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> tuple[str, ...]:
-    """Reasons in words why the model does not fit the tests; empty if it does.
+    """Reasons in words why the model does not fit the tests; empty if the model fits.
 
     `draws` are those of the posterior, `scatter` is the assumed relative scatter of velocities, and
     `inferred` has the 5, 50 and 95 % quantiles of the scatter.
@@ -259,10 +259,10 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits all runs but one.
+    """True if the model fits the tests once one run is left out, which thus explains a misfit.
 
-    `draws` and `inferred` were found without that run. `scatter` is the assumed relative scatter of
-    velocities; `inferred` has its 5, 50 and 95 % quantiles.
+    `draws` are those of the posterior without that run. `scatter` is the assumed relative scatter
+    of velocities, and `inferred` has the 5, 50 and 95 % quantiles of the scatter without that run.
     """
     at_ends = faults(unknown, draws, scatter, (0.0, *inferred[1:]))
     return inferred[1] <= _EXPLAINED * scatter and not at_ends

@@ -53,9 +53,9 @@ def join_rig(
 ) -> tuple[tuple[Unknown, ...], tuple[int, ...]]:
     """Add the rig's friction coefficient, and its scatter between tests, to the `unknown` inputs.
 
-    Returns the inputs, and the positions of these two among them. If the rig is the scene's own,
-    its coefficient is there already. If no test measured friction, or the scene's friction is
-    known, nothing is added, and there are no positions.
+    Returns the inputs, and the indices of these two among them. If the rig is the scene's own, its
+    coefficient is there already. If no test measured friction, or the scene's friction is known,
+    nothing is added, and there are no indices.
     """
     paths = [one.path for one in ensemble.unknown]
     measured = any(test.get("friction") is not None for test in ensemble.tests)
@@ -70,7 +70,10 @@ def join_rig(
 
 
 def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
-    """Add critical temperatures of other oils to the inputs; return inputs, and columns by oil."""
+    """Add the critical temperatures of other oils in the tests to the unknown inputs.
+
+    Returns all inputs, and for each other oil the index of its critical temperature among them.
+    """
     unknown = ensemble.unknown
     others = oils_of(test.get("oil") for test in ensemble.tests)[1:]
     if not others:

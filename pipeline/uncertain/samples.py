@@ -117,9 +117,9 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """Unknown inputs, and the design that generates their samples.
+    """How samples are drawn: the unknown inputs, and the design that generates the samples.
 
-    `fixed` are inputs whose distribution a later value replaces.
+    `fixed` are inputs that are no longer unknown: a value replaces the distribution of each.
     """
 
     unknown: tuple[Unknown, ...]
@@ -145,7 +145,8 @@ class Draw:
     def open_inputs(self) -> dict[str, Unknown]:
         """Inputs, by path, that can be fixed at a value without a new simulation.
 
-        They are the unknown inputs, and fixed inputs that are conditions or vary in the samples.
+        They are the unknown inputs, and those in `fixed` that are conditions or inputs of the
+        design.
         """
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)
@@ -178,7 +179,10 @@ def drawn_rows(draw: Draw, count: int) -> Variants:
 
 
 def _sum_quantiles(shares: Array, one: float, other: float) -> Array:
-    """Quantiles at `shares` of a + b, with a uniform from 0 to `one`, and b from 0 to `other`."""
+    """Quantiles at `shares` of the sum of two independent uniform variables.
+
+    One is distributed from 0 to `one`, and the other from 0 to `other`.
+    """
     short, long = sorted((one, other))
     half = np.minimum(shares, 1 - shares)
     slope, middle = np.sqrt(2 * short * long * half), long * half + short / 2

@@ -117,10 +117,11 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array]:
-    """First and total Sobol' indices of independent inputs (2, n_output, n_unknown).
+    """First and total Sobol' indices of independent inputs, and half-widths of 90 % intervals.
 
-    The second array has half the width of the indices' 90 % intervals. `function` returns the
-    outputs (n, n_output) of n draws. `count` is the size of the base sample, drawn with `seed`.
+    Both arrays are (2, n_output, n_unknown), with the first index before the total. `function`
+    returns the outputs (n, n_output) of n draws. `count` is the size of the base sample, drawn with
+    `seed`.
     """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 

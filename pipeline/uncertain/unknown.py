@@ -96,7 +96,7 @@ class Unknown:
 
     @property
     def spread(self) -> str:
-        """Unit in which differences of values are shown: K for a temperature."""
+        """Unit in which a spread of values is shown: K for a temperature, else as `shown`."""
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
