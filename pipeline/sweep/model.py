@@ -143,7 +143,7 @@ class Sweep:
 
     @cached_property
     def conditions(self) -> Conditions:
-        """Friction, temperatures and criterion, which act after the simulation."""
+        """Friction, temperatures and criterion by which the simulated points are judged."""
         parts = self.parts
         return replace(parts.conditions, **self.judged).under(parts.scene.loading)
 
@@ -171,12 +171,12 @@ class Sweep:
 
     @property
     def tests(self) -> tuple[Measurement, ...]:
-        """Tests of the scene, transitions first."""
+        """Tests of the scene; those that measured a transition come first."""
         return tuple(test.under_oil(self.oil) for test in self.parts.tests)
 
     @property
     def measured(self) -> tuple[Measurement, ...]:
-        """Transitions among the tests."""
+        """Tests that measured a transition from mild to severe wear."""
         return tuple(test for test in self.tests if not test.outcome)
 
     @property

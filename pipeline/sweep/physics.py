@@ -13,7 +13,8 @@ from tribo import Corrections, Track
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
 
-    Keys are the names of the tracks in `Corrections`.
+    Values are `Track` objects. Keys are "pin_track" and "track" (of the disk), as in `Corrections`.
+    The result is empty if no body rolls, or the heat of earlier turns is included.
     """
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)

@@ -153,7 +153,10 @@ class Task(NamedTuple):
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Group the points `todo` into tasks that share a contact, by ramp and ascending load."""
+    """Group the points `todo` into tasks; the points of a task share a simulated contact.
+
+    Tasks are sorted by ramp, then by ascending load.
+    """
     base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.ramp_increment(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)

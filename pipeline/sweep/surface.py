@@ -57,16 +57,16 @@ class SurfaceFacts:
 
 
 def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Roughness of the disk's surface; None if it is smooth.
+    """Roughness of the disk's surface; None if the surface is smooth or its heights are unknown.
 
-    With over 10⁶ pixels it is estimated from Ra.
+    For a random surface of over 10⁶ pixels no heights are made: Rq is estimated from Ra.
     """
     rough = sweep.scene.roughness
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
 
 def surface_words(sweep: Sweep) -> str | None:
-    """Describe the disk's surface, and how a scan was prepared; None if it is smooth."""
+    """Describe the disk's surface, and how a scan was prepared; None for a smooth surface."""
     if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
         return str(unknown)
     facts = surface_facts(sweep)

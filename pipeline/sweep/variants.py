@@ -30,10 +30,10 @@ SEED = "disk.roughness.seed"
 
 
 class Row(NamedTuple):
-    """One variant of a scene: its labels (values by column) [SI], and the entries that it replaces.
+    """One variant of a scene: `labels` by column [SI], and `values` of entries that it replaces.
 
-    If a column is named by the path of an entry that `values` lacks, the label is the entry's
-    value.
+    Keys of `values` are paths. A label whose column stands for an entry (`Column.key`) replaces
+    that entry too, unless `values` has it.
     """
 
     labels: Mapping[str, Label]
@@ -72,10 +72,11 @@ class Sampling(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """Table of the variants of a scene: a row for each combination of labels of the dimensions.
+    """Table of the variants of a scene, a row for each variant.
 
-    A row with a label for velocity or load is simulated only there, other rows at all loads and
-    velocities of the sweep.
+    A column is a dimension, such as the seed of a random surface, or has values that a dimension
+    determines. Each combination of values of the dimensions has a row. A row with its own velocity
+    or load is simulated only at that velocity or load, all other rows at those of the sweep.
     """
 
     columns: tuple[Column, ...] = ()
@@ -241,10 +242,10 @@ def numbered_rows(
 def labelled_rows(
     name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
 ) -> Variants:
-    """Table of variants with labels; each replaces entries, and may have its own load or velocity.
+    """Table of variants along one dimension, called `name`: a row for each label in `changes`.
 
-    `changes` has the entries by label. `places` are loads [N] or velocities [m/s], one value for
-    each variant.
+    For each label, `changes` has the entries that the variant replaces. `places` may give each
+    variant its own ``load`` [N] or ``velocity`` [m/s].
     """
     is_text = isinstance(next(iter(changes)), str)
     key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")

@@ -49,9 +49,10 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """The sweep with the measured error of the boundary velocity by its own fidelity.
+    """Measure the error of the boundary velocity that the sweep's fidelity causes.
 
-    The error is read from the store if the store has it.
+    Returns the sweep with this error, as `selection`. The error is not measured anew if `store` has
+    it.
     """
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)

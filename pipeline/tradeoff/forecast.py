@@ -122,7 +122,7 @@ class _TaskTimes:
         """
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
-            self._steps[load] = _steps(self.sweep, load)
+            self._steps[load] = _count_steps(self.sweep, load)
         increments, own, shown = self._steps[load]
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
@@ -187,8 +187,11 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
     return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
 
 
-def _steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Numbers of steps to a load [N]: shared with higher loads, not shared, with temperature."""
+def _count_steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
+    """Count the steps to a load [N]: shared with higher loads, not shared, and heated.
+
+    Heated steps are those of the steps not shared whose temperature every simulation computes.
+    """
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))
     shared = sum(

@@ -84,9 +84,10 @@ class Trade:
         return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
-        """Cheapest fidelity whose error of the boundary velocity is at most `error` at any load.
+        """Cheapest fidelity that is expected to keep within the relative `error` at every load.
 
-        Without such a fidelity it is the reference.
+        The error is that of the boundary velocity. The reference is returned if no fidelity
+        keeps within it.
         """
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
@@ -94,8 +95,8 @@ class Trade:
     def table(self) -> pd.DataFrame:
         """Frame with a row for each fidelity: two errors [%], and two times.
 
-        The errors are of the boundary velocity, at the points measured and at any load. The times
-        are in seconds, and divided by the time of ``fine``.
+        The errors of the boundary velocity are the largest at the points measured, and the one to
+        expect at any load. One time is in seconds, the other relative to the time of ``fine``.
         """
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
@@ -124,17 +125,17 @@ class Trade:
 def trade(
     sweep: SceneLike, presets: Sequence[str] = USUAL, progress: Report | None = None
 ) -> Trade:
-    """Measure speed against accuracy on the boundary of a scene.
+    """Measure the time of several fidelities, and their errors of a scene's boundary velocity.
 
-    Errors are measured at four loads from the lowest to the highest; with several variants, at six
-    loads and variants.
+    Errors are measured near the boundary, at four loads from the lowest to the highest; with
+    several variants, at six pairs of load and variant.
 
     Parameters
     ----------
     sweep : Sweep, str or path
         Scene to measure, or its path or name; its own fidelity is measured, too.
     presets : sequence of str
-        Presets to compare with ``reference``.
+        Presets to measure against the preset ``reference``.
     progress : callable, optional
         Called with a `Progress` that names each fidelity.
 
@@ -194,8 +195,8 @@ def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
     """Fidelities to measure, by name, without repeats; the reference first.
 
-    They are `presets` and the sweep's own. The scene's heat model is kept; "history" needs every
-    step on one grid.
+    They are `presets` and the sweep's own fidelity. If the scene's heat model is "history", presets
+    get this model too, which needs all steps on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}

@@ -82,8 +82,8 @@ def vary(
         lowest and highest velocity.
     over : mapping
         Values to try, by the key path of their entry. A value is written as in a scene file, or as
-        a change of the scene's value, such as ``"+20%"``. A coefficient of friction also scales
-        friction by velocity.
+        a change of the scene's value, such as ``"+20%"``. If friction depends on velocity or
+        temperature, a changed coefficient of friction scales the whole curve.
     preset, overrides, laws : optional
         See `pipeline.load_scene`.
     tolerance : float
