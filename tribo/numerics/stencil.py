@@ -116,16 +116,20 @@ class Neighbourhood:
 
 
 class Preconditioner:
-    """Approximate inverse of a solid's map on some nodes, at constant load.
+    """Approximate inverse of a solid's map from pressure to displacement, on some of its nodes.
 
-    The stencil S undoes the kernel of neighbours. In addition, the pressures p of a row i displace
-    the whole row by k·Σp (see `tribo.contact.rows`). The approximate inverse of both is
+    Called with a residual of the displacement at the nodes, it returns a search direction for their
+    pressure.
+
+    The stencil S inverts the influence of neighbouring elements. In addition, the pressures p of a
+    row i displace the whole row by k·Σp (see `tribo.contact.rows`). The approximate inverse of both
+    is
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
-    The result is shifted to sum to 0. If the stencil stays within a row, yᵢ is S1ᵢ, and (1) is the
-    exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil reaches into other rows, k must be small; then
-    (1) is nearly symmetric, too.
+    The direction is then shifted to sum to 0, so that the load stays constant. If the stencil stays
+    within a row, yᵢ is S1ᵢ, and (1) is the exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil
+    reaches into other rows, k must be small; then (1) is nearly symmetric, too.
 
     `inverse` applies the stencil S at the nodes, `rows` has the row of each node, and `coupling` is
     k.
@@ -150,7 +154,7 @@ class Preconditioner:
         self._balance = self._balance / float(self._balance.sum())
 
     def __call__(self, residual: Array) -> Array:
-        """Return the search direction for a residual; it sums to 0."""
+        """Return the search direction for a residual; the direction sums to 0."""
         direction = self._inverse(residual)
         if self._weight is not None:
             sums = self._weight * np.bincount(self._rows, direction)
@@ -160,10 +164,11 @@ class Preconditioner:
 
 
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """Stencil (3, 2) that inverts a kernel on a block of elements, −rx to rx by −ry to ry.
+    """Stencil that inverts `kernel`, from `_near_kernel`, on the block −rx to rx by −ry to ry.
 
-    Its factors are the sources on the block that give 1 on the middle element, and 0 on the others.
-    `kernel` is from `_near_kernel`.
+    Its shape is (3, 2): rows are the offsets −1 to 1 along x, columns 0 and ±1 along y. The factors
+    are the sources that give 1 on the block's middle element and 0 on its others. Outside the block
+    the factors are 0; rx and ry are at most 1.
     """
     i, j, middle = _block(rx, ry)
     inverse = np.zeros((3, 2))

@@ -93,7 +93,10 @@ _contacts = Cache[State](
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
-    """Widths and slope of a surface's summits, cached or from `compute`, for all fidelities."""
+    """Widths and slope of the summits of the scene's surface, cached for scenes of any fidelity.
+
+    `compute` is called if they are not cached yet.
+    """
     found: Value = _summits.get((scene.roughness, scene.pixels), compute)
     return found
 
@@ -122,7 +125,10 @@ def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
-    """Contact that does not depend on earlier steps: cached under `key`, else from `compute`."""
+    """Contact that does not depend on earlier steps, cached under `key`.
+
+    `compute` is called if the contact is not cached yet.
+    """
     return _contacts.get(key, compute)
 
 

@@ -113,23 +113,25 @@ def contacts(
     requested: Container[int] = (),
     note: Note | None = None,
 ) -> Iterator[State]:
-    """Contact states along the way to `normal_load` and through its hold, without temperatures.
+    """Contact states along the way to `normal_load` [N] and through its hold.
 
-    Apart from `State.sliding_distance`, they depend on the velocity only through `wear_number`,
-    unless `inseparable` gives a reason. See `tribo.simulate` for further parameters and for errors.
+    The states have temperatures only if these depend on the heat of earlier steps. Otherwise `heat`
+    computes the temperature of the states with `State.is_requested`.
+
+    Apart from `State.sliding_distance`, the states depend on the velocity only through
+    `wear_number`, unless `inseparable` gives a reason. See `tribo.simulate` for further parameters
+    and for errors.
 
     Parameters
     ----------
     note : Note, optional
-        Value to record after each increment below the load. States whose temperature is requested
-        have these values as `State.course`.
+        Value to record after each increment of the ramp below `normal_load`. States with
+        `State.is_requested` have the values recorded so far as `State.course`.
 
     Yields
     ------
     State
-        State after every step. `State.is_requested` marks the states whose temperature is wanted.
-        It is computed by `heat`, unless it depends on the heat of earlier steps: then the state
-        already has it.
+        State after every step that `trunks` did not have yet.
 
     Examples
     --------
@@ -193,9 +195,9 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station through which higher loads pass, too, on the coarsest of the `levels`.
+    """State at a station of the shared ramp (trunk), one step after the state `before`.
 
-    `levels` is the scene on ever finer grids; `before` is the state one step earlier.
+    The step is computed on the first and coarsest of the `levels`, the scene on ever finer grids.
     """
     return _last_part(levels, velocity, before, station)[1]
 
@@ -203,9 +205,10 @@ def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station:
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States before and after the last part of a step, on the coarsest level; see `parts_of`.
+    """States before and after the last part of a step to `station`; see `parts_of`.
 
-    `levels` is the scene on ever finer grids; `before` is the state before the whole step.
+    The step is computed on the first and coarsest of the `levels`, the scene on ever finer grids.
+    `before` is the state before the whole step.
     """
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
@@ -225,10 +228,11 @@ def _solve_requested(
     velocity: float,
     course: tuple[Any, ...] = (),
 ) -> State:
-    """Repeat the step from `before` to `after` on the finest level; mark it to get a temperature.
+    """Repeat a step on the finest grid, so that the state at its end can get a temperature.
 
-    `levels` is the scene on ever finer grids. `course`, the values that a `Note` recorded on the
-    way, is stored in the returned state.
+    The step leads from the state `before` to the state `after`, and `levels` is the scene on ever
+    finer grids. The returned state has `State.is_requested` set, and the `course`: the values that
+    a `Note` recorded. If nothing is in contact, `after` is returned unchanged.
     """
     if not after.pressure.any():
         return after
@@ -261,7 +265,10 @@ def _unworn(
 
 
 def _later_state(contact: State, station: Station, velocity: float) -> State:
-    """The state `contact`, without wear, at a later station of the loading of equal load."""
+    """The state `contact` with the time, impulse, index and sliding distance of a `station`.
+
+    It is the state at the station if the loads are equal and nothing wears.
+    """
     return replace(
         contact,
         time=station.time,

@@ -182,7 +182,7 @@ class Corrections:
         return bool(tracks or any(bulk.capacity for bulk in bulks if bulk))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the corrections that are present as dictionaries, lists and numbers, by name."""
+        """Return the corrections that are set, by name, as values of built-in types."""
         curves = {"by_velocity": self.friction.by_velocity}
         curves |= {"by_temperature": self.friction.by_temperature}
         plain = asdict(self)
@@ -194,7 +194,7 @@ class Corrections:
 
     @property
     def text(self) -> str:
-        """The corrections that are present, in words, with their sizes."""
+        """The corrections that are set, in words, with their sizes."""
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
             "friction by velocity": _describe_curve(self.friction.by_velocity),
@@ -319,9 +319,10 @@ class _Moment(NamedTuple):
     ) -> Self:
         """Make the moment of one step from recorded columns, whose last axis is the step.
 
-        `place` is the index of the step along all axes of a column. The load until then grew at
-        `rate`, or followed `course`, whose shares refer to the load at the last step. Without
-        `rate` and `course` it is linear between the recorded steps.
+        `place` is the index of the step along all axes of a column. If a `rate` [N/s] is given, the
+        load grew at this rate and was then held. Otherwise the load followed `course`, shape (2, n)
+        with times [s] and loads as shares of the last load. If `course` is empty, the load was
+        linear between the recorded steps.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))

@@ -100,7 +100,10 @@ class CoupledHeat:
 def coupled_heat(
     scene: Scene, state: State, velocity: float, law: Friction, bulk: float, added: float = 0.0
 ) -> CoupledHeat:
-    """Find the temperature of a contact whose friction depends on temperature: Eq. (1) above.
+    """Find the temperature rises of a contact whose friction depends on temperature.
+
+    Each element has the friction of its own temperature, and its heat warms all elements: Eq. (1)
+    of this module.
 
     Parameters
     ----------
@@ -115,12 +118,12 @@ def coupled_heat(
     bulk : float
         Temperature of both bodies far from the contact [K].
     added : float, optional
-        Rise per unit friction that is added to all elements, r of Eq. (1) [K].
+        Rise per unit friction that is added evenly to all elements [K].
 
     Returns
     -------
     CoupledHeat
-        Rises, averaged over the same positions of the disk as the state's temperature.
+        Rises [K], averaged over the same positions of the disk as the state's temperature.
     """
     scene = refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
@@ -137,9 +140,9 @@ def coupled_heat(
 
 
 def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float) -> CoupledHeat:
-    """Find the temperature by Eq. (1) with the disk at one position, that of the state's pressure.
+    """Find the temperature rises for one position of the disk, from the pressure of `state`.
 
-    `added` is the rise per unit friction that is added to all elements, r of Eq. (1) [K].
+    `added` is a rise per unit friction that is added evenly to all elements [K].
     """
     contact = state.pressure > 0
     nodes = np.flatnonzero(contact)
@@ -190,7 +193,7 @@ class _Frictions:
         return np.asarray(self.law.at(self.velocity, self.bulk + rise))
 
     def may_ignite(self, cold_rise: Array) -> bool:
-        """True if friction may rise so steeply with temperature that the contact ignites.
+        """True if friction may rise so steeply that the contact heats itself ever faster (ignites).
 
         `cold_rise` is the rise with the friction at the bulk temperature [K].
         """

@@ -73,9 +73,10 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
-    """Imprint that `wear` leaves in the pin over a sliding distance [m], over the roughness height.
+    """Depth of the roughness's imprint in the worn pin, divided by the height of the roughness.
 
-    It is 0 if it is not known.
+    `wear` acts over a sliding `distance` [m]; `part_count` has the formula. The result is 0 if the
+    disk is smooth, or if `elastic_bodies` has no heights for this scene.
     """
     heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
     if heights is None or not yielding > 0:

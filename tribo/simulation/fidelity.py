@@ -25,10 +25,10 @@ class Fidelity:
         paper, or the height of one pixel in its middle. A sample keeps the distribution of heights
         and slopes that the mean smooths, and so comes nearer to a computation on the pixels.
     history_coarsening : int
-        Largest factor on the sides of elements before a point's last step, which is then repeated
-        on the scene's own grid. Earlier steps affect the last one only by the wear. A coarse grid
-        resolves the wear if it is swept and many elements touch. With local wear, which follows the
-        roughness, the grid is not coarsened.
+        Largest factor by which the sides of elements are lengthened in the steps of a point. The
+        last step is then repeated on the scene's own grid. Earlier steps affect it only by the
+        wear. Coarse elements resolve the wear if it is swept and many of them touch. With local
+        wear, which follows the roughness, the grid is not coarsened.
     elements_per_summit : float
         Least width of the surface's summits, in elements. If it is above 0, elements are made small
         enough for this, down to the pixels; see `tribo.simulation.element_size`.
@@ -44,9 +44,9 @@ class Fidelity:
     hold_increments : int
         Like `increments`, but for the steps of a hold, which grow with time; 0 for the same number.
     imprint : float
-        Share of a wave of the roughness that a part of a step may wear into the pin. Steps with a
-        larger imprint are cut into parts, at most 4; 0 for no parts. Local wear and ridges along y
-        leave such imprints.
+        Largest depth to which the roughness may wear itself into the pin within a part of a step,
+        divided by the height of the roughness. Steps are cut into as many parts as this takes, at
+        most 4; 0 for no parts. Local wear and ridges along y leave such imprints.
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float

@@ -119,9 +119,10 @@ class Friction:
         return factor
 
     def temperature(self, rise: Any, bulk: float) -> Any:
-        """Temperature of the contact, from its rises per unit friction coefficient, by Eq. (1) [K].
+        """Temperature T of the contact [K], the lowest solution of T = bulk + µ(T)·rise.
 
-        The rises already include the friction's dependence on velocity.
+        `rise` is per unit friction [K], and already includes the friction's dependence on velocity.
+        Where µ rises too steeply for this equation, T grows by a power of `rise`; see the module.
 
         Examples
         --------

@@ -37,10 +37,11 @@ def solve_friction(
     load: float,
     conditions: Judging,
 ) -> CoupledRise:
-    """Solve friction by temperature at the worst moment of a point, if its verdict depends on it.
+    """Solve for the rise at a point's worst moment, if friction depends on temperature.
 
-    The verdict depends on it if the rise by Eq. (1) of `friction` is within 30 % of the limit, if
-    the limit is not known, or if a mild contact may ignite. Otherwise `UNSOLVED` is returned.
+    It is solved only if the solution may change the verdict: if the rise in `columns` is within
+    30 % of its limit, if the critical temperature is not known, or if a mild contact may heat
+    itself until wear is severe (`Judging.may_ignite`). Otherwise `UNSOLVED` is returned.
 
     Parameters
     ----------
@@ -74,9 +75,9 @@ def solve_friction(
 
 
 def _may_change_verdict(conditions: Judging, rise: float) -> bool:
-    """True if solving friction by temperature may change the verdict for a `rise`.
+    """True if the verdict may change once friction that depends on temperature is solved.
 
-    The rise is per unit friction [K].
+    `rise` is the rise per unit friction before the solution [K].
     """
     if conditions.critical_temperature is None:
         return True

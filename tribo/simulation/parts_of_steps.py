@@ -22,9 +22,10 @@ ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
-    """Stations (moments) at the ends of the parts of a step; the last one is `station`.
+    """Cut a step into parts of equal duration; yield the station (moment) at the end of each part.
 
-    The step begins at the state `before`.
+    The step leads from the state `before` to `station`, the last one yielded. It has so many parts,
+    at most 4, that in each the roughness wears only a shallow imprint into the pin.
     """
     count = _part_count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):

@@ -76,7 +76,7 @@ class Pin(Protocol):
         """Height of the pin above a plane that it touches [m], shape ``grid.shape``."""
 
     def patches(self, grid: Grid) -> float:
-        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
+        """Number of patches like `grid` on the pin: the pin's load over the load on one patch."""
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
         """Smooth, unworn contact under a load [N], for a contact modulus [Pa]."""
@@ -120,7 +120,7 @@ class Cylinder:
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
+        """Number of patches like `grid` on the pin, side by side along its length."""
         return self.length / grid.size[1]
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -185,7 +185,7 @@ class Ball:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
+        """Number of patches like `grid` on the pin: 1, since one patch has the whole contact."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:
@@ -242,7 +242,7 @@ class Crowned:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """Load on the pin over the load on its patch, `grid`; also the ratio of worn volumes."""
+        """Number of patches like `grid` on the pin: 1, since one patch has the whole contact."""
         return 1.0
 
     def hertz(self, normal_load: float, contact_modulus: float) -> HertzContact:

@@ -132,7 +132,9 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
 
 def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
-    """Reasons for caution about a point from the solution of its friction by temperature.
+    """Reasons for caution about a point whose friction depends on temperature.
+
+    `coupled` is the solution for the rise. The list is empty unless the solution failed.
 
     Examples
     --------

@@ -68,7 +68,10 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Ascending ages before a state [s], and the share of its load that was missing at each."""
+    """Times before a state [s], ascending from 0, and how much less the load was at each time.
+
+    The latter is a share of the state's load: 1 without load, 0 at the full load of the state.
+    """
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
@@ -91,9 +94,9 @@ def _excess_warming(
 ) -> float:
     """How much too high a rise is if the present heat is taken to have acted since time 0.
 
-    The result is divided by the heat per length across the motion [W/m], so in m K/W. `lacking` are
-    the shares of the present load that were missing at `ages`, ascending from 0 [s]. The body moves
-    at `velocity` [m/s], and the heat acts on a `length` across the motion [m].
+    The result is divided by the heat per length across the motion [W/m], so in m K/W. `ages` and
+    `lacking` are the results of `_missing_load`. The body moves at `velocity` [m/s], and the heat
+    acts on a `length` across the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -144,9 +144,10 @@ class Scene:
         return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
 
     def windows_worn(self, sliding: float) -> float:
-        """Length of the part of the pin that wears, in windows along x: its track if it rolls.
+        """Length along x of the part of the pin that wears, divided by the length of the window.
 
-        The pin rolls or not depending on the `sliding` velocity [m/s].
+        If the pin rolls at the `sliding` velocity [m/s], its whole track wears. If the pin is at
+        rest, the result is 1.
         """
         if self.velocities_at(sliding).pin == 0:
             return 1.0
@@ -159,9 +160,10 @@ class Scene:
 
     @property
     def contact_pattern(self) -> WearPattern | None:
-        """Pattern in which one contact wears the pin; None without wear.
+        """Pattern of the wear by one solved contact; None without wear.
 
-        If y is not periodic, each position of the disk wears the pin by its own pressure.
+        It is the pattern of `wear` if y is periodic. If not, it is "local", even for swept wear:
+        then the pin wears by contacts at many positions of the disk in turn, see `sweeps_over`.
         """
         if self.wear is None:
             return None
@@ -169,7 +171,7 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """True if each point of the pin wears by its own pressure, facing one patch of the disk."""
+        """True if each point of the pin wears by its own pressure, at one position of the disk."""
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
@@ -188,13 +190,16 @@ class Scene:
 
     @property
     def sweeps_over(self) -> bool:
-        """True if wear is swept over many disk positions: the disk is rough, y not periodic."""
+        """True if the pin wears by contacts at many positions of the disk.
+
+        This is so for swept wear if the disk is rough and y is not periodic.
+        """
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
     @property
     def grid(self) -> Grid:
-        """The grid of elements, each of ``pixels_per_element`` squared pixels.
+        """The grid of elements. An element is a block of n × n pixels, n = ``pixels_per_element``.
 
         For a smooth cylinder on a smooth disk, on a patch that repeats along y, nothing depends on
         y. Then an element is as long along y as the patch.
@@ -330,10 +335,11 @@ class Scene:
         return next(fits, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """The scene on ever finer grids, from the coarse grid of earlier steps to its own.
+        """The scene on ever finer grids, for the last step of a point; its own grid comes last.
 
-        From each grid to the next, elements become at least four times smaller along each axis,
-        except to the scene's own grid. More grids would cost more time than they save.
+        The first grid is that of all earlier steps; it is coarser by the factor `coarsening`. From
+        one grid to the next, the sides of elements shrink to a quarter or less; for the last grid a
+        third or a half may do. More grids would cost more time than they save.
         """
         factor = self.coarsening
         while factor > 1:

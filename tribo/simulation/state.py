@@ -116,6 +116,8 @@ class State:
     passing : tuple of ndarray, each of shape (nx, ny)
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
+    course : tuple
+        Values that a `Note` recorded on the ramp to this state, if its temperature is requested.
 
     Examples
     --------

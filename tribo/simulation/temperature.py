@@ -51,7 +51,10 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
-    """Mean temperature over positions of the disk, with the fields at the first position."""
+    """`Heat` with mean values over positions of the disk, from the `heats` at each position.
+
+    The arrays `Heat.rise` and `Heat.bulk_response` are those at the first position.
+    """
     first, *others = heats
     if not others:
         return first
@@ -72,7 +75,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 
 
 def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature due to the present heat, with the disk where the state's pressure was solved."""
+    """Temperature by the pressure of `state`, as if its friction heat had acted since time 0."""
     contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:

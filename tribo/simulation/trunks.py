@@ -44,11 +44,11 @@ class _Trunk:
         """Number of increments whose states were dropped, counted from the first."""
         return self.count - len(self.states)
 
-    def require(self, increments: int, noted: int) -> None:
-        """Discard the ramp if it has dropped a state that is needed now.
+    def discard_if_lacking(self, increments: int, noted: int) -> None:
+        """Discard the ramp if it has dropped a state that is needed to continue it.
 
-        Two states are needed: the one after `increments` increments, and the first one of which no
-        value is recorded yet, after `noted` + 1 increments.
+        The earliest state needed is that after `increments` increments, or that after `noted` + 1
+        if this is less: values are recorded for `noted` increments so far.
         """
         if increments and self.dropped >= min(increments, noted + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
@@ -64,20 +64,22 @@ class _Trunk:
 
 
 class Trunks:
-    """A cache of ramps by scene, velocity and increment, up to a total size [B].
+    """A cache of the states along ramps of the load, by scene, velocity and increment of the load.
 
-    The least recently used ramps are dropped first. If a ramp is larger than the limit, only its
-    last state is kept.
+    The total size of the states is at most `limit` [B]. The least recently used ramps are dropped
+    first. If a single ramp is larger than the limit, only its last state is kept.
 
     Examples
     --------
+    The ramp grows by 1.25 N a step. The second load continues from the cached state at 3.75 N:
+
     >>> import tribo
     >>> from dataclasses import replace
     >>> scene = replace(scene, wear=tribo.Wear(1e-15))
     >>> ramp, fine = tribo.Ramp(1.0, 10.0), replace(scene.fidelity, increments=8)
     >>> scene = replace(scene, loading=ramp, fidelity=fine)
     >>> trunks = Trunks()
-    >>> for load in (5.0, 9.0):  # by increments of 1.25 N
+    >>> for load in (5.0, 9.0):
     ...     print(sum(1 for state in tribo.simulate(scene, load, 0.065, trunks)))
     4
     5
@@ -112,7 +114,7 @@ class Trunks:
             self._trunks.move_to_end(key)
         with trunk.lock:  # a thread waits here for a ramp that another thread computes
             noted = len(trunk.notes.get(note.name, ())) if note else len(stations)
-            trunk.require(len(stations), noted)
+            trunk.discard_if_lacking(len(stations), noted)
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
             state = begin
             for index, station in enumerate(stations, 1):

@@ -69,7 +69,7 @@ class Judging(ABC):
 
     @property
     def bulk_ratio(self) -> float:
-        """Bulk temperature of the disk minus the pin's, per unit friction (`rise_factor`) [K]."""
+        """Bulk temperature of the disk minus that of the pin, divided by `rise_factor` [K]."""
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
@@ -95,9 +95,10 @@ class Judging(ABC):
         return SolvedFriction(law, self.bulk_temperature, decisive.name, decisive.share)
 
     def may_ignite(self, rise: float) -> bool:
-        """True if wear at a rise per unit friction [K] is mild, but severe at the highest friction.
+        """True if a mild contact may heat itself ever faster until its wear is severe (ignite).
 
-        Friction must also rise so steeply with temperature that a contact may ignite.
+        It may if wear is mild at the `rise` per unit friction [K], but would be severe at the
+        highest friction, and friction rises steeply enough with temperature.
         """
         law, bulk, critical = self.friction_law, self.bulk_temperature, self.critical_temperature
         if critical is None or not law.by_temperature:
@@ -115,11 +116,15 @@ class Judging(ABC):
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Change of a contact temperature [K] per relative change of the rise, dT/d ln(rise)."""
+        """Error of a contact temperature [K] over the relative error of the rise, dT/d ln(rise)."""
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
-        """Raise `InputError` if the bulk temperatures differ while friction varies."""
+        """Raise `InputError` if the rise is not in proportion to the coefficient of friction.
+
+        It is not if the bulk temperatures of pin and disk differ, and friction depends on velocity
+        or temperature.
+        """
         law = self.friction_law
         for name, curve in (("velocity", law.by_velocity), ("temperature", law.by_temperature)):
             if curve and self.bulk_difference:
@@ -145,8 +150,8 @@ class Conditions(Judging):
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None if it equals the pin's.
     corrections : Corrections or None
-        Bodies that warm, stem, film, friction by velocity and temperature; None without
-        corrections.
+        Warming of the bodies, the pin's stem, a film on the disk, and friction that depends on
+        velocity or temperature; None without corrections.
     criterion : Criterion
         Criterion of severe wear. By default wear is severe if more than a tenth of the contact is
         above the critical temperature.

@@ -177,7 +177,10 @@ def flux_history_spectrum(
 
 
 class _Stretch(NamedTuple):
-    """A range of diffusion lengths over which the strength of a flux is linear in its age."""
+    """A range of diffusion lengths over which the strength of a flux is linear in its age.
+
+    The diffusion length is s = 2√(κ·age).
+    """
 
     begin: float  # [m]
     end: float  # [m]
@@ -185,11 +188,11 @@ class _Stretch(NamedTuple):
     slope: float  # growth of the strength with s² [1/m²]
 
     def strength(self, s: Array) -> Array:
-        """Strength of the flux at diffusion lengths s [m]."""
+        """Strength of the flux, dimensionless, at the ages at which heat has diffused by s [m]."""
         return self.first + self.slope * (s**2 - self.begin**2)
 
     def integral(self, s: float) -> float:
-        """Integral of the strength over diffusion lengths, from the stretch's start to s."""
+        """Integral of the strength over diffusion lengths from `begin` to s [m]."""
         constant = (self.first - self.slope * self.begin**2) * (s - self.begin)
         return constant + self.slope * (s**3 - self.begin**3) / 3
 

@@ -149,13 +149,14 @@ class Criterion:
         return rise <= limit
 
     def rise(self, columns: Columns) -> Any:
-        """Deciding rise [K], from columns for the bulk temperatures of the verdict.
+        """Rise that decides whether wear is severe [K], found from columns of rises.
 
         Parameters
         ----------
         columns : mapping
-            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...), and
-            ``quantile`` unless the quantiles are `tribo.QUANTILES`.
+            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...), for
+            the bulk temperatures that pin and disk have; and ``quantile``, unless the quantiles are
+            `tribo.QUANTILES`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):

@@ -132,7 +132,10 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
     def mode(root: Array, x: float) -> tuple[Array, Array]:
-        """A mode and its slope at x, for a trial root; it meets the condition at the bore."""
+        """Value and slope of a thermal mode at the radius `x`, relative to the rim, for each root.
+
+        Whatever the root, the mode meets the condition at the bore.
+        """
         if not inner:
             return j0(root * x), -root * j1(root * x)
         first, second = (

@@ -36,7 +36,7 @@ _AGE_DIGITS = 9  # digits to which ages are rounded, so that equal steps make eq
 
 
 class Conductor(NamedTuple):
-    """An insulated half-space that moves along x.
+    """A heat-conducting half-space that moves along x, under a flux through its surface.
 
     Attributes
     ----------
@@ -67,7 +67,11 @@ SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], S
 def conducted_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """`flux_history_spectrum` of a body [K m²/W], with the same `ages` and `strengths`."""
+    """Spectrum of the rise of a body due to a past flux into it [K m²/W].
+
+    The flux had these `strengths`, dimensionless, at these `ages` before now [s]; see
+    `flux_history_spectrum`.
+    """
     return flux_history_spectrum(
         grid, body.material, body.velocity, ages, strengths, length=body.length
     )

@@ -48,11 +48,11 @@ class Axis:
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Fourier transform, along `axis`, of the kernel's factor E at a panel's nodes s [m].
+    """Fourier transform, along `axis`, of the thermal kernel's factor E, shape (nodes, modes).
 
-    Its shape is (nodes, modes), and it is real for a body at rest.
-
-    `low` is the lower end of the panel [m], and `drift` is ``|V|/(4κ)`` [1/m].
+    At a coordinate x, E is erf((x + a)/s − vs) − erf((x − a)/s − vs), with half the side of an
+    element, a, and v = `drift` = ``|V|/(4κ)`` [1/m]. `s` are diffusion lengths [m], the nodes of a
+    quadrature, ascending from `low` or above [m]. The result is real for a body at rest.
     """
     factor: Spectrum
     if low >= axis.series_start(drift):

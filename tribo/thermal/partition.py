@@ -221,9 +221,9 @@ def _iterate_flux(
 ) -> tuple[Array, int]:
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
 
-    `both` is the sum of the maps of pin and disk, `near` has its stencils, and `target` is the
-    temperature [K] that it has to give on the nodes. See `partition_heat` for `tolerance` and
-    `max_iterations`.
+    `both` is the sum of the maps of pin and disk, and `near` has the stencils of this sum. `target`
+    is the temperature that `both` must give for the flux on the nodes [K]. See `partition_heat` for
+    `tolerance` and `max_iterations`.
     """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))

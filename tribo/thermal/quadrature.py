@@ -57,11 +57,12 @@ def panels(
 
 
 def _growth_until_edge(drift: float, low: float, side: float) -> float:
-    """Growth of s from `low` [m] until an edge of the moving source is felt at an element's centre.
+    """Growth of the diffusion length s until an element's centre feels the source's edge [m].
 
-    It is 0 or less if an edge is felt at a centre now. An edge passes a centre where drift·s² is an
-    odd multiple of half the side of an element, with the `drift` ``|V|/(4κ)`` [1/m]. Its heat is
-    felt at the centre while s differs by less than `REACH`/(2 drift) from its value then.
+    s grows from `low` [m]. The result is 0 or less if a centre feels an edge at `low` already. An
+    edge of the moving source passes a centre where drift·s² is an odd multiple of half the `side`
+    of an element [m], with the `drift` ``|V|/(4κ)`` [1/m]. The centre feels the edge while s is
+    less than `REACH`/(2 drift) from the diffusion length of this passage.
     """
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)

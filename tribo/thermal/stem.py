@@ -52,12 +52,16 @@ class Stem:
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
     def resistance_under(self, times: Array, loads: Array) -> float:
-        """Thermal resistance at the last time: warming of the heated end over heat flow [K/W].
+        """Thermal resistance at the last time: warming of the heated end per heat flow then [K/W].
 
-        The heat flow is in proportion to the load, which is linear between the times [s] and 0 at
-        time 0. By Duhamel's theorem, with S the fraction of a constant flow and I its integral,
+        The heat flow is in proportion to the load F, which is linear between the times [s] and 0 at
+        time 0. By Duhamel's theorem the resistance at the last time t is
 
-            R/F(t) Σ F₀S(t − t₀) − F₁S(t − t₁) + (F₁ − F₀)/(t₁ − t₀) (I(t − t₀) − I(t − t₁))
+            R/F(t) Σ [F₀S(t − t₀) − F₁S(t − t₁) + (F₁ − F₀)/(t₁ − t₀) (I(t − t₀) − I(t − t₁))],
+
+        summed over the intervals between successive times t₀ and t₁, with the loads F₀ and F₁. R is
+        the steady resistance. S is the resistance after a constant flow for a time, divided by R
+        (`stem_fraction`), and I the integral of S from 0 to this time.
 
         Examples
         --------

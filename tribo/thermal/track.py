@@ -51,7 +51,8 @@ def track_warming(
     >>> f"{0.1 * warming:.1f} K"
     '2.4 K'
 
-    A steel disc of 100 × 10 mm that takes 100 W for a minute, at 1 m/s: 19 K on average.
+    A steel disc of 100 × 10 mm takes 100 W for a minute, at 1 m/s. The disc warms by 21 K on
+    average, and its track by more:
 
     >>> held, disc = (np.array([1e-3, 60.0]), np.full(2, 100.0)), Disc(diameter=0.1, width=0.01)
     >>> warming = track_warming(60.0, 0.1 * np.pi, held, 0.01, 1.2275e-5, 3.666e6, disc)

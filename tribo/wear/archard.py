@@ -45,13 +45,16 @@ class Stage(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RungeKutta:
-    """A scheme for dh/dS = k p(h, F), of one or more stages.
+    """A Runge-Kutta scheme of one or more stages for Archard's law, dh/dS = k p(h, F).
 
-    k is the specific wear rate; cᵢ, bᵢ and γ are the scheme's ``fractions``, ``weights`` and
-    ``implicitness``. Stage i has the load Fᵢ at the fraction cᵢ of the step, as if the load changed
-    linearly. It is solved for its pressure pᵢ on the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ +
-    γpᵢ). The step ends at h + k dS Σ bᵢpᵢ. For a step over the distance S at the mean load F̄, dS
-    is S F̄/Σ bᵢFᵢ: so the worn volume is kF̄S, whatever the load does within the step.
+    h is the wear depth [m], S the sliding distance [m], k the specific wear rate [m²/N], and p the
+    pressure [Pa] on the worn shape under the load F [N]. cᵢ, bᵢ and γ are the scheme's
+    ``fractions``, ``weights`` and ``implicitness``.
+
+    Stage i has the load Fᵢ at the fraction cᵢ of the step, as if the load changed linearly. It is
+    solved for its pressure pᵢ on the shape worn by h + k ΔS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step
+    ends at the wear depth h + k ΔS Σ bᵢpᵢ. For a step over the sliding distance L at the mean load
+    F̄, ΔS is L F̄/Σ bᵢFᵢ: so the worn volume is kF̄L, whatever the load does within the step.
     """
 
     fractions: tuple[float, ...]  # c
