@@ -161,11 +161,11 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Copy of a dataset whose answers weigh its samples by the scene's laboratory tests.
+    """Copy of a dataset of samples, set to weigh the samples by laboratory tests.
 
     `scatter` is the relative scatter of measured velocities; None for the default. Raises an
-    `InputError` without `given_measured`, without samples, or if `others` names conditions to
-    change.
+    `InputError` if the user did not ask for the weighing (`given_measured`), or the dataset has no
+    samples. Of the conditions `others` that the user changes, only the criterion is allowed.
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
@@ -259,7 +259,10 @@ def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Select the `values` of varied entries in a dataset; return it, and all other values."""
+    """Restrict a dataset to `values` of the entries that vary in it.
+
+    Returns the restricted dataset, and the `values` of all other entries.
+    """
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
     for path in values.keys() & columns:
@@ -288,7 +291,7 @@ def _value_index(axis: xr.DataArray, value: float | str) -> int:
 
 
 def _number(value: float | str) -> float:
-    """Convert a number, or a text with a unit, to an SI number; NaN if the text is neither."""
+    """Convert a number, or text such as "5 N", to SI; NaN for text that is not a quantity."""
     for read in (float, lambda text: to_si(text, like=text)):
         with suppress(ValueError):
             return read(value)

@@ -253,10 +253,10 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _quantiles(line: Line) -> Array:
-    """5, 50 and 95 % quantiles over surfaces of critical velocity or load, for k lines (3, k).
+    """Quantiles `BAND` over the surfaces of critical velocity [m/s] or load [N] (3, k).
 
-    Quantiles are interpolated between ranked surfaces. They are NaN next to a transition of which
-    only bounds are known.
+    `line` has curves (m, k): for m surfaces, and k loads or velocities. Quantiles are interpolated
+    between ranked surfaces. They are NaN next to a transition of which only bounds are known.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

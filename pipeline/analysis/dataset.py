@@ -300,7 +300,10 @@ _NO_PLANE = {
 
 
 def require_one_scene(names: Sequence[str]) -> None:
-    """Raise an `InputError` if `names` is not empty: entries with several values in the sweep."""
+    """Raise an `InputError` if a sweep has several scenes.
+
+    `names` are the entries with several values in the sweep; empty for a single scene.
+    """
     if names:
         several = " and ".join(names)
         options = " ".join(f'--at "{name}=..."' for name in names)

@@ -68,7 +68,11 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
-    """Temperatures of one scene, with the dimensions of the dataset `like`."""
+    """Contact temperatures [K] of one scene: highest, mean and quantiles.
+
+    With a critical temperature the dataset also has the share of the contact above it. The
+    dimensions are those of the dataset `like`.
+    """
     scene.require("max_rise", "mean_rise", "rise_quantile")
     if len(scene.shares) < len(QUANTILES):
         raise InputError(

@@ -49,7 +49,7 @@ class Field(Protocol):
 
     @property
     def weights(self) -> Array:
-        """Weights of the members (m,); their sum is 1."""
+        """Weight of each surface or draw (m,); the weights add up to 1."""
 
     @property
     def conditions(self) -> Conditions:
@@ -86,13 +86,14 @@ class Field(Protocol):
         """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at k loads and velocities, with reasons for unknown ones."""
+        """Contact temperatures that decide on wear at k loads and velocities; see `Here`."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The first axis has the causes: interpolation, preset, warnings and later effects. The errors
-        are of the surface or draw with the largest error.
+        The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
+        and temperature-dependent friction. The errors are of the surface or draw with the largest
+        error.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
@@ -109,7 +110,7 @@ class Field(Protocol):
 
 
 class Here(NamedTuple):
-    """Deciding temperatures of a field at loads and velocities, and the reason for unknown ones.
+    """Contact temperatures that decide on wear at loads and velocities, or why they are unknown.
 
     Arrays have a value for each member and place; see `Field`.
     """
@@ -122,7 +123,7 @@ class Here(NamedTuple):
     reasons: Sequence[str]  # why the place is unknown; empty if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` if a temperature is unknown, which says why."""
+        """Raise an `InputError` that says why if a temperature is unknown."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
@@ -149,7 +150,7 @@ class PointField:
 
     @property
     def weights(self) -> Array:
-        """Equal weights of the surfaces (m,); their sum is 1."""
+        """Equal weights of the surfaces (m,), which add up to 1."""
         return np.full(len(self.planes), 1 / len(self.planes))
 
     @property
@@ -169,7 +170,10 @@ class PointField:
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures at loads and velocities, by interpolation; see `Here`."""
+        """Contact temperatures that decide on wear, interpolated at k loads and velocities.
+
+        See `Here`.
+        """
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
@@ -220,15 +224,15 @@ class PointField:
         return rise, mark == 1
 
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K] at k velocities and all loads (m, k, n_load), and two arrays of marks, 1 or 2.
+        """Rises [K], marks of interpolated rises, and marks of known outcomes, each (m, k, n_load).
 
-        Rises include the effect of velocity on friction. Beyond the points of a load they are
-        extrapolated by power laws. At a load with a single point they are estimated by `filled`.
+        The arrays are for m surfaces, k velocities and all loads. Rises include the effect of
+        velocity on friction. Beyond the points of a load rises are extrapolated by power laws. At a
+        load with a single point they are estimated by `filled`.
 
-        The first marks are 1 within the points of a load. The second are 1 where wear is certain:
-        within the points, below the lowest if wear is mild there, and above the highest if it is
-        severe. All other marks are 2. So a curve of marks over load is 1 only between two loads
-        with 1. Both are NaN beside a load's single point, which tells nothing beyond itself.
+        Marks are 1 for yes, 2 for no, and NaN for unknown rises and beside a single point. So an
+        interpolated mark is 1 only between two loads with 1. The outcome is known between the
+        points of a load, below them if the lowest is mild, and above them if the highest is severe.
         """
         points, rows = self._curves
         factor = self.conditions.friction_factor(velocities)
@@ -274,13 +278,16 @@ class PointField:
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves over load of `_rises_and_marks`, at each surface and velocity of the points."""
+        """Curves over load of rises [K] and of marks, for each surface and velocity of the points.
+
+        The ordinates are the three arrays of `_rises_and_marks`.
+        """
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The causes are interpolation, preset, warnings and later effects; see `RiseError`.
+        The first axis has the parts of `RiseError`.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -317,7 +324,7 @@ class PointField:
         factors = np.exp(-np.broadcast_to(shift, shape))[..., None, :]
         chosen = slice(None), rows.ravel()
         shares = [
-            replace(line, limit=limit * factors, rows=chosen).severe_share(velocities, scatter)
+            replace(line, limit=limit * factors, rows=chosen).severe_chance(velocities, scatter)
             for limit in rise_limits(self.conditions)
         ]
         return np.asarray(np.mean(shares, axis=(0, -2)))
@@ -325,10 +332,10 @@ class PointField:
     def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
         """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
 
-        A line at a load or velocity of the sweep uses only the points at that value. Other lines
-        are interpolated between neighbouring lines of points, where wear is certain on both (the
-        second marks of `_rises_and_marks`). Beyond its points, a line along velocity follows the
-        rises of `filled` at its load. If these are unknown, it is extrapolated from other loads.
+        A line at a load or velocity of the sweep uses only the points at that value. Any other line
+        is interpolated between the two neighbouring lines of points, where the outcome on both is
+        known. `Line.continued` goes further: its rises are estimated from neighbouring lines, or by
+        power laws.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         parts = [rises * factor(self.velocities) for rises in (self._rises, self._filled)]
@@ -357,7 +364,7 @@ class PointField:
         beyond = _inserted(x, far, along, rise)  # with the rise known at the place
         if turns_back:
             line = along_friction(*line, factor)
-        continued = continued_friction(*beyond, factor) if turns_back else Curve(*beyond)
+        continued = continued_rises(*beyond, factor) if turns_back else Curve(*beyond)
         return Line(Curve(*line), np.array(limit), self.ends[axis], done, continued, turns_back)
 
 
@@ -397,11 +404,11 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
     return places, between
 
 
-def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
-    """Curve of rises [K] that reaches far beyond the velocities [m/s] of the points.
+def continued_rises(velocities: Array, rises: Array, factor: Any) -> Curve:
+    """Extrapolate curves of rises [K] far beyond their velocities [m/s], both (..., n).
 
-    The rise per friction is a power law of the velocity. Curves without a power law are NaN.
-    `factor` returns the friction factor at velocities.
+    The rise is a power law of velocity, times `factor`, a function that returns the friction factor
+    at velocities. A curve to which no power law fits is NaN.
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))
@@ -415,7 +422,7 @@ def continued_friction(velocities: Array, rises: Array, factor: Any) -> Curve:
 
 
 def fields(data: Results) -> list[Field]:
-    """One field for each scene of a sweep, or for each row that has its own load and velocity."""
+    """One `Field` for each scene of a sweep, or for each row with its own load and velocity."""
     if data.kind is Kind.SAMPLES:
         made: list[Field] = extras.module("fields").fields(data)
         return made
@@ -423,7 +430,7 @@ def fields(data: Results) -> list[Field]:
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
-    """Field of one scene (`whole`) under `conditions`, by default the scene's own."""
+    """Make the `PointField` of a scene (`whole`) under `conditions`, by default the scene's own."""
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)

@@ -25,7 +25,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     """Data frame of a boundary, with a row for each scene and each value of `axis`.
 
     `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
-    velocity, which samples lack.
+    velocity. Samples have no critical loads: their `axis` is always "load".
     """
     axis = axis if "critical_velocity" in boundaries else "load"
     name = "critical_velocity" if axis == "load" else "critical_load"
@@ -65,7 +65,7 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) of a boundary over several surfaces.
 
-    The columns are the median, the 5 and 95 % quantiles of the critical value, and the number of
+    The columns are the median and the outer quantiles of the critical value, and the number of
     surfaces with each outcome. For samples they are the velocities at which severe wear has a
     certain probability.
 

@@ -144,11 +144,12 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     """Compare a test with `own`, the field under the test's conditions.
 
     For a measured transition only changes to severe wear count. With several surfaces the median
-    counts. If wear does not change, the result's velocity is infinite (mild at all computed points)
+    counts. If wear does not change at the computed velocities, `Comparison.turn` is infinite (mild)
     or -infinite (severe).
 
-    Beyond the computed velocities wear may turn severe with velocity. If friction depends on
-    velocity, wear may change either way.
+    Beyond the computed velocities a test that disagrees is unknown (`Comparison.is_known`) if wear
+    may change before the velocity of the test. Wear may turn severe as velocity grows. If friction
+    depends on velocity, wear may also turn mild.
 
     Raises
     ------
@@ -213,7 +214,10 @@ def agreement(frame: pd.DataFrame) -> str:
 
 
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
-    """Yield the count of tests that agree, their frame, and notes on them."""
+    """Yield parts of a report on tests: how many agree with the model, a table, and notes.
+
+    `frame` has a row for each test; see `compared`.
+    """
     yield agreement(frame)
     yield short(frame, ["notes"])
     yield from notes_of(frame)

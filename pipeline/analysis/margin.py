@@ -119,7 +119,7 @@ class Margin:
 
     @property
     def sentence(self) -> str:
-        """The answer in one sentence, such as "Mild: severe wear is 2 % likely, 30 K below …"."""
+        """Verdict, probability, distance from the critical temperature and tests, in a sentence."""
         side = "below" if self.distance >= 0 else "above"
         ends = percent(self.lowest), percent(self.highest)
         within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
@@ -138,7 +138,7 @@ def verdict_between(lowest: float, highest: float) -> str:
 
 
 def clipped(probability: float) -> float:
-    """Clip a probability to the range in which distributions are known, away from 0 and 1."""
+    """Clip a probability to [1e-4, 1 − 1e-4]: the tails of distributions are not known better."""
     return min(max(probability, _LEAST), 1 - _LEAST)
 
 

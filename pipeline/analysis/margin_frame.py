@@ -138,22 +138,23 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
         own_place = [(Place(*place), dict[str, float]())] if place else []
         places = [*(points.rows if points else own_place)]
         for begin in range(0, len(places), field.at_once):
-            yield from _judged_places(field, places[begin : begin + field.at_once], scatter)
+            yield from _judged_points(field, places[begin : begin + field.at_once], scatter)
 
 
-def _judged_places(
-    field: Field, places: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
+def _judged_points(
+    field: Field, points: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge `places` by a field: pairs of a place (load, velocity) and its own conditions by name.
+    """Judge operating points by a field; the result has their order.
 
-    `scatter` is the model's own error. The result is in the order of `places`. Places with the same
-    conditions are judged together.
+    Each of `points` is a pair: the place (load [N], velocity [m/s]), and the point's own conditions
+    by name. `scatter` is the model's own error. Points with the same conditions are judged
+    together.
     """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
-    for number, (_, own) in enumerate(places):
+    for number, (_, own) in enumerate(points):
         alike.setdefault((*own.items(),), []).append(number)
     for conditions, numbers in alike.items():
-        here, own = [places[number][0] for number in numbers], dict(conditions)
+        here, own = [points[number][0] for number in numbers], dict(conditions)
         try:
             under = field.judged_by(own)
             met = [
@@ -168,7 +169,7 @@ def _judged_places(
         for number, place, margin in zip(numbers, here, margins, strict=True):
             answer = (None, margin) if isinstance(margin, str) else (margin, "")
             found[number] = Judged(under, place, own, *answer)
-    return [found[number] for number in range(len(places))]
+    return [found[number] for number in range(len(points))]
 
 
 def margin_frame(

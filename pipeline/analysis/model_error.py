@@ -86,7 +86,7 @@ class ModelError:
 
     @property
     def text(self) -> str:
-        """Size and basis of the error, such as "± 11 % in velocity, from 4 tests and a prior …"."""
+        """Size and basis, such as "± 10 % in velocity, assumed; no test contradicts it"."""
         if n := len(self.residuals) + len(self.wrong):
             tests = f"{'1 test' if n == 1 else f'{n} tests'}{self.oil and f' of oil {self.oil}'}"
             prior = f"a prior of {100 * self.usual:g} %"

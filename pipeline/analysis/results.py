@@ -71,7 +71,7 @@ class Results:
     cut : tuple of str
         Which of the axes load and velocity have only a single value.
     columns : mapping
-        Variables by name, shape (rows, ..., load, velocity, step, share), each with some of these
+        Variables by name, shape (*front, load, velocity, step, share), each with some of these
         axes.
     shares : ndarray
         Shares of the contact area for which quantiles are stored.
@@ -248,7 +248,7 @@ class Results:
 
     @functools.cached_property
     def messages(self) -> Any:
-        """Warning or failure message of each point (rows, ..., load, velocity); else empty."""
+        """Warning or failure message of each point (*front, load, velocity); else empty."""
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
@@ -264,7 +264,7 @@ class Results:
         return found
 
     def values(self, name: str) -> Any:
-        """Values of the variable `name` as an array, shape (rows, ..., load, velocity, ...)."""
+        """Array of the variable `name`: axes `front`, load, velocity, and others such as step."""
         if name in self.columns:
             return self.columns[name]
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
@@ -286,7 +286,7 @@ class Results:
 
     @property
     def done(self) -> Mask:
-        """Mask of points that are done (rows, ..., load, velocity)."""
+        """Mask of points that are done (*front, load, velocity)."""
         self.require("status")
         return np.asarray(self.columns["status"] == DONE)
 
@@ -301,7 +301,7 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Deciding temperature rise [K] at friction 1, (rows, ..., load, velocity).
+        """Deciding temperature rise [K] at friction 1, (*front, load, velocity).
 
         It is NaN at points that are not done.
         """

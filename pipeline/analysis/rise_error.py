@@ -101,15 +101,12 @@ class RiseError:
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """Make an error from an array (4,): interpolation, preset, warnings, later effects.
-
-        NaN stands for an unknown part.
-        """
+        """Make an error from its parts (4,), in the order of the attributes; NaN if unknown."""
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
     def parts(self) -> Array:
-        """Errors due to interpolation, preset, warnings and later effects (4,); NaN if unknown."""
+        """The parts as an array (4,), in the order of the attributes; NaN if unknown."""
         return np.array(astuple(self), float)
 
     @property
@@ -120,7 +117,7 @@ class RiseError:
 
     @property
     def text(self) -> str:
-        """The error and its parts in words, if they are in K (see `times`)."""
+        """The error [K] and its parts in words; convert a relative error by `times` before."""
         parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         if unknown := " and ".join(name for name, part in parts.items() if part is None):
@@ -229,8 +226,7 @@ def rise_errors(
     """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
     `grid` has the points of the surface. `velocity_error` is the relative error of the boundary
-    velocity due to the preset, or None. The last part, of effects counted after the simulation, is
-    0.
+    velocity due to the preset, or None. The last part, `RiseError.counted`, is 0.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -239,9 +235,9 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot number of each of `places` on an axis, which numbers points and the gaps between them.
+    """Slot number of each of `places` on an axis with ascending `points`.
 
-    It is 2 i + 1 at point i, and 2 i between the points i − 1 and i.
+    Slot 2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i.
     """
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
@@ -255,11 +251,11 @@ def preset_error(velocity_error: float | None) -> float:
 def counted_error(
     conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
 ) -> Array:
-    """Relative error of rises due to effects added later: oil film, temperature-dependent friction.
+    """Relative error of rises due to corrections for oil film and temperature-dependent friction.
 
-    `rises` are for a friction coefficient of 1 [K]. `is_solved` marks rises that were solved
-    together with the friction at their temperature. The error is NaN if a rise was not, and
-    friction may grow without limit as the contact gets hotter.
+    `rises` [K] are for a friction coefficient of 1. `is_solved` marks rises for which the run
+    solved this friction; other rises are corrected after the run. The error of a corrected rise is
+    NaN if friction may grow without limit as the contact gets hotter.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -275,11 +271,12 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Indices of the two done points to interpolate between, for each slot of r rows.
+    """Indices of the two done points that each slot is interpolated between (r, 2 n + 1, 2).
 
-    `is_done` is the mask of done points (r, n), the result is (r, 2 n + 1, 2); see `_slots`. At a
-    done point both indices are of this point. In a gap they are its neighbours, beyond the ends the
-    nearest two points. In a row with a single point both are of this point; in an empty row -1.
+    `is_done` is the mask of done points (r, n) in r rows; `_slots` numbers the slots. A slot that
+    is a done point has this point twice. Other slots have the nearest done points on either side;
+    beyond the first or last one, the nearest two. In a row with a single done point all slots have
+    this point twice. In an empty row indices are -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]

@@ -162,11 +162,11 @@ class Line:
         alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))
         return Transitions(self.outcome, self.first, ends, alone)
 
-    def severe_share(self, velocities: Array, scatter: Scatter) -> Array:
-        """Probability that a run is severe, for each curve and limit at its own velocity.
+    def severe_chance(self, velocities: Array, scatter: Scatter) -> Array:
+        """Probability that a run is severe at each of `velocities` [m/s].
 
-        `velocities` [m/s] broadcast with the limits. A run at velocity V behaves like the model at
-        V·exp(ε), where ε has the distribution `scatter`.
+        The velocities broadcast with `limit`: one for each limit. A run at velocity V behaves like
+        the model at V·exp(ε), where ε has the distribution `scatter`.
         """
         places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))

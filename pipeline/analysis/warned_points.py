@@ -84,7 +84,7 @@ def warning_flags(data: Results) -> Indices:
 
 
 def _is_molten(scene: Results) -> Mask:
-    """Mask of points at which steel would melt in more than the failing share of the contact."""
+    """Mask of points where steel would melt in more of the contact than the criterion's share."""
     # The user's own criterion is not run here; "share" serves as well.
     judged = scene.plain_conditions
     return np.asarray(scene.rises(judged) > judged.limit(MELTS))
