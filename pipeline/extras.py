@@ -36,20 +36,20 @@ def absent() -> frozenset[str]:
     return frozenset(one for name in EXTRAS.keys() - present() for one in EXTRAS[name])
 
 
-def modules(part: str) -> Iterator[ModuleType]:
-    """Import the modules named `part`, such as ``commands``, of all optional parts and studies."""
-    studies = next((name for name in STUDIES if _is_there(name)), "pipeline")
-    for name in (*(f"pipeline.{name}" for name in present()), studies):
-        if find_spec(f"{name}.{part}"):
-            yield import_module(f"{name}.{part}")
+def modules(name: str) -> Iterator[ModuleType]:
+    """Import the modules `name`, such as ``commands``, of all optional parts and studies."""
+    studies = next((one for one in STUDIES if _is_there(one)), "pipeline")
+    for part in (*(f"pipeline.{one}" for one in present()), studies):
+        if find_spec(f"{part}.{name}"):
+            yield import_module(f"{part}.{name}")
 
 
-def module(part: str) -> ModuleType:
-    """Import a module by its name in an optional part, such as "fields"; the first that has it.
+def module(name: str) -> ModuleType:
+    """Import the module `name`, such as ``fields``, from the first optional part that has one.
 
-    Raises an `InputError` if no part that is there has it.
+    Raises an `InputError` if no installed part has a module of this name.
     """
-    for one in modules(part):
+    for one in modules(name):
         return one
     from tribo import InputError  # with NumPy, which importing the package does not need
 

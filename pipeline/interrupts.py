@@ -25,8 +25,12 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
 
 
 @contextmanager
-def raised() -> Iterator[None]:
-    """Context manager: raise `KeyboardInterrupt` at a signal, even if another error follows."""
+def keyboard_interrupts() -> Iterator[None]:
+    """Context manager: each of `SIGNALS` raises `KeyboardInterrupt`.
+
+    If the signal causes another error, such as that of an interrupted import, this error is
+    replaced by `KeyboardInterrupt`.
+    """
     came: list[int] = []
 
     def interrupt(number: int, frame: FrameType | None) -> None:

@@ -57,7 +57,7 @@ def _run_command(options: argparse.Namespace) -> Any:
     if options.command == "sweeps:run" and not (options.scheduler or options.scheduler_file):
         forkserver.start()  # it imports modules for the workers while this process goes on
     function = function_of(options)
-    with interrupts.raised():
+    with interrupts.keyboard_interrupts():
         return function(options)
 
 

@@ -48,7 +48,7 @@ def path_beside(store: Path | str, ending: str) -> Path:
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Values given by --set, by the path of their entry without the prefix `fidelity.`."""
+    """Values set by --set, keyed by entry path; a prefix `fidelity.` of the path is removed."""
     return {path.removeprefix("fidelity."): value for path, value in options.set}
 
 

@@ -37,7 +37,7 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
 
 
 def bulk(text: str) -> str | dict[str, str]:
-    """Read a bulk temperature as text, or temperatures of pin and disk as a dictionary."""
+    """Return the text of a bulk temperature; a dictionary for "pin=60 degC, disk=25 degC"."""
     if "=" not in text:
         return text
     return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
@@ -49,7 +49,10 @@ def store(text: str) -> Path | str:
 
 
 def table(text: str, or_figure: bool = False) -> Path:
-    """Read the path of a table, or if `or_figure` of a figure, and check that it can be written."""
+    """Read the path of a table to write; with `or_figure` of a table or a figure.
+
+    Refuses a path that cannot be written.
+    """
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
     try:

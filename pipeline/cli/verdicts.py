@@ -70,7 +70,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 
 
 def boundary(options: argparse.Namespace) -> Result:
-    """Answer ``irg boundary``: show critical velocities or loads, or tests and the model."""
+    """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     data = pipeline.results(dataset_in(options))
     tests = compared(data)
     if options.by == "test":

@@ -206,7 +206,11 @@ def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[A
 
 
 def _mark_points(axes: Axes, data: Results) -> list[Artist]:
-    """Mark computed points by their outcome, over all surfaces."""
+    """Mark each point by its outcome on all surfaces together; return the legend's entries.
+
+    Wear is mild, severe, or severe on some surfaces; or the point is failed or pending. A point
+    with a warning has a second mark.
+    """
     r, limit = data.rises(data.conditions), rise_limit(data.conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)

@@ -43,7 +43,7 @@ def zero_line(
 
 
 def film_lines(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
-    """Draw the limits of mixed and full-film lubrication inside the figure; return the legend."""
+    """Draw the limits of mixed and full-film lubrication in a figure; return legend entries."""
     lubrication = find_lubrication(data.sweep)
     if lubrication is None:
         return []

@@ -119,10 +119,10 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Pairs (conditions, line style): for the highest temperature, then for the deciding one.
+    """Line styles of the highest temperature and of the deciding one, as pairs (conditions, style).
 
-    The temperature of a pair follows from the criterion of its conditions. There is one pair if
-    the highest temperature decides.
+    The criterion of the conditions selects the temperature. If the highest temperature decides,
+    there is only one pair.
     """
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
@@ -152,7 +152,11 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 def temperature(
     data: Results, load: float | str | None = None, realization: int | None = None
 ) -> Figure:
-    """Draw the contact temperatures over velocity at one load, on the surface `realization`."""
+    """Draw highest and deciding temperature over velocity, at one load and on one surface.
+
+    The load of the sweep nearest to `load` is drawn, a number in N or text with a unit; by default
+    the highest. `realization` is the seed of the surface; by default the first one.
+    """
     data = data.take_row(realization)
     conditions, velocities = data.shown_conditions, data.velocities
     row = (nearest_indices(data.loads, "load", load) or [-1])[0]

@@ -83,7 +83,7 @@ def wanted_width(usual: float) -> float:
 
 
 class Picture(Figure):
-    """A Matplotlib figure with the width set by `fitted`, which notebooks show with any backend."""
+    """A Matplotlib figure that notebooks show with any backend; `fitted` sets its width."""
 
     def __init__(self, figsize: tuple[float, float] | None = None) -> None:
         width, height = figsize or rcParams["figure.figsize"]

@@ -220,11 +220,12 @@ class Involutes:
                 )
 
     def undercut(self, gear: int) -> float:
-        """Radius of curvature below which a standard rack undercuts the involute [m]; else 0.
+        """Radius of curvature [m] below which the involute is undercut; 0 without undercut.
 
-        `gear` is 0 for the pinion, 1 for the wheel. The corner of the rack, a depth H below the
-        pitch line, is at (rφ − H tan αt, r − H) when the gear has turned by φ. The corner cuts the
-        involute down to the point where its path meets the flank.
+        `gear` is 0 for the pinion, 1 for the wheel. The tool is a standard rack, whose corner is a
+        depth H below the pitch line. When the gear has turned by φ, the corner is at
+        (rφ − H tan αt, r − H), with the reference radius r and the transverse pressure angle αt.
+        The corner cuts away the flank below the point where the corner's path meets the flank.
         """
         r, rb, angle = self.reference_radii[gear], self.base_radii[gear], self.transverse_angle
         depth = (_TOOL_ADDENDUM - self.profile_shifts[gear]) * self.module

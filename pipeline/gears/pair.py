@@ -27,15 +27,12 @@ _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
 
 @dataclass(frozen=True, slots=True)
 class Duty:
-    """Torque on the pinion [N m] and its speed [rad/s], and the bulk temperature of the teeth [K].
-
-    The load factor multiplies the load.
-    """
+    """Duty of a pair of gears: torque and speed of the pinion, temperature, and load factor."""
 
     torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].
     bulk: float  #: Bulk temperature of the teeth [K].
-    load_factor: float = 1.0  #: Factor on the load: application, dynamics, face load.
+    load_factor: float = 1.0  #: Factor on the tooth load: application, dynamics, face load.
 
     @property
     def turns(self) -> float:
@@ -74,7 +71,7 @@ class Pair:
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        """Limits of every answer, one line each."""
+        """Restrictions on every answer about this pair, one line each."""
         if self.critical is None:
             return _LIMITS
         return *_LIMITS, critical_in_words(self.critical, self.file.temperature.critical_sd)

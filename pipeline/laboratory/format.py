@@ -46,7 +46,7 @@ FORMS = (Log,)
 
 
 def find(entries: Entries) -> list[str]:
-    """Paths of the scene's lists of tests in which an entry names a log file."""
+    """Paths of the entries ``measured`` and ``tested`` if their lists of tests name a log file."""
     lists = ((path, entries.get(path)) for path in ("measured", "tested"))
     listed = ((path, tests) for path, tests in lists if isinstance(tests, list))
     return [

@@ -121,9 +121,10 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault for `needed` quantities that are missing, with options to give them.
+    """Add a fault to a sheet if columns `needed` are missing, with options that supply them.
 
-    Rows in which a `needed` quantity is empty, or a quantity of `moving` is 0, are left out.
+    Rows in which a `needed` quantity is empty, or a quantity of `moving` is 0, are removed from the
+    sheet.
     """
     before, needed = len(sheet.faults), [*needed]
     sheet.require(needed, [*moving])
@@ -134,7 +135,10 @@ def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> 
 
 
 def add_hints(sheet: Sheet) -> None:
-    """Add to each fault the option by which the user gives a missing unit, or a word's outcome."""
+    """Add to faults the options by which a user resolves them: missing units, unknown outcomes.
+
+    An outcome is unknown if the word in its column is not known to mean mild or severe.
+    """
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
             unit = {"K": "degC"}.get(unit := sheet.units[match[1]] or "", unit)
@@ -257,7 +261,7 @@ def is_one_run(sheet: Sheet) -> bool:
 
 
 def read_trace(read: Read) -> Trace:
-    """Read the trace of friction in a table; raises an `InputError` that names all faults."""
+    """Convert a table to a trace of friction over time; raises an `InputError` with all faults."""
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]

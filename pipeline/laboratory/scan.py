@@ -45,7 +45,7 @@ class Likeness(NamedTuple):
 
     @property
     def is_like(self) -> bool:
-        """True if the scan's value is within 15 %, or twice the scatter, of the mean."""
+        """True if the scan is off the mean by at most 15 %, or twice the scatter if larger."""
         reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
         return abs(self.scan - self.mean) <= reach
 
@@ -83,7 +83,7 @@ class SurfaceStatistics:
 
     @property
     def toml(self) -> str:
-        """Scene lines ``[disk.roughness]`` for random surfaces, if these are like the scan."""
+        """Scene lines ``[disk.roughness]`` for random surfaces like the scan; else empty."""
         if self.fit is None or not self.is_like:
             return ""
         lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
