@@ -174,7 +174,7 @@ class SampleField:
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
 
-        The causes are interpolation, preset, warnings and later effects; see `RiseError`.
+        The first axis has the parts of `RiseError`.
         """
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
