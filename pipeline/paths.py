@@ -32,11 +32,11 @@ def require_file(path: Path) -> None:
 def reason_of(error: OSError, path: Path) -> str:
     """Reason why a file cannot be read; if it is missing, also a similar path that exists."""
     reason = error.strerror or str(error)
-    return f"{reason}{near_path(path)}" if isinstance(error, FileNotFoundError) else reason
+    return f"{reason}{path_hint(path)}" if isinstance(error, FileNotFoundError) else reason
 
 
-def near_path(path: Path) -> str:
-    """Question whether an existing path of similar name was meant; empty without such a path."""
+def path_hint(path: Path) -> str:
+    """Words for an error message that suggest an existing path of similar name; empty if none."""
     wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
     with suppress(OSError):
         names = sorted(entry.name for entry in wrong.parent.iterdir())

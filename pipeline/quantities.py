@@ -100,7 +100,7 @@ def shown_in(value: Any, unit: str) -> Any:
 
 
 def si_of(value: float, unit: str) -> float:
-    """Convert a value from a unit to SI, without the rounding errors of degrees."""
+    """Convert a value from a unit to SI; 99.9 °C is exactly 373.05 K, without a rounding error."""
     zero = float(ZERO.get(unit, 0))
     return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
 

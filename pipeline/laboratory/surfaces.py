@@ -135,7 +135,10 @@ def _remove_outliers(heights: Array, unit: float) -> list[str]:
 
 
 def _refuse_profile(path: Path, heights: Array) -> None:
-    """Raise an `InputError` for a profile, which states its Ra and Rq from a straight line."""
+    """Raise an `InputError`: `heights` [m] are a profile, not a map.
+
+    The message has Ra and Rq of the profile about a fitted straight line.
+    """
     place = np.arange(len(heights))
     level = heights - np.polyval(np.polyfit(place, heights, 1), place)
     ra, rq = (display(one(level), "µm", 3) for one in (average_roughness, rms_height))

@@ -176,9 +176,10 @@ def _number(cell: str) -> float | None:
 
 
 def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
-    """Lengths by name, and units of columns x, y and z, from the lines of a header [m].
+    """Lengths that the lines `head` of a header state [m]: sizes by name, and units of columns.
 
-    The lengths are the sizes of the surface or of its pixels, and the unit of heights.
+    Sizes are "width" and "height" of the surface, "x step" and "y step" of its pixels, and "unit",
+    the unit of heights. Units of columns have the keys "x", "y" and "z".
     """
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}

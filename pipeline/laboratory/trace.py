@@ -213,9 +213,9 @@ def _text(name: str, value: float) -> str:
 
 
 def _place_as_text(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Write load and velocity of a test as text by name, without the name `without`.
+    """Load and velocity of a test as text with units, by name; `without` names one to leave out.
 
-    A value of None becomes "...".
+    A number that is None is written as dots, such as "... N", for the user to fill in.
     """
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)
@@ -336,8 +336,9 @@ def _span(time: Array, rows: slice) -> float:
 def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], k: int) -> bool:
     """True if piece `k` of a trace is a ramp, not a stage of constant load and velocity.
 
-    A piece is a ramp if it is very short, or if load or velocity drifts by over a third of the step
-    to a neighbouring piece. `levels` are the medians of `commands` in each piece.
+    `commands` (n, n_command) are load and velocity in each row, divided by their maxima. `levels`
+    are medians of `commands` in each of the `pieces`. A ramp has very few rows, or its load or
+    velocity drifts by over a third of the step to a neighbouring piece.
     """
     rows = commands[pieces[k]]
     quarter = max(1, len(rows) // 4)
@@ -349,13 +350,15 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, before: float, skipped: int, start: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Yield rises of friction in a stage: row, level before, level after, why not scuffing.
+    """Yield rises of friction in a stage: row, level before, level after, reason against scuffing.
 
-    `friction` is the smoothed friction of the stage. The level before is the lowest so far; it
-    begins with `before`, from the previous stage. Friction that exceeds this level by a fixed share
-    and by `scatter` counts as a rise. If `before` is infinite, the first `skipped` rows are left
-    out. A rise within these rows is yielded with the reason "begins". It is measured from their
-    lowest value or from `start`, the friction before the stage, whichever is lower.
+    The reason is empty if the rise counts as scuffing. The level before is the lowest friction so
+    far. A rise exceeds it by more than a fixed share plus `scatter`.
+
+    `friction` is smoothed, with a value for each row of the stage. `before` is friction at the end
+    of the previous stage, infinite if it is not comparable. In the first `skipped` rows friction
+    still settles. They have at most one rise, with the reason "begins". The level before this rise
+    is their lowest friction, or `start`, the friction before the stage, if `start` is lower.
     """
     own = friction[skipped:]
     first = before if math.isfinite(before) else own[0]

@@ -63,9 +63,10 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
-    """Rows of the sheet `name`, opened for `values` and for `formulas`.
+    """Rows of the sheet `name` of a workbook, and a note on the sheets that are not read.
 
-    `names` are all sheets of the workbook; a note lists the sheets that are not read.
+    `values` and `formulas` are this sheet, with the values and with the formulas of its cells.
+    `names` are all sheets of the workbook.
     """
     rows, widest = list[Row](), 0
     for sheet in (values, formulas):

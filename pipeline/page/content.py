@@ -1,4 +1,4 @@
-"""Data of a sweep for a page: the deciding rise on a fine grid, and the values of points.
+"""Data of a sweep for a page: a fine grid of the rise that decides, and the values of points.
 
 Arrays are base64 of little-endian numbers, in the order surface, load, velocity.
 """
@@ -162,7 +162,7 @@ def _range_hint(loads: Array, velocities: Array) -> str:
 
 
 def _point_states(data: Results) -> dict[str, Any]:
-    """Data on each point: its state, if it was asked for, numbers of its contact, and a message.
+    """Data on each point: the status, whether it was asked for, values of the contact, a message.
 
     Points are in the flat order (surface, load, velocity).
     """
@@ -230,11 +230,11 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Tables of deciding rises, and of quantiles of the rise over the contact [K].
+    """Tables of the rise that decides the verdict, and of quantiles of the rise in the contact [K].
 
-    Axes of deciding rises are load, velocity, bulk ratio, failing share and step. Tables of
-    quantiles have a probability instead of the share. `columns` are variables by name, and
-    `quantile` are the probabilities of their quantiles.
+    The first table has the axes (..., bulk ratio, failing share, step). The second has the axes
+    (..., bulk ratio, probability, step). `columns` are variables by name, and `quantile` has the
+    probabilities of the variable ``rise_quantile``.
     """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
@@ -253,12 +253,12 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Tables of deciding rises for the page: on a fine grid, and at single velocities.
+    """Data for the page: the rise that decides the verdict, on a fine grid of load and velocity.
 
-    `rises` are at the sweep's points [K] (surface, load, velocity, bulk ratio, share). The grid has
-    rises of the same axes. Its first and last velocity are far outside the sweep. If points are
-    missing at a velocity of the sweep, there is also a table over load from only the points at this
-    velocity.
+    `rises` are known at the sweep's points [K] (surface, load, velocity, bulk ratio, share). Rises
+    on the grid have the same axes. The grid's first and last velocity are far outside the sweep.
+    For each velocity of the sweep with missing points, there is also a table over load from only
+    the points at this velocity.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -299,11 +299,11 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index at which the rises over load at single velocities begin in the page's flat table.
+    """Index in the page's flat table at which each line of rises begins.
 
-    `lines` are pairs (surface, index of the velocity), and `nodes` the numbers of the velocities on
-    the page's grid. Keys such as "0 12" are a surface and such a number. The rises of the first
-    line begin at `begin`; each line has `width` rises.
+    A line has `width` rises over load, of one surface at one velocity. `lines` has the pairs
+    (surface, index of the velocity), and `nodes` the index of each velocity on the page's grid.
+    Keys such as "0 12" are the surface and the index on the grid. The first line begins at `begin`.
     """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}
@@ -423,14 +423,15 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
 def heat_along(
     rises: Array, loads: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises on a finer grid of velocities [K], and these velocities [m/s].
+    """Rises on a finer grid of velocities [K], and the velocities of this grid [m/s].
 
-    The rises are divided by the factor of friction by velocity.
+    The rises returned are divided by the factor by which velocity changes friction. `rises` are
+    known at the sweep's points [K] (..., load, velocity, bulk ratio, share).
 
     Each interval of velocities is divided into `parts`. The outermost velocities are far outside
-    the sweep. Outside the points of a load, values are extrapolated by a power law of the velocity.
-    At a load with a single point they are estimated from the loads on both sides (`filled`), or
-    known at that point alone.
+    the sweep. Outside the points of a load, rises are extrapolated by a power law of the velocity.
+    At a load with a single point they are estimated by `filled`. Where `filled` has no estimate,
+    rises at this load are NaN except at the point.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)

@@ -31,8 +31,9 @@ def packed_fields(
 
     Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
     the flat index of the point. Each point has the highest pressure [Pa], the lowest and highest
-    rise above the colder body at the bulk ratio [K], the greatest wear depth [m], and three
-    pictures.
+    rise above the colder body over friction [K], the greatest wear depth [m], and three pictures.
+
+    `bulk_ratio` is (disk's − pin's bulk temperature)/friction [K].
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]

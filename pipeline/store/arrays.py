@@ -98,17 +98,17 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 
 
 class Encoder:
-    """Encodes parts of arrays as Zarr chunks.
-
-    A part is (name of the array, slices of whole chunks, values).
-    """
+    """Encodes parts of arrays as Zarr chunks."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._memory: dict[str, Any] = {}
         self._arrays = open_arrays(MemoryStore(self._memory), documents)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
-        """Encode `parts`; return the bytes of each chunk by the chunk's key."""
+        """Encode `parts`; return the bytes of each chunk by the chunk's key.
+
+        A part is (name of the array, slices of whole chunks, values).
+        """
         self._memory.clear()
         for name, place, values in parts:
             self._arrays[name][place] = values

@@ -54,10 +54,10 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
 
 
 def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
-    """Axes of a store that grows: the values in it `before` the run, and those that `sweep` adds.
+    """Axes of a store that grows: the values `before`, and those that `sweep` adds.
 
-    `kept` is the sweep of the store after the run, with old and new variants. `wanted` has the
-    store's variables by name.
+    `kept` is the sweep in the store joined with `sweep`, so that it has old and new variants.
+    `wanted` has the store's variables by name.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
     if sweep.chosen is None:
@@ -84,7 +84,7 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 def row_axes(sweep: Sweep) -> Axes:
     """Axes of a sweep's variants, such as surfaces: sorted values along each dimension.
 
-    Columns whose values follow from a dimension, one value for each, are included.
+    Columns that have one value for each value of a dimension are included.
     """
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()
@@ -96,8 +96,8 @@ def row_axes(sweep: Sweep) -> Axes:
 def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
     """Values along the dimensions within a point, such as step, x and y.
 
-    There are enough steps for points of the sweep `kept` at the `loads`, or more. `before` has the
-    axes of a store that grows.
+    There are enough steps for points of the sweep `kept` at the `loads`, and at least as many as in
+    `before`, the axes of the store so far.
     """
     scenes = [kept.variant(name).scene for name in kept.variants.given]
     stations = choose_stations(kept)

@@ -183,7 +183,10 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
 
 @contextmanager
 def read_errors(place: StorePlace, name: str) -> Iterator[None]:
-    """Context manager: turn an error into a `DamagedError` for bad data, else a `StoreError`."""
+    """Context manager: turn errors of reading the variable `name` from a store into store errors.
+
+    Bad data raise a `DamagedError`, errors of disk or network a `StoreError`.
+    """
     with io_errors(place):
         try:
             yield

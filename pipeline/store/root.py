@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.paths import near_path
+from pipeline.paths import path_hint
 from pipeline.scene.resume import misfits
 from pipeline.scene.stored_text import file_contents, parse_sweep
 from pipeline.store.arrays import Document, array_documents, open_arrays
@@ -168,7 +168,7 @@ def read_root(place: StorePlace) -> Root:
         return root
     if holder := holder_of(place):
         raise StoreError(f"{place} is being made by {holder}; try again in a few seconds")
-    near = near_path(place.path) if isinstance(place, Folder) and not place.path.exists() else ""
+    near = path_hint(place.path) if isinstance(place, Folder) and not place.path.exists() else ""
     raise StoreError(f"there is no store at {place}{near}; run a scene into it, or give another")
 
 

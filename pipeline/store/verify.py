@@ -115,10 +115,10 @@ class _Damage(NamedTuple):
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Read all data of a store to find damage; nothing is written.
+    """Read all data of a store to find damage; no file is written.
 
-    Undamaged statuses of points are put into ``store.flags``. Undamaged marks of which points a run
-    was to compute are put into ``store.asked``.
+    What can be read of ``status`` and ``asked`` is put into the arrays `store.flags` and
+    `store.asked`.
     """
     damage = _Damage({}, {})
     with io_errors(store.place):
@@ -147,9 +147,10 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 
 
 def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
-    """Read a chunk of ``status`` and ``asked`` into the open `store`; record faults in `damage`.
+    """Read a chunk of ``status`` and ``asked`` from their files into `store.flags`, `store.asked`.
 
-    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
+    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points. Damaged
+    chunks are recorded in `damage`.
     """
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, chunk)) is not None

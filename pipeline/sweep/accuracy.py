@@ -18,7 +18,10 @@ _FEW = 0.05  # failing share below which the deciding temperature counts as the 
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest relative error of the boundary velocity, measured or of a preset; None if unknown."""
+    """Largest relative error to expect of a sweep's boundary velocity; None if unknown.
+
+    The error was measured for the sweep, or else is known for its preset.
+    """
     if selection := sweep.selection:
         return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions

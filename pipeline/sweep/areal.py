@@ -102,17 +102,18 @@ def remove_form(
     u, v = np.broadcast_arrays(x[:, None], y[None, :])
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
-    def above(count: int) -> tuple[Array, Array]:
-        """Heights above a fitted sum of the terms 1, u, v, u², uv, v², and the terms' factors.
+    def subtract_fit(count: int) -> tuple[Array, Array]:
+        """Subtract a fitted sum of terms from the heights; return the rest, and the coefficients.
 
-        Only the first `count` terms are used. u and v are x and y, scaled to −1 to 1.
+        The terms are the first `count` of 1, u, v, u², uv, v². u and v are x and y, scaled to the
+        range −1 to 1.
         """
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors
 
-    level, plane = above(3)
+    level, plane = subtract_fit(3)
     radii = [math.inf, math.inf]
-    curved, factors = above(6)
+    curved, factors = subtract_fit(6)
     rq = float(np.nanstd(curved))
     if max(abs(factors[3]), abs(factors[5])) > rq > 0:
         level, plane = curved, factors

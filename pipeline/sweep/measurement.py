@@ -34,10 +34,10 @@ class Measurement:
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Copy of the test for answers on `oil`: its own `oil` is None if it is the same oil.
+        """Copy of the test for answers on `oil`, unchanged if this argument is None.
 
-        A test of another oil has the name of that oil. The test is unchanged if the argument
-        `oil` is None.
+        The copy's `oil` is None if the test ran on the oil of the answers. Otherwise it is the name
+        of the oil on which the test ran.
         """
         if oil is None:
             return self
