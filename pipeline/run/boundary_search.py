@@ -51,8 +51,9 @@ class _Root(NamedTuple):
 class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
-    `scale` is the factor from a velocity to the velocity of the variant whose contacts are reused,
-    1 if there is none. The search rounds that variant's velocity to six digits.
+    `scale` times a velocity is the velocity at which another variant has the same contacts, so that
+    these are reused. The search rounds the other variant's velocities to six digits. `scale` is 1
+    if no contacts are reused.
     """
 
     loads: Sequence[float]
@@ -61,16 +62,15 @@ class BoundarySearch:
     limit: float
     tolerance: float
     scale: float = 1.0
-    #: Factor of the friction by velocity, with which the rise may pass the limit several times.
+    #: Factor by which velocity changes friction; the rise may then cross the limit several times.
     factor: Callable[[Array], Array] = np.ones_like
 
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
-        `tolerance` is the relative error allowed in velocity. `scale` is the factor from a velocity
-        to the velocity of the variant whose contacts are reused. Raises an `InputError` if the
-        sweep has only one velocity, or no friction.
+        `tolerance` is the relative error allowed in velocity; see the class for `scale`. Raises an
+        `InputError` if the sweep has only one velocity, or no friction.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
@@ -105,7 +105,8 @@ class BoundarySearch:
     def _points(self, rises: Mapping[Point, float], load: float) -> tuple[Array, ...]:
         """ln(velocity) and ln(rise/factor) at the points of a load whose rise is known.
 
-        The factor is that of friction by velocity. The result is empty without such points.
+        The factor is the one by which velocity changes friction. The result is an empty tuple if no
+        rise is known.
         """
         known = sorted(
             (point.velocity, rise)
@@ -118,9 +119,10 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Crossings of the limit expected on straight lines of y(x) between known points of a load.
+        """Expected crossings of the limit at one load, from its known points.
 
-        `x` is ln(velocity), `y` ln(rise) without the effect of velocity on friction.
+        `x` is ln(velocity) of these points, and `y` is ln(rise) without the effect of velocity on
+        friction. Between the points y(x) is linear.
         """
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)

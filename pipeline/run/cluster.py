@@ -111,7 +111,7 @@ def _start_cluster(workers: int, dashboard: bool, tries: int = _TRIES) -> LocalC
 
 @dataclass
 class Connection:
-    """A Dask client with its list of workers, which also reports to the user.
+    """A Dask client, the list of its workers, and messages about them to the user.
 
     `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
     """
@@ -172,8 +172,8 @@ class Connection:
     def memory_cause(self, workers: Collection[str]) -> str:
         """Message that one of `workers` (addresses) was killed for lack of memory; else empty.
 
-        Dask's nanny of a worker reports it if it has killed the worker. The kernel only counts the
-        processes that it has killed.
+        Dask's nannies report which worker they killed. The kernel only counts the processes that it
+        killed, so a new kill on this machine is taken for the cause.
         """
         with self.reached():
             events = self.client.get_events("worker-restart-memory")

@@ -45,10 +45,10 @@ def start() -> None:
 
 @contextmanager
 def block_interrupts() -> Iterator[None]:
-    """Delay a Ctrl-C to the end of the block; threads and processes begun in it never see one.
+    """Context manager: delay a Ctrl-C to the end of the block.
 
-    A terminal sends Ctrl-C to every process in the foreground. Within the block it stops only the
-    driver, not a worker that is just starting.
+    A terminal sends Ctrl-C to every process in the foreground. Threads and processes begun in the
+    block never receive it, so that it stops only the driver.
     """
     resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})

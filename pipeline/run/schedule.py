@@ -112,10 +112,11 @@ class Losses:
         return [(point, self._workers[point]) for point in failed]
 
     def trials(self, present: Collection[Job], workers: Iterable[str]) -> Iterator[Job]:
-        """Yield jobs that try a single suspected point on a free worker, least suspected first.
+        """Yield jobs that try one point alone, for points that may have killed their worker.
 
-        `workers` are addresses of workers with room. There are no such jobs while ordinary jobs
-        are `present`.
+        Each worker without a job gets one such point; points lost least often come first. `workers`
+        are the addresses of all workers. `present` are the jobs on workers now; while one of them
+        is an ordinary job, nothing is yielded.
         """
         if not all(job.is_alone for job in present):
             return

@@ -157,9 +157,10 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
-    """Make the first row of ``sweep.along`` the default, with the loads and velocities of all rows.
+    """Add defaults for the rows of ``sweep.along`` to a document, and prepare their variants.
 
-    Returns the document, and the function that adds the rows to a sweep; None without rows.
+    The defaults are the loads and velocities of all rows, and the entries of the first row. Returns
+    the document, and the function that adds a variant for each row to a sweep; None without rows.
     """
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()

@@ -181,10 +181,11 @@ class Range(Kind):
 
 
 class Either(Kind):
-    """Kind of scene entry: one of several kinds, the first unless another fits the value better.
+    """Kind of scene entry that allows several kinds of value.
 
-    If the kinds are tables, keys of the value that the first table lacks decide: the table that has
-    most of them is taken.
+    A value is read by the first kind, unless another fits the value better. If the kinds are
+    tables, only those keys of the value count that the first table lacks. The table that has most
+    of these keys fits best.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
@@ -243,7 +244,7 @@ class Table(Kind):
 
     @property
     def listed(self) -> dict[str, Entry]:
-        """Keys that a file may have."""
+        """Entries that a file may have in this table, by key."""
         return {key: entry for key, entry in self.keys.items() if not entry.is_store_only}
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:

@@ -119,9 +119,9 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Set entries of a document, after removing the entries listed under ``without``.
+    """Set entries of a document to `overrides`, values by key path such as "pin.radius".
 
-    `overrides` has the entries by key path, such as "pin.radius".
+    Entries that `overrides` lists under ``without`` are removed first.
     """
     overrides = dict(overrides)
     without = overrides.pop("without", None)

@@ -66,8 +66,11 @@ def _with_extras(table: type, path: str) -> Any:
     return type(table.__name__.lstrip("_"), (*others, table), {})
 
 
-def _forms_of_tests(*own: type) -> List:
-    """Kind of a list of tests in the forms `own`, or in forms that optional parts add."""
+def _list_of_tests(*own: type) -> List:
+    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`.
+
+    Classes of tests that optional parts of the program add are allowed, too.
+    """
     first, *others = own
     brought = (form for one in extras.modules("format") for form in one.FORMS)
     return List(Either(*map(table_of, (first, *brought, *others))))
@@ -435,10 +438,10 @@ class _SceneFile(Declared):
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None
     sweep: A[Any, table_of(Sweep), "The points of the load–velocity plane to compute."]
-    measured: A[tuple[Any, ...], _forms_of_tests(Transition),
+    measured: A[tuple[Any, ...], _list_of_tests(Transition),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
-    tested: A[tuple[Any, ...], _forms_of_tests(Test, Stages),
+    tested: A[tuple[Any, ...], _list_of_tests(Test, Stages),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer` with samples, and for the model's own error."] = ()
 

@@ -38,7 +38,10 @@ _SOURCE = "source_sha256"
 
 
 def replace_by_laws(document: Document, laws: Mapping[str, Any]) -> Document:
-    """Remove entries that laws replace from a document; `InputError` if a law does not fit."""
+    """Remove from a document the entries that a user's `laws` replace.
+
+    `laws` are Python objects by kind, such as "wear". Raises an `InputError` if a law does not fit.
+    """
     for kind, law in laws.items():
         if kind not in _REPLACED:
             raise tribo.InputError(f"laws: {kind!r} is unknown; give {', '.join(_REPLACED)}")
@@ -76,10 +79,12 @@ def _require_law(kind: str, law: Any) -> None:
 def take_laws(
     laws: Mapping[str, Any], entries: dict[str, Any], faults: Faults
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Move laws out of the entries of a scene; return the laws by kind, and the other entries.
+    """Separate the laws of a scene from its other entries; return laws by kind, and other entries.
 
-    Entries may change fields of a law. If a store names a law that is not in `laws`, it is read as
-    a `Law`. A user's pin is replaced in the entries by a ball or a cylinder of the same size.
+    `laws` are a user's Python objects by the kind of entries that they replace, such as "wear". The
+    entries may set fields of these objects. If a store names a law that is not in `laws`, its
+    record, a `Law`, is returned. For a user's pin, the entries get a ball or a cylinder of the same
+    size.
     """
     taken = dict(laws)
     for kind, path in _NAMES.items():

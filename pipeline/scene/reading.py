@@ -28,7 +28,7 @@ from pipeline.scene.parts import (
     wear_of,
 )
 from pipeline.scene.runs import expand_tests, tested_holds, tests_of
-from pipeline.scene.written import complete_fidelity, completed, entries_of
+from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.measurement import Measurement
@@ -77,7 +77,7 @@ class SceneReader:
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
             tables, taken = resolve_library(tables, faults)
-        scene, changed = self._declared(tables, faults)
+        scene, changed = self._read_tables(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
         part, read = partial(self._part, scene, faults), (self.contents, faults)
         stops = tested_holds(scene)
@@ -128,10 +128,10 @@ class SceneReader:
         full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
         tables = {key: one for key, one in full.items() if one is not None}
         tables.get("sweep", {}).pop("along", None)  # the rows of variants stand for it
-        return add_laws(completed(tables, entries), parts, like)
+        return add_laws(keep_written(tables, entries), parts, like)
 
-    def _declared(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
-        """Read entries into their declared classes; return them, and the tables that have changed.
+    def _read_tables(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
+        """Read entries into a `SceneFile`; return it, and the names of its changed tables.
 
         Tables that have not changed since the last entries without faults are not read again.
         """
@@ -180,7 +180,10 @@ class SceneReader:
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """Make the `tribo.Scene` of declared tables and `parts`; `own_pin` is a pin by the user."""
+    """Make a `tribo.Scene` from the `SceneFile` `scene`, and from finished `parts` by field name.
+
+    `own_pin` is a user's pin, which replaces the pin of the file.
+    """
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}

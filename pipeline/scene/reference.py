@@ -64,7 +64,7 @@ _SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", i
 def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
     """All tables of the scene format at and within an `entry`, outer tables first.
 
-    `path` is the path of the entry. By default it is the whole file.
+    `path` is the path of the entry. By default the entry is the whole file.
     """
     if isinstance(entry.kind, Tables):
         path += ".NAME"
@@ -127,11 +127,11 @@ Listed = dict[str, str]
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a list of tables, such as ``[[tested]]``, without those that an earlier list has.
+    """Keys of a list of tables, such as ``[[tested]]``, that are in no earlier list of tables.
 
-    Returns these keys, as `Section.keys` does, and the header of the earlier list with the other
-    keys; it is empty if all keys are new. `listed` maps each key to the header of the first list
-    that has it; the new keys are added to it. Of a table that is not a list, all keys are returned.
+    Returns these keys, as `Section.keys` does, and the header of an earlier list that has the other
+    keys, or "" if all keys are new. A section that is not a list of tables keeps all its keys.
+    `listed` maps each key to the header of the first list that has it, and gets the new keys.
     """
     keys = section.keys()
     if "." in section.path or not section.is_list:

@@ -59,7 +59,10 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations of hold in a scene's tests [s], ascending; empty for a sweep without samples."""
+    """Durations of hold in the tests of a scene file [s], ascending, each once.
+
+    The result is empty if the file does not set ``sweep.samples``.
+    """
     if not entry_at(scene, "sweep.samples"):
         return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))

@@ -105,7 +105,10 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Complete an error message that begins with the name of an entry by the path of the entry."""
+    """Put the full path of an entry before an error message that begins with the entry's name.
+
+    If several `entries` have this name, all their paths are put there.
+    """
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words

@@ -199,9 +199,9 @@ class Sheet:
         return tables, read
 
     def refuse_faults(self, first_line: str) -> None:
-        """Raise an `InputError` with all faults, or if there are no rows.
+        """Raise an `InputError` if the sheet has faults or no rows; its message lists all faults.
 
-        The message has `first_line` as an example of headings.
+        The message may show `first_line` as an example of a correct line of headings.
         """
         if not (self.rows or self.faults):
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
@@ -245,7 +245,11 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
 
 
 def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines]:
-    """Read the rows of a text file, or of one or all sheets of a workbook."""
+    """Read the non-empty rows of a text file, or of a workbook.
+
+    `sheet` is the sheet of the workbook to read; None reads all sheets. `names` are quantities that
+    headings may name. They help to find the separator of a text.
+    """
     require_file(path)
     try:
         content = path.read_bytes()

@@ -44,5 +44,5 @@ def shipped_pages() -> dict[str, Path]:
 
 
 def page_name(path: Path) -> str:
-    """Name of a page, from its file or from what the user typed."""
+    """Name of a page of ``irg help``, such as "first-hour", from its file or from typed text."""
     return "paper" if path.stem == "README" else path.stem.lower().replace("_", "-")

@@ -165,7 +165,7 @@ def difference_in_si(text: str, like: str) -> float:
 @functools.lru_cache(maxsize=256)
 @exact_decimals()
 def si_unit(text: str) -> str:
-    """SI unit of a quantity's dimension, in the notation of CF conventions: ``"W m-1 K-1"``."""
+    """SI unit of a quantity such as "45 W/(m K)", as CF conventions write it: ``"W m-1 K-1"``."""
     return _read(text)[1].dimension
 
 

@@ -42,17 +42,17 @@ def entries_of(kind: Kind, value: Any) -> Any:
     return value
 
 
-def completed(tables: Any, written: Any) -> Any:
-    """Replace entries in `tables` by the user's own words, where the user has `written` them.
+def keep_written(tables: Any, written: Any) -> Any:
+    """Copy of `tables` in which entries that the user has `written` stand as written.
 
-    Both are nested tables, lists or single values; `written` may lack any of them.
+    Both are nested tables, lists or single values. Other entries stay as in `tables`.
     """
     match tables, written:
         case dict(), dict():
-            full = {key: completed(value, written.get(key)) for key, value in tables.items()}
+            full = {key: keep_written(value, written.get(key)) for key, value in tables.items()}
             return full | {key: written[key] for key in written.keys() & {"unknown"}}
         case list(), list() if len(tables) == len(written):
-            return [*map(completed, tables, written)]
+            return [*map(keep_written, tables, written)]
         case dict(), _:
             return tables
     return tables if written is None else written
