@@ -201,7 +201,8 @@ def moving_ellipse_rise(
 
     def negative_rise(x: float) -> float:
         """−2πK/q₀ times the rise at a distance x behind the centre [m]; its minimum is sought."""
-        # On a ray 1 − x²/a² − y²/b² is left + 2 product r − square r²; its root is the edge.
+        # On a ray, 1 − x²/a² − y²/b² = `left` + 2 `product` r − `square` r². Its positive root in
+        # r is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2
         edge = (product + np.sqrt(product**2 + square * left)) / square
         r = edge * np.sin(math.pi / 2 * places) ** 2

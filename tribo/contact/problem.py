@@ -33,7 +33,7 @@ class Problem:
     heights: Array  # separation of the undeformed surfaces, z [m]
     total: float  # sum of the pressure, F/dA [Pa]
     hardness: float  # [Pa]
-    soft: SoftRows  # the rows of elements that yield most to their mean pressure
+    soft: SoftRows  # rows along x or y, whichever a uniform pressure displaces more
     near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
     fast: ElasticHalfSpace  # D in the precision of conjugate gradients, single where possible
 

@@ -14,7 +14,8 @@ LOAD_ERROR = 1e-12
 SMALLEST, LARGEST = 1e-280, 1e280
 """Range of the squares and products in the solver that double precision can hold."""
 
-_NEAR = 2.0  # a guess within this factor of the load is trusted on which nodes yield
+# If the sum of a guess is within this factor of the load, nodes that yield in the guess stay so.
+_NEAR = 2.0
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
@@ -29,7 +30,8 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     within = smallest >= 0 and largest <= hardness
     if within and abs(float(guess.sum()) - total) <= 0.1 * LOAD_ERROR * total:
         return guess.copy()
-    if not SMALLEST**0.5 < largest < LARGEST**0.5:  # nor could it be summed
+    # Squares and products of such a guess would over- or underflow.
+    if not SMALLEST**0.5 < largest < LARGEST**0.5:
         return nearest(np.zeros(guess.shape), total, hardness)
     pressure = guess.clip(0.0, hardness)
     loaded = pressure > 0

@@ -23,7 +23,7 @@ from tribo.types import Array
 
 ContactCriterion = Literal["gap", "pressure-change"]
 
-_VERY_SOFT = 1e6  # compliance of rows over an element's: far beyond elements of any shape
+_VERY_SOFT = 1e6  # ratio of compliances, row to element, that no sensible shape of elements has
 _FULL = 1e-14  # relative distance from the highest load, within which every element yields
 _WINDOW_SHARE = 0.9  # share of the tolerance to which a part of the grid is solved on its own
 _LOOSE = 1e-2  # tolerance from which on single precision is used where it is faster

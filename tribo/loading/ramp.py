@@ -22,9 +22,10 @@ from tribo.errors import InputError, require_integer, require_positive
 MOST_STEPS = 100_000
 """Most steps that a load may take; a scene that asks for more is refused as a mistake."""
 # Growth of ln(impulse) in a hold that takes as many steps as there are increments. Measured on 18
-# holds of 4 to 300 s, smooth and rough on 60 rows of elements, with 1e-16 to 1e-14 m²/N: with 4,
-# preset `standard` was within 2.4 % of the rise of eight times as many steps on the pixels. With 10
-# it is within 0.3 % of what it was with 4.
+# holds of 4 to 300 s, of smooth surfaces and of rough ones on 60 rows of elements, at wear rates of
+# 1e-16 to 1e-14 m²/N. With a growth of 4, the rise by preset `standard` was within 2.4 % of a rise
+# computed with eight times as many steps on the pixels. With 10 the rise is within 0.3 % of that
+# with 4.
 _GROWTH = 10.0
 _FEWEST_SHARE = 0.25  # least share of the reference load's increments that a load takes
 

@@ -10,7 +10,8 @@ import numpy as np
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
-_MOST_ELONGATED = 1e6  # sides of an element; influences are summed over all scales between them
+# Largest ratio of an element's sides; influences are summed over all scales between the two sides.
+_MOST_ELONGATED = 1e6
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,5 +14,5 @@ def largest(field: Array) -> float:
     >>> largest(np.array([1.0, -3.0])), largest(np.empty(0))
     (3.0, 0.0)
     """
-    # Both ends take half the time of the absolute values.
+    # To find the maximum and the minimum takes half the time of computing all absolute values.
     return max(float(field.max(initial=0.0)), -float(field.min(initial=0.0)))

@@ -39,10 +39,12 @@ from tribo.types import Array
 Outcome = Literal["solved", "ignites", "not converged"]
 
 _MOST_ROUNDS = 60
-_CLOSE = 2e-4  # change of a temperature in a round, over the highest rise, at which it is solved
+_CLOSE = 2e-4  # largest change in a round, relative to the highest rise, that ends the iteration
 _TOLERANCE = 1e-3  # tolerance of the partitions, where the fidelity's is larger
-_LOOSEST = 0.1  # largest tolerance of a partition that adds little
-_GROWN = 1.25  # mean rise over the cold rise, from which a contact that heats ever faster ignites
+_LOOSEST = 0.1  # largest tolerance of a partition, for a small change of the flux
+# A contact whose rise grows by ever larger steps ignites once the mean rise exceeds this multiple
+# of the mean rise with the friction at the bulk temperature.
+_GROWN = 1.25
 _KEPT = 4  # rounds that Anderson mixing combines
 
 

@@ -26,27 +26,28 @@ from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
 # Most parts of a step of wear. Measured in 25 steps, under balls and crowned pins of 2 to 40 mm,
-# with wear of 9 to 64 times the roughness and correlation lengths of 8 to 30 µm: the rise exceeded
-# on 10 % of the contact is within 0.9 % of its value with 48 parts, and with 2 parts up to 5.2 %
-# too high.
+# with wear of 9 to 64 times the roughness and correlation lengths of 8 to 30 µm: with 8 parts, the
+# rise exceeded on 10 % of the contact is within 0.9 % of its value with 48 parts. With 2 parts it
+# is up to 5.2 % too high.
 _MOST_PARTS = 8
 _IMPRINT = 0.3  # imprint in a part beyond which a step has more parts, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
-# Positions of the disk over which a temperature is averaged: at most the first number, and no more
-# than have the second number of pixels in Hertzian contact. Between 50, 100, 200 and 400 steps,
-# rises under five balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one
-# position, and by 0.03 to 0.9 % as a mean; under pins that wear heavily by up to 2.6 % from 50 to
-# 100. Under a ball of 2 mm at 10 N that wears off 2.4 µm the rise moves by 0.5 % from 9 to 19
-# positions, and by 0.8 % from 19 to 38.
+# Most positions of the disk over which a temperature is averaged, and most pixels in the Hertzian
+# contacts at all these positions together. Between 50, 100, 200 and 400 steps, rises under five
+# balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one position, and by 0.03
+# to 0.9 % as a mean over positions. Under pins that wear heavily this mean differed by up to 2.6 %
+# between 50 and 100 steps. Under a ball of 2 mm at 10 N that wears off 2.4 µm the mean changes by
+# 0.5 % from 9 to 19 positions, and by 0.8 % from 19 to 38.
 _MOST_POSITIONS, _PIXELS = 100, 1e5
 # If there would be fewer positions than this, the unshifted disk is enough: between positions the
 # rise under the shipped ball differs by 0.4 %.
 _FEWEST_POSITIONS = 5
-# From the first number of positions on, the number of parts of a step of wear is multiplied by the
-# second. Otherwise the rise under a ball above (140 elements) differed by 3.0 %, not 0.5 %.
+# With at least the first number of positions, a step of wear has the second number of times as many
+# parts. Without this, the mean rise under one of these balls, on 140 elements, differed by 3.0 %
+# between the numbers of steps, instead of 0.5 %.
 _FEW, _MORE_PARTS = 20, 3
-_SHIFT = 4  # pixels: positions differ by multiples of it, so that larger elements allow the same
+_SHIFT = 4  # [pixels] shifts are multiples of this, so that larger elements allow the same shifts
 
 
 class Pass(NamedTuple):

@@ -31,8 +31,8 @@ from tribo.types import Array
 
 STEEP = 0.7
 """Exponent d ln µ/d ln(T − T_b) from which on a contact may ignite."""
-_LEAST = 1 - STEEP  # exponent of the rise at friction 1 in T − T_b, however steeply friction rises
-_FARTHEST = 1e60  # largest ratio of rises whose power of 1/0.3 is finite
+_LEAST = 1 - STEEP  # the rise at friction 1 grows at least as T − T_b to this power
+_FARTHEST = 1e60  # bound on a ratio of rises, so that the ratio to the power 1/0.3 is finite
 
 Curve = tuple[tuple[float, float], ...]
 """Velocities or temperatures, ascending, each with the factor there."""

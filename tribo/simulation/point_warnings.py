@@ -25,21 +25,23 @@ from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 # Fewest touching elements, where they are larger than pixels by the user's own choice. With fewer,
 # the coarse grid before the last step misses summits that wear, and boundaries err by up to 80 %.
 _FEW_ELEMENTS = 400
-# Fewest touching pixels. With 211 to 400, presets err by at most 0.6 of their bounds, as with more;
-# with fewer they were not judged. Scenes of an even number of `tests.promises.front`.
+# Fewest touching pixels. With 211 to 400 of them, presets err by at most 0.6 of their bounds, which
+# is no more than with over 400; fewer were not tested. Measured on the even-numbered scenes of
+# `tests.promises.front`.
 _FEW_PIXELS = 200
 # Fewest elements under a ball or crowned pin that rough patches of the disk pass. With fewer, the
 # rise differs by up to 0.9 % with the number of steps, and by more with the surface, although it is
 # a mean over positions of the disk.
 _FEW_SWEPT = 1000
-# Fewest elements under heavy wear, of any size. From 25 to 100 steps the rise of balls worn by 9 to
-# 64 times the roughness moved by up to 2.5 % on 1123 to 2172 elements, 1.7 % on 2536 to 3076.
+# Fewest elements, large or small, under heavy wear. Under balls worn by 9 to 64 times the
+# roughness, the rises with 25 and with 100 steps differed by up to 2.5 % on 1123 to 2172 elements,
+# and by up to 1.7 % on 2536 to 3076.
 _FEW_WORN = 3000
 _HEAVY = 9.0  # depth of heavy wear, over Ra of the elements
 FEWEST_PIXELS = 2.0  # in a correlation length, to resolve the slopes of the roughness
 FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
 WIDEST = 0.3  # half-width in radii up to which a pin is about a parabola and a half-space
-_TOO_WARM = 0.01  # relative error of the rise from which on the heat model "elapsed" is warned of
+_TOO_WARM = 0.01  # relative error of the rise above which heat model "elapsed" gets a warning
 _NARROW = 0.7  # elements across a summit, below which the rise was up to 16 % too low
 SLOWEST = 0.3
 """Least exponent of the rise as a power of the velocity for which presets keep their promise."""
@@ -47,7 +49,8 @@ SLOW = (
     "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
     "velocity errs two to three times as much as the preset promises; ask for an accuracy"
 )
-_FEWEST_STEPS = 3  # or stages of steps, which give the rise under heavy wear to about 10 %
+# Fewest stages in all steps of a ramp, with which the rise under heavy wear is right to about 10 %.
+_FEWEST_STEPS = 3
 
 
 class WarningKind(IntFlag):

@@ -145,7 +145,8 @@ def flux_history_spectrum(
     heated = _heated_length(grid, length)
     K, kappa = material.thermal_conductivity, material.thermal_diffusivity
     v = abs(velocity) / (4 * kappa)
-    # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
+    # Below this diffusion length no heat has crossed half an element: the kernel's factors along x
+    # and along y are both 2 on the element, and 0 off it.
     confined = diffusion_length(REACH, v, min(dx, dy) / 2)
     leaving = _leaving_length(grid, v)
 

@@ -82,7 +82,8 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     if at_rest:  # the same on both sides
         values = np.concatenate((values[:, :0:-1], values), axis=1)
     if axis.nearest_image:
-        values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
+        # The images on either side are equally near, so each counts half.
+        values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2
     offset = first % axis.length
     periods = -(-(offset + values.shape[1]) // axis.length)
     unwrapped = np.zeros((len(s), periods * axis.length))

@@ -153,7 +153,8 @@ def partition_heat(
     total = float(np.sum(q))
     share = float(np.sum(solution)) / total if total else math.nan
     rise = pin(pin_flux)
-    # From both temperatures: rounding lets the iteration's own residual drift away from it.
+    # Computed anew from both temperatures: by rounding, the residual that the iteration updates
+    # drifts away from the true one.
     mismatch = (disk(heat_flux - pin_flux) - rise).take(nodes) + delta
     residual = _norm(mismatch) / _norm(target)
     partition = HeatPartition(rise, pin_flux, share, iterations, residual)

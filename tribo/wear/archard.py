@@ -39,8 +39,8 @@ class Stage(NamedTuple):
     """
 
     normal_load: float  # on the whole pin [N]
-    distance: float  # slid, over which the pressure of this contact wears the pin [m]
-    implicit_distance: float  # slid, whose wear by this pressure is part of the shape solved [m]
+    distance: float  # sliding distance over which the pressure of this contact wears the pin [m]
+    implicit_distance: float  # sliding distance whose wear is solved with the pressure [m]
 
 
 @dataclass(frozen=True, slots=True)
