@@ -16,7 +16,7 @@ def user_path(path: str | PathLike[str]) -> Path:
     """
     try:
         return Path(path).expanduser()
-    except RuntimeError:  # nobody has this name, so that it is a file's
+    except RuntimeError:  # no user has the name after "~", so it is part of a file name
         return Path(path)
 
 

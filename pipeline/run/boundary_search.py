@@ -27,9 +27,9 @@ _TREND = -0.8  # exponent of the boundary's velocity over load, until it is know
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # least κ, since it may be less by chance when known from few points
 _WIDEST = 0.35  # largest h
-_STEEPER = 5.0  # factor by which exponents beyond known points may differ from these
+_STEEPER = 5.0  # largest factor between an extrapolated exponent and _EXPONENT or _TREND
 _FINEST = 12  # halvings of the axis
-_ROUNDING = 1e-5  # relative rounding of a velocity in round figures, and more
+_ROUNDING = 1e-5  # more than the relative change of a velocity when it is rounded to 6 digits
 _CLOSER = 10.0  # divides the tolerance where friction by velocity may nearly balance the heat
 _EXPECTED = 512  # velocities on which crossings of the limit are sought
 

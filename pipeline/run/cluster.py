@@ -206,7 +206,8 @@ def connected(
             cluster = stack.enter_context(processes(workers, dashboard))
             client = stack.enter_context(Client(cluster, set_as_default=False))
         else:
-            stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
+            # Otherwise Dask logs tracebacks.
+            stack.enter_context(silence_logging_cmgr(logging.CRITICAL))
         stack.enter_context(client.as_current())
         if dashboard:
             progress(Progress(f"dashboard: {client.dashboard_link}"))

@@ -33,7 +33,7 @@ def start() -> None:
         main.pop("__file__", None)  # "<stdin>" of python -, which workers would try to import
     multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     before = dict(os.environ)
-    # It imports from the same folders as this process, and not from the one where a user works.
+    # The fork server imports from the folders of this process, not from the current folder.
     os.environ.update(WORKER_ENVIRONMENT, PYTHONSAFEPATH="1", PYTHONPATH=os.pathsep.join(sys.path))
     try:
         with block_interrupts():
@@ -50,7 +50,8 @@ def block_interrupts() -> Iterator[None]:
     A terminal sends Ctrl-C to every process in the foreground. Threads and processes begun in the
     block never receive it, so that it stops only the driver.
     """
-    resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
+    # Before Python 3.13, starting the tracker unblocks SIGINT: start it before SIGINT is blocked.
+    resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -60,6 +61,7 @@ def block_interrupts() -> Iterator[None]:
 
 def end_if_imported() -> None:
     """Exit silently if this process is a worker that imports, and so runs, the driver's script."""
-    script = sys.modules.get("__mp_main__")  # a worker's name for it, before it has a parent
+    # A worker imports the driver's script under this name, and afterwards knows its parent process.
+    script = sys.modules.get("__mp_main__")
     if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
         os._exit(1)  # an exception would show a traceback for each worker

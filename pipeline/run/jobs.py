@@ -85,7 +85,7 @@ class Jobs:
         """Send the sweep to the scheduler, which gives it to all workers, also to later ones."""
         try:
             self._client.register_plugin(self._run)
-        except GONE:  # a worker or the scheduler is gone, as the next update finds
+        except GONE:  # a worker or the scheduler is gone; the next update notices it
             pass
         except Exception as error:
             raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}") from error
@@ -140,7 +140,7 @@ class Jobs:
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker
             return Loss.KILLED
-        # A KeyError comes from a worker of a scheduler that was started again, which has no run.
+        # A KeyError comes from a worker that has not received this run: the scheduler restarted.
         if error is None or isinstance(error, CancelledError | KeyError):
             with self._link.reached():
                 if self._client.status != "running":
@@ -169,7 +169,7 @@ class Jobs:
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]
             gathered: dict[str, Any] = {}
-            # A scheduler may be started again, as the next update finds.
+            # This fails if the scheduler was restarted; the next update notices it.
             with self._link.reached(), suppress(CancelledError, OSError):
                 gathered = answer.result()
             for key, result in gathered.items():

@@ -84,7 +84,8 @@ class Losses:
     """
 
     def __init__(self) -> None:
-        self._workers: defaultdict[Point, list[str]] = defaultdict(list)  # lost with each point
+        # Addresses of the workers that were lost while they had a point, by point.
+        self._workers: defaultdict[Point, list[str]] = defaultdict(list)
         self._suspects: dict[Point, None] = {}
 
     def __bool__(self) -> bool:
@@ -94,7 +95,8 @@ class Losses:
         """Record a lost task; return True if it is to be queued again unchanged."""
         for point in job.task.points if loss is not Loss.FORGOTTEN else ():
             self._workers[point].append(job.worker)
-        # A worker that leaves may have died of the task: the second time its points are suspected.
+        # The task may have killed a worker that leaves. When a second worker leaves, the points of
+        # the task are suspected.
         times = len(self._workers[job.task.points[0]])
         if not job.is_alone and (loss is Loss.FORGOTTEN or (loss is Loss.LEFT and times == 1)):
             return True

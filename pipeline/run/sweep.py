@@ -142,7 +142,7 @@ def run_sweep(
         tally = Tally(store, shown_progress(progress))
         rounds = _rounds(store, sweep, choose_next)
         if first := next(rounds, None):
-            # More tasks may come later than those that wait now.
+            # With `choose_next`, later rounds may have more tasks than the first.
             most = len(first[2]) if choose_next is None else cores()
             count = min(workers or cores(), most)
             with connected(client, count, patience, report, dashboard) as link:

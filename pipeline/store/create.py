@@ -67,7 +67,8 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     root = _grown_root(place, before, sweep)
     if before is None or json.loads(root.documents()[ROOT]) != before.found:
         with io_errors(place, "written"):
-            # A kill while metadata of arrays change has to leave a root that describes the arrays.
+            # If the process is killed while the metadata of arrays change, the root document that
+            # remains must still describe the arrays.
             if before and "kind" not in before.found[CONSOLIDATED]:
                 place.put({ROOT: before.documents()[ROOT]})
             _write_root(place, root)

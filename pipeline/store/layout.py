@@ -26,7 +26,8 @@ Slices = tuple[slice, ...]
 
 _LARGEST = 2**22  # bytes of a chunk
 _FEWEST, _MOST = 1, 1024  # points in a chunk
-_LEAST = {"velocity": 16, POINT: _MOST}  # least points in a chunk, since later runs add more
+# Fewest points in a chunk along dimensions to which later runs add points.
+_LEAST = {"velocity": 16, POINT: _MOST}
 _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have room
 
 

@@ -171,7 +171,8 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)  # of any class
+        # A bucket's library may raise errors of any class.
+        is_expected = isinstance(error, OSError) or isinstance(place, Bucket)
         if not is_expected or isinstance(error, TriboError) or is_lack_of_memory(error):
             raise
         file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error

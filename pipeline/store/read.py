@@ -143,7 +143,7 @@ class _Masked(BackendArray):
         self._mask = _grid_values(mask, rows)
         self._inner = array.shape[mask.ndim :]
         self.shape, self.dtype = (*self._mask.shape, *self._inner), array.dtype
-        if self.dtype.kind == "T":  # text as Python's, the only one xarray writes to netCDF
+        if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:

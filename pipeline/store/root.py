@@ -197,7 +197,8 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     fault = "damaged, or not that of a sweep"
     try:
         document = json.loads(content)
-        if not document.get(CONSOLIDATED):  # Zarr drops it where users add without it
+        # Zarr drops consolidated metadata if a user adds an array and does not consolidate again.
+        if not document.get(CONSOLIDATED):
             document[CONSOLIDATED] = {"metadata": read_metadata(place)}
         metadata = document[CONSOLIDATED]["metadata"]
         if "sweep" in document["attributes"] and ABOUT not in metadata:
