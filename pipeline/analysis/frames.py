@@ -47,7 +47,8 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)
     heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED | {"caveats": "notes"}
-    front = [*dims[:-1], *{"friction"}.intersection(judged), axis]  # which leads, if it is one
+    # Friction leads even if it is a single value.
+    front = [*dims[:-1], *{"friction"}.intersection(judged), axis]
     names = [*dict.fromkeys([*front, *values, *judged])]
     found = frame[names].itertuples(index=False, name=None)
     return frame_of([heads.get(column, column) for column in names], found)

@@ -51,7 +51,7 @@ class ModelError:
     residuals: tuple[float, ...] = ()  #: ln(measured/computed) of transitions.
     wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.
     usual: float = USUAL  #: Prior of the relative scatter.
-    reason: str = "no test confirms or contradicts it"  #: Why there are no tests.
+    reason: str = "no test confirms or contradicts it"  #: Why only the prior counts.
     oil: str = ""  #: Oil whose tests count; empty if tests name none.
 
     @property

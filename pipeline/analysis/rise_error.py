@@ -48,13 +48,14 @@ Found by `python -m tests.promises.errors`.
 """
 
 _OF_WARNED = {
-    # Largest errors seen with these three warnings, which are rare in the campaign. The error of
-    # coarse pixels is the same in `fine`.
+    # The largest error seen with each of these three warnings; too few scenes of
+    # `tests.promises.errors` have them for a quantile. Preset `fine` has the error of coarse pixels
+    # too.
     WarningKind.FEW_STEPS: 0.10,
     WarningKind.FEW_TURNS: 0.10,
     WarningKind.COARSE_PIXELS: 0.70,
-    # With 15 to 38 elements in contact; with some hundreds it was 0.6 %. Elements are then pixels.
-    # Differences between surfaces, or from smaller pixels, are not included.
+    # Seen with 15 to 38 elements in contact, each a single pixel; with some hundreds the error was
+    # 0.6 %. Differences between surfaces, or from smaller pixels, are not included.
     WarningKind.FEW_NODES: 0.11,
     # 0, as friction by temperature has its own part of the error, `counted`.
     WarningKind.IGNITION: 0.0,

@@ -112,7 +112,8 @@ def _example(data: Results, flags: Indices) -> str:
     flag = flags[(*row, load, velocity)]
     texts = {WarningKind.SLOW_RISE: SLOW, WarningKind.MOLTEN: MOLTEN}
     said = [here.messages[load, velocity], *(texts[kind] for kind in texts if flag & kind)]
-    kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)  # for copied data
+    # Shown if there is no message, as in a dataset that was copied without its store.
+    kinds = ", ".join(kind.label for kind in WarningKind if flag & kind)
     values = tuple((n, value_text(here.rows[n], here.rows[n].item())) for n in data.front)
     point = here.point(load, velocity)._replace(variant=values)
     return f"{point}: {'; '.join(filter(None, said)) or kinds}"

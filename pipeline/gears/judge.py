@@ -95,7 +95,8 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
         table = margin_frame(data, found := [*judged(data, None)])
     margins = [one.known() for one in found]
     table["sentence"] = [one.sentence for one in margins]
-    turns = caveat_on_turns(sweep, "")  # needless: the bulk temperature includes heat of turns
+    # Left out below: a gear's bulk temperature already includes the heat of earlier revolutions.
+    turns = caveat_on_turns(sweep, "")
     notes = ([*one.caveats, f"the model's own error: {one.model_error}"] for one in margins)
     table["notes"] = [
         _notes(meshes[k], *(said for said in own if said != turns))

@@ -28,7 +28,8 @@ OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "o
 """Quantities that a trace may have; an outcome tells a log from a trace."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
-_NEAR = re.compile(r" \(did you mean [^)]*\)")  # may suggest the opposite
+# Left out if the outcome is of several words, as the question may suggest their opposite.
+_NEAR = re.compile(r" \(did you mean [^)]*\)")
 _MOST = 0.95  # share of rows in which time must rise for a single run
 _MOST_FRICTION = 2.0  # largest plausible median of friction
 _OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak

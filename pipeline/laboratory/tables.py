@@ -128,7 +128,7 @@ class WordNames(Names):
         if not known.named.search(title) or known.other.search(title):
             return 0.0
         if known.unit and not heading.unit and len(title) < 3:
-            return 0.0  # a single letter such as t or v is ambiguous
+            return 0.0  # one or two letters, such as t or v, are ambiguous without a unit
         is_doubtful = len(title) == 1 or re.search(vocabulary()["wished"], title)
         return (2 if heading.unit else 1) - 0.5 * bool(is_doubtful)
 

@@ -118,7 +118,8 @@ class Trace:
         size += 1 - size % 2
         course: Array = median_filter(friction, size=size, mode="reflect")
         steps = np.abs(np.diff(friction)) if len(friction) > 1 else np.zeros(1)
-        # A difference of readings scatters √2 as much as a reading, a median of n 1.25/√n as much.
+        # A difference of two readings has √2 times the standard deviation of a reading. The median
+        # of n readings has 1.25/√n times that of a reading.
         return course, 1.4826 * float(np.median(steps)) / math.sqrt(2) * 1.25 / math.sqrt(size)
 
     def lines(self) -> Iterator[str]:
@@ -260,7 +261,8 @@ def _setpoint(column: Array) -> Array:
     if is_held or crossings < max(20, min(_MANY, len(column) / 40)):
         # 80 % of steps are within 1.28 standard deviations, even if noise grows with load.
         noise = float(np.quantile(np.abs(np.diff(column)), 0.8)) / 1.28 / math.sqrt(2)
-        # The median of n readings scatters 1.25/√n as much as one; 4 of these must be below _APART.
+        # The median of n readings has 1.25/√n times the standard deviation of a reading. Four
+        # standard deviations of the median must be below _APART.
         needed = (5 * noise / max(_APART * float(column.max()), 1e-300)) ** 2
         size = int(min(max(5, needed), max(5, len(column) // 20)))
         filtered: Array = median_filter(column, size=size + 1 - size % 2, mode="reflect")

@@ -16,7 +16,9 @@ from tribo import Corrections, InputError
 from tribo.types import Array
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
-_FEWEST_WIDTHS = 10.0  # contact widths in a track, at least, so that a pass is short beside a round
+# Least length of a track in contact widths, so that a pass under the contact is short compared with
+# the time to the next pass.
+_FEWEST_WIDTHS = 10.0
 
 
 class Span(NamedTuple):

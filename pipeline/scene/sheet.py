@@ -44,7 +44,7 @@ NUMBER = re.compile(rf"[<>]?[+-]?(?:\d[\d.,{_GROUP}]*|[.,]\d+)(?:[eE][+-]?\d+)?(
 _ZERO = re.compile(r"[+-]?0*[.,]?0*(?:[eE][+-]?\d+)?(?:\s.*)?")
 EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat", "<na>")
 """Contents of cells without a value, in lower case."""
-_MOST_ABOVE = 200  # rows among which the row of headings is searched
+_MOST_ABOVE = 200  # rows that are searched for the row of headings
 _WIDEST = 1000  # headings of a row, each of which is compared with all names
 _SAMPLE = 150  # lines at each end from which the separator is found
 _PLURAL = {"has": "have", "is": "are", "stands": "stand"}
@@ -193,7 +193,8 @@ class Sheet:
             if not wrong:
                 tables.append(table)
                 read.append(vars(values))
-            own = (one for one in wrong if one.key in self.places)  # a missing column is said once
+            # A missing column is reported once, not for each row.
+            own = (one for one in wrong if one.key in self.places)
             faults += [one._replace(row=number) for one in own]
         self.faults += listed_faults(faults)
         return tables, read
@@ -317,7 +318,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         del headings[-1]
     first = [x.cells[0] for x in body if len(x.cells) == len(headings) + 1 and x.cells[-1]]
     if body and first in ([*map(str, range(k, k + len(body)))] for k in (0, 1)):
-        headings.insert(0, Heading("", "", ""))  # the column numbers the rows
+        headings.insert(0, Heading("", "", ""))  # the first column only counts the rows
     above = [cell for row in rows[:start] for cell in row.cells]
     places, faults = names.columns(headings)
     sheet = Sheet(name, names.units, headings, places, [*faults.values()], [*form], above)

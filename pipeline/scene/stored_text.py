@@ -75,7 +75,7 @@ def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
             chosen=() if "chosen" in read else None,
         )
         _ = sweep.parts  # reads the entries: an error for a fault
-    except Exception as error:  # a forged text may fail in any way, and is one error
+    except Exception as error:  # a forged text may raise anything
         raise SweepTextError(f"the attribute sweep is not the text of a sweep: {error}") from error
     return sweep
 

@@ -64,7 +64,8 @@ def autocorrelation_lengths(
             k = below[0]
             part = (values[k - 1] - _FALLEN) / (values[k - 1] - values[k])
             lengths[number] = lags[k - 1] + part * (lags[k] - lags[k - 1])
-    slowest = np.exp(2j * angles[lengths == lengths.max()]).mean()  # several if it is infinite
+    # The mean direction, as an infinite length may lie along several directions.
+    slowest = np.exp(2j * angles[lengths == lengths.max()]).mean()
     return float(lengths.min()), float(lengths.max()), float(np.degrees(np.angle(slowest) / 2))
 
 

@@ -162,7 +162,8 @@ def _source(code: Any) -> bytes:
     file = getattr(sys.modules.get(code.__module__), "__file__", None)
     if file and Path(file).is_file():
         return Path(file).read_bytes()
-    for part in (code, *vars(code).values()):  # a notebook knows the cell of methods alone
+    # A class in a notebook does not refer to its cell, but the code of its methods does.
+    for part in (code, *vars(code).values()):
         name = getattr(getattr(part, "__code__", None), "co_filename", "")
         if not Path(name).is_file() and (lines := linecache.getlines(name)):
             return "".join(lines).encode()

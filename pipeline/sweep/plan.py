@@ -157,7 +157,8 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
     Tasks are sorted by ramp, then by ascending load.
     """
-    base = functools.cache(sweep.variants.base)  # samples of a scene have its steps
+    # All samples have the load increments of the scene for which they are drawn.
+    base = functools.cache(sweep.variants.base)
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.ramp_increment(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)
     for point in todo:

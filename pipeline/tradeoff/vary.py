@@ -125,7 +125,8 @@ def vary(
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {(*varied.contact_of(point), point.load) for point in done}
-        oil = next(iter(ambiguous_oils(varied)), None)  # no test moves the boundary
+        # `at` needs one oil. Any will do, since tests do not move the boundary.
+        oil = next(iter(ambiguous_oils(varied)), None)
         ds = at(path, criterion=laws.get("criterion"), oil=oil)
         table, carried = _table(boundary_frame(boundary(ds)), variations), warned(ds)
     return Variations(sweep.title, table, len(done), len(contacts), carried)

@@ -100,7 +100,9 @@ class LeftOut(NamedTuple):
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
     #: scaled so that 90 % bands hold 90 % of the samples left out.
     covariance: Array
-    ends: float  # further factor on the error at the ends of the velocities, left out as a whole
+    #: Further factor on the errors at the lowest and at the highest velocities. It is found by
+    #: leaving out all samples of such an end.
+    ends: float
     held: float  # share of samples inside the 90 % bands, each contact judged by the others
     contacts: int
 

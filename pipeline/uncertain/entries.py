@@ -50,7 +50,8 @@ _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip
 _SIGNS = {"degC": "°C", "um": "µm"}
-_SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # its path; unit of wear rates
+# Path of the failing share, and unit of wear rates.
+_SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"
 _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 

@@ -240,7 +240,7 @@ class SampleField:
             binned = np.bincount(k, weight * (1 - share), _GRID)
             binned += np.bincount(k + 1, weight * share, _GRID)
             (some,) = np.nonzero(binned)
-            if not some.size:  # no draw turns, or none that turns has this scatter
+            if not some.size:  # wear changes in no draw that has this scatter
                 continue
             apart = grid[some] - np.log(velocities)[:, None]
             far = max(-apart.min(), apart.max(), step)

@@ -25,7 +25,7 @@ _ENOUGH = 0.5  # effective share at which the fits end
 _ROUNDS = 12  # most fits
 _PARTS, _FITS = 6, 12  # components of the mixture, and steps of a fit
 _FREEDOM = 8.0  # degrees of freedom of Student's t; its tails must cover the posterior's
-_WIDER = 1.1  # standard deviation of a component over its draws'
+_WIDER = 1.1  # ratio of a component's standard deviation to that of the draws it is fitted to
 _LEAST = 0.005  # share of the whole covariance added to each component's
 
 

@@ -32,7 +32,9 @@ REACH = 3.7
 """Largest normal score of a sample."""
 SPECIFIC_WEAR_RATE = "wear.specific_wear_rate"
 _RATES = 2.6  # largest normal score of the wear rates that share a contact
-_DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64  # samples that share a contact, by design
+# Samples that share a contact: if an input changes the contact, else if the pin wears, else without
+# wear.
+_DRAWN, _PLANNED, _WITHOUT_WEAR = 4, 2, 64
 _FOR_VELOCITY = 16  # samples that suffice for velocity and w; each further input doubles them
 _OF_A_SURFACE = 2  # contacts that suffice for each value of a list, as values share a trend
 JUDGED = 32
