@@ -86,8 +86,8 @@ class MeasuredLoad:
         if not max(0.0, loads[0]) < self.peak <= loads.max():
             raise InputError(
                 f"the load record begins at {loads[0]:g} N and reaches {loads.max():g} N; its "
-                f"reference load is {self.peak:g} N; it must be positive, above the beginning and "
-                "at most the highest"
+                f"reference load, {self.peak:g} N, must be positive, above the first load, and at "
+                "most the highest load"
             )
 
     def __eq__(self, other: object) -> bool:

@@ -30,7 +30,7 @@ from tribo.errors import InputError
 from tribo.types import Array
 
 STEEP = 0.7
-"""Exponent d ln µ/d ln(T − T_b) from which on a contact may ignite."""
+"""Least exponent d ln µ/d ln(T − T_b) at which the temperature may run away (ignition)."""
 _LEAST = 1 - STEEP  # the rise at friction 1 grows at least as T − T_b to this power
 _FARTHEST = 1e60  # bound on a ratio of rises, so that the ratio to the power 1/0.3 is finite
 
@@ -59,7 +59,7 @@ FRICTIONS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "by_velocity": _velocity_factor,
     "by_temperature": _temperature_factor,
 }
-"""Forms of friction by the fields of `Friction`: functions of the field, V and T to a factor."""
+"""Factor for each field of `Friction`, as a function of the field, velocity and temperature."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -70,8 +70,8 @@ def check_contact(
         )
     if not residual <= tolerance:
         raise InvariantError(
-            f"complementarity: the conditions on the gap are violated by {residual:.2e}, "
-            f"allowed are {tolerance:.2e}"
+            f"complementarity: the conditions on the gap are violated by {residual:.2e}; "
+            f"the tolerance is {tolerance:.2e}"
         )
 
 
@@ -135,8 +135,8 @@ def check_heat(
         )
     if not split.residual <= tolerance:
         raise InvariantError(
-            f"common temperature: the surfaces differ by {split.residual:.2e} of their rise, "
-            f"allowed are {tolerance:.2e}"
+            f"common temperature: the surfaces differ by {split.residual:.2e} of their rise; "
+            f"the tolerance is {tolerance:.2e}"
         )
 
 

@@ -27,7 +27,7 @@ from tribo.simulation.verdict import (
 from tribo.types import Array
 
 _NEAR = 0.3
-"""Relative distance of a rise from its limit up to which friction by temperature is solved."""
+"""Friction by temperature is solved for rises within this relative distance of their limit."""
 
 
 def solve_friction(
@@ -135,7 +135,7 @@ def judge(
     if parts:
         parts = replace(parts, motion=scene.motion)
         if parts.stem and scene.velocities_at(velocity).pin:
-            raise InputError("corrections.stem holds a pin that turns; leave out one of the two")
+            raise InputError("a pin with corrections.stem cannot turn; leave out stem or motion")
     conditions = replace(conditions, corrections=parts)
     requested: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):

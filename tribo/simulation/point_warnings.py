@@ -71,7 +71,7 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
-    """The rise hardly grows with velocity: found for a sweep, under a ball also at each point."""
+    """The rise hardly grows with velocity. Found in a sweep; for a ball at a single point, too."""
     MOLTEN = 512
     IGNITION = 1024
     UNSOLVED_FRICTION = 2048
@@ -225,9 +225,9 @@ def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
         return
     yield (
         WarningKind.BEYOND_SHAPE,
-        f"{size} at {state.normal_load:g} N, the pin's radius is {1e3 * radius:.3g} mm; beyond "
-        f"{2 * WIDEST:g} times that wide, or {WIDEST**2 / 2:.2g} times that deep, it lost the "
-        "shape that the model assumes: check specific_wear_rate and the load, or shorten the test",
+        f"{size} at {state.normal_load:g} N, with a pin radius of {1e3 * radius:.3g} mm; the model "
+        f"assumes at most {2 * WIDEST:g} radii of width and {WIDEST**2 / 2:.2g} radii of depth: "
+        "check specific_wear_rate and the load, or shorten the test",
     )
 
 
@@ -333,8 +333,8 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
     count = f"{state.index} steps" if state.index > 1 else "a single step"
     yield (
         WarningKind.FEW_STEPS,
-        f"{state.normal_load:g} N is reached in {count}, in which the shape of the "
-        f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more",
+        f"{state.normal_load:g} N is reached in {count}, too few to know the shape of the "
+        f"wear well; take more increments, so that {_FEWEST_STEPS} steps or more reach this load",
     )
 
 

@@ -61,7 +61,10 @@ class Conductor(NamedTuple):
 
 
 SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], Spectrum]
-"""Function of a body, ages [s] and strengths of a flux then; returns the spectrum of the rise."""
+"""Function that returns the spectrum of the rise.
+
+Arguments: grid, body, ages of a heat flux [s], and its strengths at these ages.
+"""
 
 
 def conducted_spectrum(

@@ -60,7 +60,7 @@ def test_the_bodies_of_a_motion_turn_as_the_scene_says():
     found = tribo.judge(scene, 600.0, 1.5, said)
     assert found == tribo.judge(scene, 600.0, 1.5, repeated)
     stem = replace(said, corrections=tribo.Corrections(stem=tribo.Stem(0.02, 1e-5)))
-    with pytest.raises(tribo.InputError, match="holds a pin that turns"):
+    with pytest.raises(tribo.InputError, match="leave out stem or motion"):
         tribo.judge(scene, 600.0, 1.5, stem)
 
 
