@@ -125,7 +125,7 @@ def columns_of(columns: Any) -> dict[str, list[Any]]:
     listed = {str(head): np.atleast_1d(columns[head]).tolist() for head in columns}
     if len({*map(len, listed.values())}) > 1:
         counts = ", ".join(f"{head} {len(cells)}" for head, cells in listed.items())
-        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+        raise InputError(f"points: columns of unlike lengths: {counts}; give equal lengths")
     return listed
 
 
@@ -151,8 +151,8 @@ def _column_faults(sheet: Sheet) -> Iterator[str]:
         is_entry = heading.name == "hold" or heading.title.startswith(_TABLES)
         if is_entry and heading.text in sheet.unused:
             yield (
-                f'column "{heading.text}" cannot act after the simulation; leave it out, or give '
-                "the table to [sweep] along of a scene, which computes each row"
+                f'column "{heading.text}" cannot act after the simulation; leave it out, or name '
+                "the table as sweep.along of a scene, so that each row is simulated"
             )
 
 

@@ -62,7 +62,7 @@ def _unknown_materials(scene: Any) -> Misfits:
 def _unfit_pixels(scene: Any) -> Misfits:
     pixels, block = scene.window.pixels, scene.fidelity.pixels_per_element
     if any(count % block for count in pixels):
-        problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or another"
+        problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or change"
         yield "window.pixels", f"{quoted(list(pixels))} {problem} fidelity.pixels_per_element"
 
 
@@ -100,7 +100,7 @@ def _unfit_track(scene: Any) -> Misfits:
     track, motion = track_length(scene.pin), scene.motion
     key = "pin.diameter" if scene.pin.diameter else "pin.track_length"
     if track and motion is None:
-        problem = "the pin is at rest, so that no earlier turn has warmed it; leave it out"
+        problem = "a pin at rest has no earlier turns that warm it; leave this entry out"
         yield key, f"{problem}, or give a [motion]"
     elif track and (worn := motion.track_length) and abs(worn / track - 1) > _ALIKE:
         problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
@@ -137,7 +137,7 @@ def _unfit_bodies(scene: Any) -> Misfits:
             problem = f"belongs to a disc; give {name}.diameter and {name}.width, or leave it out"
             yield f"{name}.{disc[0]}", problem
         elif body.diameter and not body.width:
-            yield f"{name}.width", "missing; a disc of a diameter needs it"
+            yield f"{name}.width", "missing; a disc with a diameter needs a width"
         if body.diameter and body.width and length and body.width < length:
             problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
             yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"

@@ -164,7 +164,7 @@ class Range(Kind):
         first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
         span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
         if first > last:
-            raise UnfitError(f"{span} falls, and from is the lower end")
+            raise UnfitError(f'{span} falls; give the lower end as "from"')
         if ("step" in value) == ("count" in value):
             raise UnfitError(f"{span} needs either step or count")
         if count := value.get("count"):

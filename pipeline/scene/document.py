@@ -29,7 +29,7 @@ from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": "step", "step": "count"}
-"""Key of a range that is left out where the other one replaces it."""
+"""Keys of a range that replace each other in a scene that extends another."""
 _LEVELS = 10  # depth of tables in tables, more than the format has
 _BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 

@@ -116,5 +116,5 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
         yield (
             "wear.pattern",
             'the grooves lie along sliding; where the same ones pass the pin again, "swept" makes '
-            'the rise about half too high: give pattern = "local"',
+            'the rise about 50 % too high: give pattern = "local"',
         )

@@ -110,7 +110,7 @@ class Body(Declared):
         "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
         f"earlier turns have warmed it. Without it each turn meets a cold track. {LATER}"] = None
     capacity: A[float | Plate | None, CAPACITY,
-        f"Heat capacity of the body behind the track, or its size; it starts at `bulk`. {LATER}"
+        f"Heat capacity or size of the body behind the track. The body starts at `bulk`. {LATER}"
         ] = None
     loss: A[float | None, Quantity("2 W/K"),
         f"Heat loss of the body for each kelvin above its start; none by default. {LATER}"] = None
@@ -151,7 +151,7 @@ class RandomSurface(Declared):
 
 class MeasuredSurface(Declared):
     file: A[str,
-        "File with the heights, x along its columns, relative to the folder of the scene: .npy, "
+        "File, relative to the scene's folder, of heights with x from column to column: .npy, "
         "text, or the format of an instrument (extra `surfaces`).",
         Example("surface.npy")]
     height_unit: A[float | None, UnitText("a unit of length", "um"),
@@ -165,7 +165,7 @@ class MeasuredSurface(Declared):
     crop: A[tuple[int, int] | None, List(Whole(at_least=0), length=2),
         "First pixel of the patch to cut out, along x and y from 0."] = None
     level: A[bool,
-        "True to subtract the least-squares plane, and a curvature that stands out."] = False
+        "True to subtract the least-squares plane, and any curvature higher than Rq."] = False
     missing: A[str, OneOf(("refuse", "fill")),
         "Pixels without a height: refuse the file, or fill them smoothly from around."] = "refuse"
     repeat: A[str, OneOf(("no", "mirror", "tile")),
@@ -307,7 +307,7 @@ class Model(Declared):
 
 _CHOICES = {
     "pixels_per_element":
-        "Pixels of the surface along each side of an element; the most of them if "
+        "Pixels of the surface along each side of an element; an upper limit if "
         "`elements_per_summit` is above 0.",
     "averaging":
         "An element's height: the mean of its pixels, as measured surfaces are coarsened in the "
@@ -319,7 +319,7 @@ _CHOICES = {
     "increments": "Steps of the ramp up to its reference load.",
     "hold_increments":
         "As `increments`, for the steps of a hold, which grow with time; 0 for the same number.",
-    "imprint": "Share of a wave of the roughness that a part of a step may wear into the pin.",
+    "imprint": "Wear depth over height of the roughness above which a step is cut into parts.",
     "contact_tolerance": "Residual of the contact at which its solver stops.",
     "heat_model":
         '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
@@ -358,7 +358,7 @@ class _Sweep(Declared):
         "True to store pressure, temperature rise and wear depth over the window."] = False
     steps: A[str | None, OneOf(("course", "end")),
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
-        'for a ramp with wear, without a hold and with contacts of its own, else "end".'] = None
+        'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
 
 Sweep = _with_extras(_Sweep, "sweep")
 

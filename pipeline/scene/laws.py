@@ -103,7 +103,7 @@ def take_laws(
     for kind in taken:
         for path in _REPLACED[kind]:
             if entry_at(entries, path) is not None:
-                faults.refuse(path, f"laws.{kind} stands in its place; leave it out")
+                faults.refuse(path, f"laws.{kind} replaces this entry; leave the entry out")
                 entries = replace_value(entries, path, None)
     if pin := taken.get("pin"):
         shape = "ball" if pin.length is None else "cylinder"

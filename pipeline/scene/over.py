@@ -100,7 +100,7 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
         key, what = "over", f"{column.name} is the scene's own or the first listed"
         if column.name == VARIANT:
             key, what = "along", "values are the scene's own or those of its first row"
-        yield from remarks("note", f"sweep.{key} is ignored here; {what}: --set takes others")
+        yield from remarks("note", f"sweep.{key} is ignored here; {what}; choose another by --set")
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:

@@ -40,7 +40,7 @@ DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 _RECORD = "time", "load"
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
-    "size, by crop, repeat or transpose of [disk.roughness]; x is along the columns of the file"
+    "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
 )
 _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
 
@@ -69,7 +69,7 @@ class Contents:
         """
         array = self.arrays[key].reshape(shape)
         if array_digest(array) != key:
-            raise tribo.InputError(f"the array {key} is another one")
+            raise tribo.InputError(f"the array {key} does not have this SHA-256; restore its data")
         return array
 
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
@@ -82,7 +82,7 @@ class Contents:
         if faults.is_complete or table.content:
             name = quoted(table.file)
             raise MissingError(
-                f"{path}: what was read of {name} is not beside the sweep; open its store"
+                f"{path}: the contents of {name} are missing; open the store of the sweep"
             )
         return self.folders[f"{path}.file"] / user_path(table.file)
 

@@ -123,7 +123,7 @@ def number_at(path: str) -> Quantity | Number:
 
 
 Listed = dict[str, str]
-"""Headers of lists of tables, by the keys that each list is the first to have."""
+"""Header of the first list of tables that has a key, by key."""
 
 
 def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:

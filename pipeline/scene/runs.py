@@ -89,8 +89,8 @@ def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:
             if is_against and is_harder and one.bulk_temperature == other.bulk_temperature:
                 yield (
                     index,
-                    f"{run} is severe at {other.load:g} N and {other.velocity:g} m/s, and "
-                    f"mild at {one.load:g} N and {one.velocity:g} m/s, which no specimen is; "
-                    "give them runs of their own",
+                    f"{run} is severe at {other.load:g} N and {other.velocity:g} m/s, but mild at "
+                    f"{one.load:g} N and {one.velocity:g} m/s, which is no easier; no specimen can "
+                    "do both: put these tests into separate runs",
                 )
                 break

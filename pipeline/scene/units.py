@@ -115,7 +115,7 @@ def exact_si(text: str, like: str) -> Decimal:
         radius = exact_si(turns["length"], "1 m") / (1 if turns["which"] == "radius" else 2)
         if radius <= 0:
             which = f"{turns['which']} of the track"
-            raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give its own")
+            raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give a length above 0")
         return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
     number, unit = _read(text)
     if unit.dimension != needed:

@@ -93,15 +93,15 @@ FIELDS = {
     "wear_depth": _field("m", "wear depth of the pin at the end of the ramp"),
 }
 BULK_COLUMNS = {
-    "mean_bulk_response": Variable(_STEP, "1", "mean rise for each kelvin of warmer disk bulk"),
+    "mean_bulk_response": Variable(_STEP, "1", "mean rise per kelvin by which the disk is warmer"),
     "bulk_rise_quantile": Variable(_AT_BULKS, "K", f"quantile of the rise above the pin {_RISE}"),
 }
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
-BULK_FIELDS = {"bulk_response": _field("1", "rise of the pin for each kelvin of warmer disk bulk")}
+BULK_FIELDS = {"bulk_response": _field("1", "pin rise per kelvin by which the disk is warmer")}
 """Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
 OF_POINT = {
     "coupled_rise": Variable(
-        PLANE, "K", "deciding rise over friction, friction by temperature solved; inf: it ignites"
+        PLANE, "K", f"deciding rise {_RISE} with friction by temperature; inf: the contact ignites"
     ),
 }
 """Variables of a point that scenes with friction by temperature have in addition."""
@@ -113,7 +113,7 @@ _KINDS = {
 RECORDS = {
     "status": Variable(PLANE, None, "state of the point", "int8", _STATES),
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
-    "message": Variable(PLANE, None, "reason of a failure, or warnings", "str"),
+    "message": Variable(PLANE, None, "reason for a failure, or warnings", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
     "asked": Variable(PLANE, None, "1 if the last run asked for the point, else 0", "int8"),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),

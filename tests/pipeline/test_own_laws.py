@@ -284,8 +284,8 @@ class Called:
         ("wear", "Called()", {}, "other fields are numbers or text"),
         ("wear", "fading", {"wear.parameters.distanc": 1.0}, "keyword argument 'distanc'"),
         ("wear", "fading", {"wear.parameters": 3}, "must be a mapping, not int"),
-        ("criterion", "median", {"temperature.criterion": "mean"}, "laws.criterion stands in"),
-        ("pin", "Blunt(2e-3, 3e-3, STEEL, 0)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin st"),
+        ("criterion", "median", {"temperature.criterion": "mean"}, "laws.criterion replaces"),
+        ("pin", "Blunt(2e-3, 3e-3, STEEL, 0)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin re"),
         ("surface", "Dimples(1, 2)", {"sweep.realizations": 3}, "made from a seed; give one"),
     ],
 )  # fmt: skip

@@ -171,7 +171,7 @@ ENTRIES = {
     "comma": (entry("friction.coefficient", "0,1"), '"0,1" is not a plain number'),
     "step": (entry("sweep.velocities.step", "0.7 m/s"), 'steps of "0.7 m/s", not a whole number'),
     "both": (entry("sweep.velocities", {"step": "1 m/s", "count": 4}), "either step or count"),
-    "falling": (entry("sweep.velocities.to", "0.1 m/s"), "falls, and from is the lower end"),
+    "falling": (entry("sweep.velocities.to", "0.1 m/s"), "falls; give the lower end as"),
     "no title": (entry("title", ""), "the text is empty"),
     "null": (entry("title", "a\0"), "has a null character"),
     "materials": (entry("materials", 3), "is not a table that holds tables"),
@@ -195,7 +195,7 @@ ENTRIES = {
     "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
     "class": (own(tribo.RunningIn), "is not an object of a dataclass"),
     "unlike": (own(Unlike({})), "write @dataclass(frozen=True), or with an array"),
-    "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear stands in its place"),
+    "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear replaces this entry"),
     "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
@@ -283,8 +283,8 @@ def unkept():
 
 KEPT = {
     "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
-    "no array": (scanned, "is not beside the sweep"),
-    "exchanged": (lambda: scanned(3.0), "is another one"),
+    "no array": (scanned, "are missing; open the store"),
+    "exchanged": (lambda: scanned(3.0), "does not have this SHA-256"),
     "law": (unkept, "other fields are numbers or text"),
 }
 

@@ -122,7 +122,7 @@ def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
     assert again.wears_by_law
     assert again.contact_pattern == "swept"
     assert digest(again) == digest(sweeps[0].scene) != digest(sweeps[1].scene)
-    with pytest.raises(LawError, match="of which a store keeps the name alone"):
+    with pytest.raises(LawError, match="of which a store has only the name"):
         again.wear.over(0.0, 1.0)
 
 
@@ -208,7 +208,7 @@ def test_a_store_is_read_from_no_file(tmp_path):
     for file in ("/dev/zero", "surface.npy"):
         rough["file"] = file
         sweep = parse_sweep(json.dumps(told), {})
-        with pytest.raises(tribo.InputError, match="is not beside the sweep"):
+        with pytest.raises(tribo.InputError, match="are missing; open the store"):
             sweep.scene.roughness.heights(sweep.scene.pixels)
     assert sweep.conditions == tiny.full().conditions
 
@@ -230,7 +230,7 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
     copy = pipeline.results(ds.drop_vars("inputs")).stored  # enough where no surface is needed
     assert copy.conditions == pipeline.results(ds).stored.conditions
-    assert all("is not beside" in str(copy.variant(n).scene.roughness) for n in copy.variants.names)
+    assert all("are missing;" in str(copy.variant(n).scene.roughness) for n in copy.variants.names)
     sweep = pipeline.results(ds).stored
     rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
