@@ -79,7 +79,7 @@ class BoundarySearch:
             raise InputError("there is no boundary without friction: set friction.coefficient")
         moving = [velocity for velocity in sweep.plane.velocities if velocity > 0]
         if len(moving) < 2:
-            raise InputError(f"sweep.velocities has {moving} m/s above 0; give two or more")
+            raise InputError(f"sweep.velocities above 0: {len(moving)}; give two or more")
         tolerance /= _CLOSER if sweep.conditions.has_friction_curve else 1.0
         ends, factor = (moving[0], moving[-1]), sweep.conditions.friction_factor
         return cls(sweep.plane.loads, *ends, limit, tolerance, scale, factor)

@@ -48,7 +48,7 @@ class Loss(Enum):
 
     KILLED = "its worker died"
     LEFT = "its worker left"
-    FORGOTTEN = "its result went with a worker, or the scheduler was started again"
+    FORGOTTEN = "its result was lost with a worker, or the scheduler was restarted"
 
 
 class Jobs:

@@ -53,8 +53,8 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
                     link.report(f"a worker has died: {cause}")
             for point, workers in losses.failed():
                 cause = link.memory_cause(workers) or "out of memory, or killed from outside"
-                words = f"{len(workers)} workers died of it, at last when it was alone: {cause}"
-                writer.add([PointRecord(point, None, words)])
+                why = f"{len(workers)} workers died, the last computing only this point: {cause}"
+                writer.add([PointRecord(point, None, why)])
             for result in jobs.results():
                 writer.add(pickle.loads(result))
             if written := writer.written():

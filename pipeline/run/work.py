@@ -86,8 +86,8 @@ class Run(WorkerPlugin):  # type: ignore[misc]
         """Raise an `ExecutionError` if the worker runs other code than the driver."""
         if self.code != CODE:
             raise ExecutionError(
-                f"the Dask worker {worker} runs code {CODE} of tribo and pipeline from {FOLDER}, "
-                f"and this program code {self.code} from {self.folder}; {INSTALL}"
+                f"the Dask worker {worker} runs tribo and pipeline from {FOLDER} (hash {CODE}), "
+                f"but this program runs them from {self.folder} ({self.code}); {INSTALL}"
             )
 
 

@@ -122,16 +122,16 @@ def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
     old = before.axes
     for name, values in axes.items():
         if name not in old or values[: len(old[name])] != old[name]:
-            raise _no_room(place, f"{name} would not grow at its upper end")
+            raise _no_room(place, f"{name} can only grow at its upper end")
     grown = {name for name, values in axes.items() if len(values) > len(old[name])}
     own = {path_of(name) for name in before.variables}
     for path, array in before.found_metadata.items():
         if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
-            raise _no_room(place, f"{path}, which is not of the store, would not grow with it")
+            raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
 
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:
     return StoreError(
-        f"{place} has no room for this: {reason}; write a new store, which takes the points of "
-        f"this one: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
+        f"{place} cannot take these points: {reason}; write a new store, which takes over the "
+        f"points of this one: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
     )

@@ -177,8 +177,8 @@ def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
             raise
         file, reason = getattr(error, "filename", None), getattr(error, "strerror", None) or error
         raise StoreError(
-            f"{file or place} cannot be {verb}: {reason}; what is finished is safe: see to room, "
-            "permissions and disk, then repeat the command"
+            f"{file or place} cannot be {verb}: {reason}; finished points are safe: check free "
+            "space, permissions and the disk, then repeat the command"
         ) from error
 
 

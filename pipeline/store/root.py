@@ -51,8 +51,8 @@ from pipeline.sweep.model import Sweep
 from tribo.types import Array
 
 CONSOLIDATED = "consolidated_metadata"
-"""Key of the metadata of all arrays in a root; without ``kind``, these were read one by one."""
-_COPY = "that of a copy by xarray: answers read it, nothing can verify or resume it"
+"""Key of all arrays' metadata in a root; without ``kind``, read from each array's own document."""
+_COPY = "that of a copy by xarray, which can be read, but not verified or resumed"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "ids")
 """Attributes of the group ``about``, beside the hash; xarray may drop those of the root."""

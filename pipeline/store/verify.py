@@ -218,7 +218,7 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
     if lost := sorted(name for name, entry in entries.items() if entry is None):
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed
-        return "" if entries["message"] else "the reason of its failure is lost"
+        return "" if entries["message"] else "the reason for its failure is lost"
     is_right = entries["checksum"] == checksum(store.sweep.scene_hash(point), point, entries)
     is_whole = is_right and np.isfinite(entries["wall_time"])  # which no checksum covers
     return "" if is_whole else "the data are not those that were computed"

@@ -212,8 +212,8 @@ class Store:
     def _require_lock(self) -> None:
         if self.lock and not self.lock():
             raise StoreError(
-                f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
-                "stops, since another one may write now. What is finished is safe, run it again"
+                f"{self.place}: its lock ({LOCK}) was deleted or replaced during this run, which "
+                "stops: another run may write now. Finished points are safe; run the command again"
             )
 
 

@@ -47,7 +47,7 @@ def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
     """
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:
-        severe = "more than the share of each sample of its contact above"
+        severe = "more than a share of the contact, drawn for each sample, above"
     critical = display(conditions.known_critical_temperature(), "°C")
     if conditions.critical_sd:
         critical = f"{critical} ± {display(conditions.critical_sd, 'K', 3)}"

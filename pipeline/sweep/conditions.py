@@ -93,7 +93,7 @@ class Conditions(Judging):
         if isinstance(self.rule, Law):
             raise LawError(
                 f"the store is judged by the criterion {self.criterion}, a Python object, of which "
-                "it keeps the name alone; give another one, such as --criterion=share, or in "
+                "it has only the name; give another criterion, such as --criterion=share, or in "
                 "Python pipeline.at(ds, criterion=rule); irg plot --kind=temperature needs none"
             )
         return Criterion(self.criterion, self.failing_share, self.rule)

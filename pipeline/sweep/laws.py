@@ -3,8 +3,8 @@
 ::
 
     InputError
-    ├── LawError       a law is needed, of which a store has the name alone
-    └── MissingError   heights are needed that are not beside the sweep
+    ├── LawError       a law is needed, of which a store has only the name
+    └── MissingError   heights are needed that were not stored with the sweep
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Law(UnknownHeights):
     def _refuse(self, *_: Any) -> NoReturn:
         """Raise a `LawError`: only the name of the law is known."""
         raise LawError(
-            f"{self.name} is a Python object, of which a store keeps the name alone; give it anew: "
+            f"{self.name} is a Python object, of which a store has only the name; give it anew: "
             "pipeline.load_scene(…, laws=…)"
         )
 

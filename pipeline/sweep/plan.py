@@ -121,7 +121,7 @@ class PointRecord:
 
     point: Point
     data: Mapping[str, Array | bytes] | None
-    message: str = ""  # its warnings, or the reason of its failure
+    message: str = ""  # its warnings, or the reason for its failure
     warning_flags: int = 0  # sum of `WarningKind` codes
     wall_time: float = math.nan  # of the simulation [s]
     checksum: str | None = field(default=None, kw_only=True)

@@ -46,7 +46,7 @@ class SurfaceFacts:
             return f"random: {heights}"
         known = zip("xy", self.radii, strict=True)
         curves = [f"R {display(r, 'mm', 3)} along {x}" for x, r in known if math.isfinite(r)]
-        heights += f"; curved, {' and '.join(curves)}, and without it" if curves else ""
+        heights += f"; Ra and Rq exclude the curvature, {' and '.join(curves)}" if curves else ""
         if all(abs(place) < _IS_LEVEL * self.rq for place in (self.mean_height, *self.rise)):
             return f"measured: {heights}; level"
         mean, x, y = (shown_in(place, "µm") for place in (self.mean_height, *self.rise))

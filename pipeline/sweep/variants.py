@@ -198,8 +198,8 @@ class Variants:
         if gap := next((dict(name) for name in names if name not in rows), None):
             words = ", ".join(f"{label} {value}" for label, value in gap.items())
             raise InputError(
-                f"neither has all combinations of values, such as {words} (in SI); give each entry "
-                "of sweep.over all of its values, those of the store included"
+                f"a combination of values is missing, {words} (in SI); give each entry of "
+                "sweep.over all of its values, those of the store included"
             )
         return replace(other, rows=tuple(rows[name] for name in names))
 

@@ -103,7 +103,7 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
     alone = '{ "friction.coefficient" = [0.1], "pin.material" = ["hard"] }'
     with (
         pytest.raises(
-            StoreMismatchError, match=r"neither has all comb.* 0\.1, pin\.material 100Cr6"
+            StoreMismatchError, match=r"combination .*missing.* 0\.1, pin\.material 100Cr6"
         ),
         writing(tmp_path / "out.zarr", load(tmp_path, alone, materials, **surfaces)),
     ):

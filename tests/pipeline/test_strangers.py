@@ -164,7 +164,7 @@ def test_a_store_runs_nothing_and_writes_no_empty_answer(
     (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
     store = forged(done, strangers, name, stored.format(folder=strangers))
     said = irg(command[0], store, *command[1:], code=2)
-    assert "a Python object, of which it keeps the name alone" in said
+    assert "a Python object, of which it has only the name" in said
     assert not ran()
     assert not [*strangers.glob("out*")]
 

@@ -135,7 +135,7 @@ def test_a_worker_that_died_while_the_kernel_killed_for_memory_is_told_as_such(p
     monkeypatch.setattr(schedule, "TRIALS", 2)
     deadly = changed(HUNGRY, loading=tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0))
     (failed,) = pipeline.run_sweep(deadly, path, workers=1).failed
-    assert "2 workers died of it" in failed.message
+    assert "2 workers died, the last" in failed.message
     assert "the kernel has killed processes here for want of memory; take fewer" in failed.message
 
 

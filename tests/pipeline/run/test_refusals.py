@@ -37,7 +37,7 @@ REFUSALS = {
     "tolerance": (lambda: BoundarySearch.of(SWEEP, 1.0), "the tolerance is 1.0"),
     "no friction": (lambda: BoundarySearch.of(COLD, 0.01), "no boundary without friction"),
     "velocities": (lambda: BoundarySearch.of(changed(SWEEP, velocities=(0.0, 1.5)), 0.01),
-                   "sweep.velocities has [1.5] m/s above 0; give two or more"),
+                   "sweep.velocities above 0: 1; give two or more"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),

@@ -144,7 +144,7 @@ def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(path, replaced):
         with pytest.raises(StoreError, match=rf"its lock \({LOCK}\) was deleted or replaced"):
             store.commit([record(Point(150.0, 0.5))])
         commit(path, SWEEP, [Point(600.0, 0.5)])  # committed by another run
-        with pytest.raises(StoreError, match="run it again"):
+        with pytest.raises(StoreError, match="run the command again"):
             store.forget([POINT])
     assert_is_as_computed(path, [POINT, OTHER, Point(600.0, 0.5)])
     assert verify_store(path).is_clean

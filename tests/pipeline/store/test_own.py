@@ -50,7 +50,7 @@ def test_attributes_and_variables_of_users_stay_through_reads_and_runs(copy, irg
     with pipeline.open_sweep(copy) as ds:
         ds.load()
     assert pipeline.run_sweep(SWEEP, copy, workers=1).computed == 0
-    with pytest.raises(pipeline.StoreError, match="doubled, which is not of the store, would not"):
+    with pytest.raises(pipeline.StoreError, match="doubled, an array added by a user, would not"):
         commit(copy, tiny.full(loads=(700.0,)), ())
     other = changed(SWEEP, title="Another title")  # writes another root document
     assert pipeline.run_sweep(other, copy, workers=1).computed == 0

@@ -148,13 +148,13 @@ REFUSALS = {
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "zarr.json is damaged, or not"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
-    "copy": (by_xarray, "zarr.json is that of a copy by xarray: answers read it"),
+    "copy": (by_xarray, "zarr.json is that of a copy by xarray, which can be read"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
-    "beside": (with_another_variable, "mine, which is not of the store, would not grow with it"),
+    "beside": (with_another_variable, "mine, an array added by a user, would not grow with it"),
     "searched": (searched, "a plane and a search of its boundary have a store each; write a new"),
-    "grown": (grown, "no room for this: load would not grow at its upper end; write a new store"),
+    "grown": (grown, "these points: load can only grow at its upper end; write a new store"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
         (250.0, 1.0, {"time": 1.0}, {})))),
               "a column of the rows is called time"),

@@ -46,7 +46,7 @@ def test_conditions_of_several_are_said_once_each_and_what_is_drawn_as_that():
         "friction of each sample, bulk of each sample"
     )
     assert judged_by([own], ("temperature.failing_share",)).startswith(
-        "severe wear: more than the share of each sample of its contact above 145 °C;"
+        "severe wear: more than a share of the contact, drawn for each sample, above 145 °C;"
     )
     assert "bulk of each sample" in judged_by([own], ("temperature.bulk.pin",))
 

@@ -66,7 +66,7 @@ REFUSALS = {
     "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
             "the sweep has no realization 5; it has realization 1 to 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
-        surfaces((2,)) * rows("pin", {"b": {}})), "such as realization 1, pin b"),
+        surfaces((2,)) * rows("pin", {"b": {}})), "missing, realization 1, pin b"),
     # surfaces
     "not beside": (lambda: MissingSurface("0", "it is not here").heights(None), "not here"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
