@@ -16,7 +16,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
 }
 """Extras by the names of their folders in `pipeline`, with the public names of each."""
 STUDIES = "pipeline.workflows", "workflows"
-"""Names of the package of shipped scenes, which has a command: installed, or in a checkout."""
+"""Package of shipped scenes, which has a command: its names when installed and in a checkout."""
 
 
 @cache

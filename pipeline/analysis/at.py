@@ -169,12 +169,12 @@ def _weigh_by_tests(
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
-            "--given-measured weighs samples by the scene's tests, and --scatter goes with it (in "
-            "Python given_measured=True and scatter); leave them out of other sweeps"
+            "--given-measured needs a sweep with samples, and --scatter needs --given-measured (in "
+            "Python given_measured=True); add what is missing, or leave out both options"
         )
     if others := [name for name in others if name != "criterion"]:
         raise InputError(
-            f"{', '.join(others)}: the tests have weighed these conditions; leave this out"
+            f"leave out {', '.join(others)}: tests weigh samples under the scene's own conditions"
         )
     values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
     return add_scene_ids(ds.assign_attrs(at=json.dumps(values)))

@@ -111,7 +111,7 @@ def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     try:
         return dict(json.loads(str(ds.attrs.get("at", "{}"))))
     except ValueError as error:
-        raise InputError(f"the attribute at is {ds.attrs['at']!r:.60}; it must be JSON") from error
+        raise InputError(f"attribute `at` is {ds.attrs['at']!r:.60}; it must be JSON") from error
 
 
 def name_at(table: Variants, ds: xr.Dataset) -> Variant:
@@ -210,7 +210,7 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
     if not ds[name].size:
         raise InputError(f"the dataset has no {name} left; select at least one")
     if ds[name].dtype.kind not in "fiu" or not np.isfinite(ds[name]).all():
-        raise InputError(f"a {name} of the dataset is no number; leave out what has none")
+        raise InputError(f"the dataset has a {name} that is no finite number; drop such points")
     if name in ds.indexes and not ds.indexes[name].is_unique:
         raise InputError(
             f"the dataset has a {name} twice; keep each once, such as by "

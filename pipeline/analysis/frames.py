@@ -76,8 +76,8 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]
     if surfaces not in boundaries.dims:
         for place, share in enumerate(band["quantile"].values.tolist()):
-            velocity = band.isel(quantile=place, drop=True)
-            yield f"velocity of {100 * share:g} % [{unit}]", velocity.where(velocity > 0, -np.inf)
+            line = band.isel(quantile=place, drop=True)
+            yield f"velocity, {100 * share:g} % quantile [{unit}]", line.where(line > 0, -np.inf)
         return
     heads = [f"{100 * share:g} %" for share in band["quantile"].values]
     heads[1] = f"critical {other}, median"

@@ -224,7 +224,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield (
         f"each at its own friction and bulk temperature; a transition agrees within "
         f"{_DEVIATIONS:g} standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if "
-        "it states none; a test agrees if its outcome is computed, beyond the temperature's error"
+        "it states none; a test agrees if the model has its outcome even with the temperature error"
     )
 
 

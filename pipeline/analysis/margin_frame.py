@@ -29,7 +29,7 @@ from pipeline.sweep.variants import VARIANT
 from tribo import InputError
 
 Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
-"""Operating points: read ones, a file, or columns by heading."""
+"""Operating points: already read, in a file, or as columns by heading."""
 
 
 @overload

@@ -165,7 +165,7 @@ PLACE = (
     quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
-ALONE = flag("--alone", "simulate the point without the scene's tests elsewhere")
+ALONE = flag("--alone", "simulate this point only, not the points of the scene's tests")
 POINTS = (
     value(
         "--points DUTY.csv",
@@ -191,8 +191,8 @@ BULK = several(
     '"pin=60 degC, disk=25 degC" if they differ', values.bulk,
 )  # fmt: skip
 CRITERION = several(
-    "--criterion NAME", 'temperature that decides: "share", which that share exceeds, "highest" '
-    'or "mean"', str,
+    "--criterion NAME", 'temperature that decides: "share" (the one that --share of the contact '
+    'exceeds), "highest" or "mean"', str,
 )  # fmt: skip
 CONDITIONS = Group("conditions, instead of the scene's", (
     FRICTION,

@@ -40,7 +40,7 @@ _WIDE = (
     "load per length [N/m]", "half-width [µm]", "load [N]", "velocity [m/s]", "sentence", "notes",
     "temperature error [K]", "integral temperature [°C]",
 )  # fmt: skip
-"""Columns left out on a terminal, which is too narrow."""
+"""Columns left out of the printed table, which would be too wide with them."""
 
 
 def gears(options: argparse.Namespace) -> Result:

@@ -204,9 +204,9 @@ class Involutes:
                 )
         if self.contact_ratio < 1 or not self.path.a < 0 < self.path.e:
             yield (
-                f"the transverse contact ratio is {self.contact_ratio:.3g}, from "
-                f"{_mm(self.path.a)} to {_mm(self.path.e)} about the pitch point; it must be at "
-                "least 1, and contact include it: give other tip diameters or profile shifts"
+                f"the transverse contact ratio is {self.contact_ratio:.3g}, with contact from "
+                f"{_mm(self.path.a)} to {_mm(self.path.e)}; give other tip diameters or profile "
+                "shifts, for a ratio of at least 1 and contact at 0 mm, the pitch point"
             )
         # Radii of curvature where the tip of the other gear begins contact.
         begins = self.tangents[0] + self.path.a, self.tangents[1] - self.path.e

@@ -77,7 +77,7 @@ def read_pair(path: str | PathLike[str], overrides: Mapping[str, Any] | None = N
             faults.refuse(f"{gear}.material", why)
     temperature = tables.temperature
     if temperature and not faults and (temperature.bulk is None) == (temperature.oil is None):
-        faults.refuse("temperature", "give either bulk, that of the teeth, or oil")
+        faults.refuse("temperature", "give either the key bulk (of the teeth) or the key oil")
     duty, bulk = (
         next((k for k, layer in enumerate(document.layers) if entry_at(layer.entries, path)), 0)
         for path in ("duty", "temperature.bulk")

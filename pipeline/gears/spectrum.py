@@ -54,7 +54,7 @@ def read_spectrum(
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
     _, rows = read.entries(_Row)
     if {"bulk_temperature", "oil_temperature"} <= {*read.places}:
-        read.faults.append("the table has bulk and oil temperatures; give one of both columns")
+        read.faults.append("the table has bulk and oil temperatures; give only one column")
     read.refuse_faults(_FIRST_LINE)
     duties, faults = [], list[Fault]()
     for number, row in zip((row.number for row in read.rows), rows, strict=True):

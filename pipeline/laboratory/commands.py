@@ -70,7 +70,7 @@ _TESTS = (
     ),
     Option(
         "--given", metavar="QUANTITY=VALUE", type=values.pair, action="append", default=[],
-        help='what the log does not say and is the same in each row, like "velocity=2 m/s" or '
+        help='value that the log lacks, the same for each row, like "velocity=2 m/s" or '
         '"track_radius=20 mm"; may be repeated',
     ),
     o.SHEET,

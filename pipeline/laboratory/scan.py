@@ -162,9 +162,9 @@ class SurfaceStatistics:
         yield "Rq", display(self.rq, "µm", 4)
         yield "skewness, kurtosis", f"{rough.skewness:.2g}, {rough.kurtosis:.2g}"
         tilt = np.degrees(np.arctan(rough.slopes))
-        yield "tilt", "{:.2g}° along x, {:.2g}° along y, taken off".format(*tilt)
+        yield "tilt", "{:.2g}° along x, {:.2g}° along y, removed".format(*tilt)
         if curved:
-            yield "curvature", f"R {curved}, taken off; a pin's radius belongs into pin.radius"
+            yield "curvature", f"R {curved}, removed; give a pin's radius as pin.radius"
         yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
         yield "Sal, Str", f"{_as_text(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
         for name, one in self.likeness:

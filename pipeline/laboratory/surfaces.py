@@ -30,7 +30,7 @@ _LONE = 30.0  # distance of an outlier from all other heights, in their standard
 def axis_note(transpose: bool) -> str:
     """Sentence on the direction of sliding in the file: along rows, or with `transpose` columns."""
     lines, name = ("row", "y") if transpose else ("column", "x")
-    return f"x, the sliding direction, goes from {lines} to {lines} of the file, or is its {name}"
+    return f"x, the sliding direction, goes from {lines} to {lines}, or along the file's {name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,7 +217,7 @@ def window_heights(
     if heights is not None and table["level"]:
         heights, _, radii = remove_form(heights, sides or (1.0, 1.0))
         curved = form_words(radii) if sides else ""
-        notes += (f"curvature taken off: R {curved}",) if curved else ()
+        notes += (f"curvature removed: R {curved}",) if curved else ()
     if heights is None or (heights := _fill_holes(heights, table["missing"], faults)) is None:
         return None
     if table["repeat"] != "no" and pixels and np.less(heights.shape, pixels).any():

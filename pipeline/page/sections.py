@@ -94,7 +94,7 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
     yield from notes_of(table, caveats_of(data))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     if table["velocity factor"].notna().any():
-        yield "a factor is the velocity or load at which wear turns severe over that of the row"
+        yield "factor: the velocity or load at which wear turns severe, divided by that of the row"
 
 
 def _tests(data: Results) -> Iterable[str | pd.DataFrame]:

@@ -113,7 +113,7 @@ class Trade:
             *lines_of(self.table),
             "",
             "Largest error of the boundary velocity at these points, against the reference on the",
-            "same pixels; error to expect at any load, with a margin; processor time of them.",
+            "same pixels; error to expect at any load, with margin; processor time of all points.",
             "",
             *(f"--accuracy {100 * bound:g}%: {self.cheapest(bound).name}" for bound in _BOUNDS),
             *(f"no result: {reason}" for reason in self.not_converged),

@@ -150,7 +150,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     longer = end.normal_load / (end.impulse + end.normal_load)  # wear goes with load × time
     basis = (
         f"for {end.time:.3g} s of sliding until the width was measured; each further second at "
-        f"full load lowers it by about {100 * longer:.2g} %"
+        f"full load lowers the rate by about {100 * longer:.2g} %"
     )
     if options.duration is None:
         basis += ": give --duration, if the test went on"

@@ -57,7 +57,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
             "looks better than it is: check the speed, or test a reference oil"
         )
     if not weighed.fits:
-        yield from remarks("warning", f"{weighed.draws.misfit}; no test is named")
+        yield from remarks("warning", f"{weighed.draws.misfit}; no single test can be blamed")
     contradicting = (
         f"{_describe_test(weighed, judged)}: by the other tests its probability is "
         f"{judged.probability:.1g}; only one sound log in {1 / FALSE_ALARMS:.0f} has a test below "
@@ -70,7 +70,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
     """Frame of tests, each with the 5, 50 and 95 % quantiles of the critical velocity."""
-    ends = (f"critical velocity of {100 * share:g} % [m/s]" for share in QUANTILES)
+    ends = (f"critical velocity, {100 * share:g} % quantile [m/s]" for share in QUANTILES)
     heads = "test", "oil", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
         (

@@ -81,8 +81,8 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
     count, unknown = scene.sweep.samples, scene.unknown or {}
     if count is not None and not set(unknown) - set(fixed):
         raise InputError(
-            f"sweep.samples: {count} needs unknown inputs, and the scene has none; give [unknown], "
-            "too, or leave it out"
+            f"sweep.samples: {count} needs unknown inputs, and the scene has none; add [unknown], "
+            "or leave out sweep.samples"
         )
     if not unknown:
         return sweep
@@ -106,7 +106,7 @@ def _extend(fixed: Collection[str], faults: Faults, sweep: Sweep) -> Sweep:
         return sweep
     if sweep.conditions.critical_sd:
         raise InputError(
-            "temperature.critical_sd: sweep.samples do not count it; leave it out, and give "
+            "temperature.critical_sd: sweep.samples ignores this; leave it out, and give "
             '"temperature.critical" with mean and sd in [unknown]'
         )
     design = _design(inputs, layers, scene.sweep.sample_seed or 0, sweep)
@@ -153,8 +153,8 @@ def _add_correlations(
         elif not {path, other} <= set(order):
             continue  # one of the two inputs is faulty, and already reported
         elif varying[other] is None or varying[path] != varying[other]:
-            problem = "a list, or an input that alone varies, cannot be correlated"
-            faults.refuse(key, f"{problem}; leave it out")
+            problem = "a list cannot be correlated, nor can inputs that differ in `varies`"
+            faults.refuse(key, f"{problem}; leave this entry out")
         else:
             earlier, later = sorted((order[path], order[other]))
             before, _ = pairs.setdefault((later, earlier), (correlation, key))

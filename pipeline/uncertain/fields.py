@@ -140,7 +140,7 @@ class SampleField:
             return self
         if self.posterior:
             raise InputError(
-                f"{', '.join(own)}: the tests have weighed these conditions; leave this out"
+                f"leave out {', '.join(own)}: tests weigh samples under the scene's own conditions"
             )
         ensemble = self.ensemble.judged_by(own)
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))

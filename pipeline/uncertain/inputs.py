@@ -40,8 +40,8 @@ class Draws:
         if not self.faults:
             return ""
         return (
-            f"the model does not fit: {'; '.join(self.faults)}; it decides nothing: check the "
-            "scene and the ranges in [unknown]"
+            f"the model does not fit the tests ({'; '.join(self.faults)}): nothing is decided; "
+            "check the scene and the ranges in [unknown]"
         )
 
     @property

@@ -54,11 +54,11 @@ class Unknown:
         fault = None
         match self.kind, terms:
             case "normal", (_, spread) if spread <= 0:
-                fault = f"sd is {spread:g}; give above 0"
+                fault = f"sd is {spread:g}; give a value above 0"
             case "log-normal", (median, _) if median <= 0:
-                fault = f"median is {first}; give above 0"
+                fault = f"median is {first}; give a value above 0"
             case "log-normal", (_, factor) if factor <= 1:
-                fault = f"factor is {factor:g}; give above 1, such as 1.5"
+                fault = f"factor is {factor:g}; give a value above 1, such as 1.5"
             case "uniform", (low, high) if low >= high:
                 fault = f"from {first} to {last} does not rise; give the lower value first"
             case "list", _ if len(set(terms)) < max(2, len(terms)):

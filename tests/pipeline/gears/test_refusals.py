@@ -73,7 +73,7 @@ REFUSALS = {
                       'kinematic_viscosity = ["46 mm^2/s", "7 mm^2/s"]')),
                 "give kinematic_viscosity and density"),
     "temperatures": (partial(gears.read_pair, "fzg_a", {"temperature.oil": "90 degC"}),
-                     "temperature: give either bulk"),
+                     "temperature: give either the key bulk"),
     # the teeth
     "interfering": (pair(("teeth = 21", "teeth = 12")), "contact begins at a radius of"),
     "distance": (involutes(centre_distance=95e-3), "mesh.centre_distance is 95 mm, but the"),
@@ -86,7 +86,7 @@ REFUSALS = {
     "flank": (partial(plain, 12, 24), "or a smaller wheel.tip_diameter"),
     "undercut": (partial(plain, 14, 14), "contact begins at a radius of curvature of 235.1 mm"),
     "pitch point": (involutes(teeth=(38, 56), profile_shifts=(-1.0, -0.1), tip_diameters=(
-        0.1647, 0.2574), centre_distance=0.20594), "contact include it"),
+        0.1647, 0.2574), centre_distance=0.20594), "contact at 0 mm, the pitch point"),
     # rules and simulations
     "stage": (partial(stage_torque, 13), "load stage is 13; FZG A/8.3/90 has 1 to 12"),
     "failure stage": (lambda: critical_temperature(gears.read_pair("fzg_a"), 13),
@@ -106,7 +106,7 @@ REFUSALS = {
     "bulk of a base": (extending('duty.torque = "534.5 N m"'),
                        "temperature.bulk (in base.toml): the file's value is for its own duty"),
     "bulk and oil": (duties("torque [N m],speed [rpm],oil temperature [degC],bulk temperature "
-                            "[degC]\n534.5,2170,90,203\n"), "give one of both columns"),
+                            "[degC]\n534.5,2170,90,203\n"), "give only one column"),
     "duty": (duties("torque [N m],speed [rpm]\nx,3\n"), "row 2, torque"),
     # options
     "stages": (fzg("--stages"), "need a critical temperature"),

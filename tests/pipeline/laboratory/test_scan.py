@@ -126,7 +126,7 @@ def test_a_curvature_is_taken_off_and_told_with_its_radius(tmp_path):
     assert found.roughness.radii[0] == pytest.approx(4e-3, rel=0.05)
     assert found.ra == pytest.approx(flat.ra, rel=0.02)
     assert "curvature           R 4" in str(found)
-    assert "a pin's radius belongs into pin.radius" in str(found)
+    assert "give a pin's radius as pin.radius" in str(found)
     assert "curvature  " not in str(flat)
 
 

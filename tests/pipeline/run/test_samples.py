@@ -142,7 +142,7 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     (hot,) = said("margin", store, *place, "--friction", "0.2")
     assert hot["probability"] > there["probability"]
     unweighed, crossings = irg_both("boundary", store)
-    lines = [crossings[0][f"velocity of {share} % [m/s]"] for share in (5, 50, 95)]
+    lines = [crossings[0][f"velocity, {share} % quantile [m/s]"] for share in (5, 50, 95)]
     assert lines == sorted(lines)
     rate = "wear.specific_wear_rate"
     assert rate not in [
@@ -150,7 +150,7 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     ]
     assert "--given-measured" in unweighed
     (after, *_) = said("boundary", store, "--given-measured")
-    assert after["velocity of 50 % [m/s]"] != lines[1]
+    assert after["velocity, 50 % quantile [m/s]"] != lines[1]
     load(sampled)
 
 

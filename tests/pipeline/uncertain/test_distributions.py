@@ -107,7 +107,7 @@ def test_an_input_varies_from_part_to_part_if_it_says_so_and_a_seed_always(tmp_p
     assert [one.varies for one in Draw.of(drawn).unknown] == [True, False, True]
     assert str(Draw.of(drawn).unknown[0]).endswith("factor 1.5, from part to part")
     tied = parts.replace("0.005", '0.005, correlated = { "wear.specific_wear_rate" = 0.5 }')
-    with pytest.raises(pipeline.SceneFileError, match="an input that alone varies, cannot"):
+    with pytest.raises(pipeline.SceneFileError, match="nor can inputs that differ in `varies`"):
         pipeline.load_scene(scene(tmp_path, f"[unknown]\n{tied}"))
 
 

@@ -163,14 +163,14 @@ def joint(other, *more, inner=""):
 REFUSALS = {
     "text": (rough, 'disk.roughness.hurst_exponent: "a" is not a number'),
     "too far": (lambda: pipeline.at(dataset(ensemble()), **{RATE.path: 1.0}), "outside the"),
-    "sd": (an_input("normal", 0.1, 0.0), "sd is 0; give above 0"),
+    "sd": (an_input("normal", 0.1, 0.0), "sd is 0; give a value above 0"),
     "falling": (an_input("uniform", 6.0, 3.0), "from 6 to 3 does not rise"),
     "one": (an_input("list", 1.0), "at least two different values"),
     "nan": (an_input("normal", math.nan, 1.0), "is not a distribution; give finite numbers"),
     # the scene
     "critical twice": (
         scene(FRICTIONS, overrides={"temperature.critical_sd": "8 K"}),
-        "temperature.critical_sd: sweep.samples do not count it",
+        "temperature.critical_sd: sweep.samples ignores this",
     ),
     "all known": (scene(), "sweep.samples: 8 needs unknown inputs"),
     "form": (scene('"friction.coefficient" = 0.1'), "0.1 is not a distribution"),
@@ -214,7 +214,7 @@ REFUSALS = {
     "no other": (joint('"pin.radius"', FRICTIONS), "this is not another input of [unknown]"),
     "a list": (
         joint('"disk.roughness.seed"', '"disk.roughness.seed" = [0, 1]'),
-        "a list, or an input that alone varies",
+        "a list cannot be correlated, nor can inputs",
     ),
     "twice": (
         joint(
@@ -241,7 +241,7 @@ REFUSALS = {
     "no samples": (lambda: pipeline.Ensemble.of(synthetic.sweep()), "the sweep has no samples"),
     "too few": (too_few, "0 of 8 samples are done at every load"),
     "rows": (bent, "cannot be judged row by row at another"),
-    "weighed rows": (weighed_rows, "the tests have weighed these conditions"),
+    "weighed rows": (weighed_rows, "tests weigh samples under the scene's own"),
     # commands
     "not run": (
         inferred(text=SCENE.replace("fields = true", "samples = 8") + f"[unknown]\n{RATES}"),
