@@ -217,9 +217,11 @@ _FAR = 2.0  # largest rms deviation of the tests from the best draw, in standard
 class JudgedTests(NamedTuple):
     """Tests compared with n draws of the inputs.
 
-    `distances` are those of single tests from the computed boundary, in ln(velocity). `runs` has
-    bounds on the deviation of each run from the model. `joint` is ln(likelihood of all runs × prior
-    of the scatter), (n, n_scatter). Its last axis has possible values of the scatter between runs.
+    A run is the tests of one specimen. `distances` has the distance of each test from the computed
+    boundary in ln(velocity), (n_test, n). `runs` has bounds on the deviation of each run from the
+    model, in standard deviations, (n_run, n, n_scatter). `joint` is ln(likelihood of all runs ×
+    prior of the scatter), (n, n_scatter). The axis n_scatter has possible values of the scatter
+    between runs.
     """
 
     distances: Distances
@@ -229,9 +231,10 @@ class JudgedTests(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """All unknown inputs of a sweep, with those of its rig and oils, and the tests to weigh them.
+    """Unknown inputs and tests of a sweep; `judge_draws` compares draws of the inputs with tests.
 
-    `rig` and `oils` have the columns of the inputs that belong to the rig and to each oil.
+    The inputs include the friction of the test rig and the critical temperatures of other oils.
+    `rig` and `oils` are the columns of these inputs in draws, (n, n_unknown).
     """
 
     ensemble: Ensemble

@@ -181,14 +181,24 @@ class SampleField:
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcomes of all draws along `axis`, and where wear first turns severe."""
+        """Judge n draws on a line through each of k places: outcome, and where wear turns severe.
+
+        A place is a load [N] with a velocity [m/s]. For `axis` "velocity" the lines are at constant
+        load, for "load" at constant velocity. The arrays of the result are (n, k).
+        """
         places = zip(*places_of(loads, velocities), strict=True)
         outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
         low, high = (np.full(len(first), end) for end in self.ends[axis])
         return Transitions(np.column_stack(outcome), np.column_stack(first), (low, high))
 
     def _outcomes_along(self, axis: str, load: float, velocity: float) -> tuple[Array, Array]:
-        """Outcomes by draw (n,) along `axis` through a place, and where wear turns severe."""
+        """Judge n draws on a line: code of the outcome, and where wear turns severe, each (n,).
+
+        For `axis` "velocity" the line is at constant `load` [N], for "load" at constant `velocity`
+        [m/s]. `outcomes` in `pipeline.analysis.transition` has the codes. The second array has the
+        lowest velocity [m/s] or load [N] at which wear turns severe. Its values are −infinite if
+        wear is severe from the beginning of the line, and infinite if wear never turns severe.
+        """
         ends = self.ends[axis]
         if axis == "velocity":
             x, lines = self._lines(load)
@@ -289,10 +299,10 @@ class SampleField:
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _cache_lines(self, loads: Sequence[float]) -> None:
-        """Compute ln(rise/limit) along velocity at several loads at once, and cache it.
+        """Compute ln(rise/limit) along velocity at several loads [N] at once, and cache it.
 
-        This is hardly slower than for one load. Cached lines exclude friction by velocity, which
-        need not be linear between nodes.
+        This is hardly slower than for one load. If friction depends on velocity, ln(friction
+        factor) is subtracted, because it may be far from linear between the cached velocities.
         """
         if not loads:
             return

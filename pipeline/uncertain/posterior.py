@@ -259,7 +259,7 @@ def faults(
 def explains(
     unknown: Sequence[Unknown], draws: Draws, scatter: float, inferred: Sequence[float]
 ) -> bool:
-    """True if the model fits the tests once one run is left out, which thus explains a misfit.
+    """True if the model fits the tests without one run, so that this run is to blame for a misfit.
 
     `draws` are those of the posterior without that run. `scatter` is the assumed relative scatter
     of velocities, and `inferred` has the 5, 50 and 95 % quantiles of the scatter without that run.
@@ -295,7 +295,11 @@ class Contrast(NamedTuple):
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Yield differences between oils: critical temperature, and velocity at a middle load."""
+    """Yield differences between each two oils: critical temperature, and ln(critical velocity).
+
+    The critical velocity is taken at the geometric mean of the sweep's lowest and highest load.
+    Nothing is yielded if the tests are of one oil.
+    """
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs
     own = oils_of(test.get("oil") for test in ensemble.tests)[:1]

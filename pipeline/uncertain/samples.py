@@ -147,8 +147,8 @@ class Draw:
     def open_inputs(self) -> dict[str, Unknown]:
         """Inputs, by path, that can be fixed at a value without a new simulation.
 
-        They are the unknown inputs, and those in `fixed` that are conditions or inputs of the
-        design.
+        They are the unknown inputs and some inputs in `fixed`: those that act after the simulation,
+        such as friction, and those whose values differ between the samples.
         """
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)

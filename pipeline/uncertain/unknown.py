@@ -100,7 +100,10 @@ class Unknown:
         return "K" if self.shown in ZERO else self.shown
 
     def text(self, value: float, digits: int = 6) -> str:
-        """Value [SI] as text in the unit of `shown`, with this many `digits`."""
+        """Text for a `value` [SI], such as "25 °C", with this many significant `digits`.
+
+        The property `shown` is the unit of the text.
+        """
         return display(value, self.shown, digits).rstrip()
 
     def as_dict(self) -> dict[str, Any]:

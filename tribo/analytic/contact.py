@@ -275,8 +275,11 @@ def westergaard_pressure(
 ) -> Array:
     """Pressure on a sinusoidal wave with its crests at x = 0, ±λ, … [Pa], shaped as `position`.
 
-    p = 2p* cos ψ √(sin² ψ_a − sin² ψ), ψ = πx/λ, ψ_a = πa/λ, in contact, else 0;
+    p = 2p* cos ψ √(p̄/p* − sin² ψ), ψ = πx/λ, where the surfaces touch, else 0;
     p = p̄ + p* cos 2ψ in full contact, p̄ ≥ p* (Westergaard 1939; Johnson, §13.2).
+
+    Here x is the position, p̄ the mean pressure, p* the mean pressure that just makes full contact,
+    and λ the wavelength. The surfaces touch where sin² ψ < p̄/p*.
 
     Examples
     --------

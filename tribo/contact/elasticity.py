@@ -116,9 +116,10 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
 
 
 def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
-    """Widths s of the Gaussians [m] that stand for the integral (1), and the weight of each.
+    """Widths s of Gaussians [m], and their weights [m] in a sum that replaces an integral over s.
 
-    The weights are those of the trapezoidal rule, times the factor √π/2.
+    The integral is that of Eq. (1) of this module. The weights are √π/2 times those of the
+    trapezoidal rule in ln s.
     """
     shortest = min(grid.spacing) / (2 * _REACH)
     endless = any(grid.periodic) and kernel == "periodic"

@@ -63,16 +63,17 @@ class SoftRows:
 
 
 class RowMetric:
-    """The metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ of Eq. (1) on some nodes of a field; 1ᵢ are nodes of row i.
+    """Metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ for pressures at some nodes of a grid, where rows are soft.
 
-    All other nodes keep their values. Fields are vectors of the values at these nodes. Each node is
-    displaced by d times its own pressure, and a row by c/n times the sum of its pressures.
+    The vector 1ᵢ is 1 at the nodes of row i and 0 at all other nodes. Unit pressure on a node
+    displaces this node by d, and all nodes of its row by another c/n. Fields are vectors with a
+    value for each node of the metric, (n_node,).
 
     Parameters
     ----------
     compliance, coupling : float
         d and c/n [m/Pa].
-    rows : ndarray of int
+    rows : ndarray of int, shape (n_node,)
         Number of the row in which each node lies.
 
     Examples
@@ -171,11 +172,12 @@ class RowMetric:
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Find the shifts sᵢ of all rows in Eq. (2) of `nearest`, as exactly as rounding allows.
+        """Shift the values of each row, and clip them, so that Eq. (2) of `nearest` holds.
 
-        `q` is the field q at the nodes, and `sums` are Qᵢ, one for each row. Returns clip(q + s),
-        the shifts s, and the sum of clip(q + s) in each row. clip(q + s) lies between 0 and
-        `highest`, and sums to `total`.
+        Shifts are as exact as rounding allows. `q` has the values of the nodes before the shift,
+        and `sums` has the terms Qᵢ of Eq. (2), one for each row. Returns the shifted values clipped
+        to 0 and `highest`, whose sum is `total`; the shift of each row; and the sum of the clipped
+        values in each row.
         """
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
@@ -201,12 +203,13 @@ class RowMetric:
     def _solve_rows(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
-        """Find the shift sᵢ of each row that solves Eq. (2) of `nearest` at a given μ (`mu`).
+        """Find the shift of each row that solves Eq. (2) of `nearest` for a given μ, `mu`.
 
-        `q` is the field q at the nodes, and `sums` are Qᵢ, one for each row. The search begins at
-        `shift`, and is bounded by `top`, the most that a node can carry. Returns clip(q + s), s,
-        and the number of nodes in each row between the bounds 0 and `highest`. If a row has no
-        root, all its nodes are at one bound.
+        `q` has the values of the nodes before the shift, and `sums` has the terms Qᵢ of Eq. (2),
+        one for each row. `shift` is the first guess. `top` is `highest`, or the sum of all nodes if
+        that is less; it only bounds the search. Returns the shifted values clipped to 0 and
+        `highest`, the shifts, and the number of unclipped nodes in each row. If no shift solves the
+        equation of a row, its nodes are all 0 or all `highest`.
         """
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))

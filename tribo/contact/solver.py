@@ -41,8 +41,8 @@ class ContactSolution:
     gap : ndarray, shape (nx, ny)
         Deformed gap [m]: 0 where bodies touch, negative where the material yields.
     approach : float
-        Rigid displacement α of the bodies towards each other [m], counted from the plane of the
-        `separation` given. With a periodic axis it is known up to a constant.
+        Rigid displacement α of the bodies towards each other [m], counted from the position with
+        the `separation` given. With a periodic axis it is known up to a constant.
     iterations : int
         Number of convolutions with the solid's kernel; a convolution on a part of the elements
         counts as a fraction.
@@ -95,15 +95,16 @@ def solve_contact(
     solid : ElasticHalfSpace
         The map from pressure to displacement, with its grid.
     separation : ndarray, shape (nx, ny)
-        Distance of the undeformed surfaces from an arbitrary plane, z [m].
+        Gap between the undeformed surfaces, z [m]. A constant may be added to it, which only
+        shifts the approach.
     normal_load : float
         F on the patch [N], from 0 to hardness times area.
     hardness : float
         Highest pressure that is carried, H [Pa].
     tolerance : float
-        Bound on the residual. With rounding, 1e-12 can be reached on 240 × 240 elements, and less
-        on fewer. From 1e-2 on, transforms on large grids are in single precision; the residual
-        includes its rounding errors.
+        Bound on `ContactSolution.residual`. Rounding allows 1e-12 on 240 × 240 elements, and less
+        on fewer. If it is 1e-2 or more, transforms on large grids are in single precision; the
+        residual includes their rounding errors.
     initial_pressure : ndarray, shape (nx, ny), optional
         A guess, which is scaled to the load. A better guess saves iterations.
     max_iterations : int

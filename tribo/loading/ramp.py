@@ -141,8 +141,9 @@ class Ramp:
     ) -> Iterator[Station]:
         """Stations (moments of the loading) up to `normal_load` [N], then the stations of its hold.
 
-        `increments` is the number of steps of the ramp up to the reference load. If
-        `hold_increments` is not 0, it replaces this number for the steps of the hold.
+        `increments` is the number of steps in which a ramp reaches its `reference_load`. Each step
+        of the hold multiplies the impulse since the start (∫F dt) by at most exp(10/n). Here n is
+        `hold_increments`, or `increments` if `hold_increments` is 0.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)

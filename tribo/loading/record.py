@@ -151,17 +151,20 @@ class MeasuredLoad:
         times[-1] = end - begin
         return times
 
-    def _impulses(self, moments: Array) -> Array:
-        """Integral of the record's load from its first row to each of the moments [N s]."""
+    def _impulses(self, ends: Array) -> Array:
+        """Impulses ∫F dt of the load [N s], from the record's first row to each time in `ends` [s].
+
+        The times `ends` are on the clock of the record. A negative load counts as 0.
+        """
         t, F = self.times, self.loads
         before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # F crosses 0 after these rows
         zeros = t[before_zeros] - F[before_zeros] * (t[before_zeros + 1] - t[before_zeros]) / (
             F[before_zeros + 1] - F[before_zeros]
         )
-        times = np.union1d(np.concatenate((t, zeros)), moments)
+        times = np.union1d(np.concatenate((t, zeros)), ends)
         load = np.maximum(0.0, np.interp(times, t, F))
         since = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(times))))
-        return np.asarray(since[np.searchsorted(times, moments)])
+        return np.asarray(since[np.searchsorted(times, ends)])
 
     def linear_fit(self) -> tuple[float, float]:
         """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).

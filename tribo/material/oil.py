@@ -95,7 +95,8 @@ def minimum_line_film(
     h/R = 2.65 U^0.7 G^0.54 W^−0.13 with U = ηu/(E'R), G = αE', W = w/(E'R), E' = 2E* (Dowson,
     *Elastohydrodynamics*, Proc. IMechE 182, 1968; after Dowson & Higginson): u is the mean velocity
     of both surfaces [m/s], η the viscosity at the inlet [Pa s], α the pressure-viscosity
-    coefficient [1/Pa], w the load per length [N/m], and R the radius of the cylinder [m].
+    coefficient [1/Pa], w the load per length [N/m], R the radius of the cylinder [m], and E* the
+    contact modulus [Pa], as from `tribo.contact_modulus`.
 
     Examples
     --------
@@ -123,9 +124,10 @@ def minimum_point_film(
     h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U = ηu/(E'R), G = αE', W = F/(E'R²), E' =
     2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977): u is the mean velocity of both surfaces
     [m/s], η the viscosity at the inlet [Pa s], α the pressure-viscosity coefficient [1/Pa], F the
-    load [N], and R the radius in the plane of motion [m]. The ellipticity k is the contact's
-    width across the motion over its width along it, and the fit is for 1 to 8. For larger k the
-    result tends to the film of a long contact; for an ellipse along the motion it tends to 0.
+    load [N], R the radius in the plane of motion [m], and E* the contact modulus [Pa], as from
+    `tribo.contact_modulus`. The ellipticity k is the contact's width across the motion over its
+    width along it, and the fit is for 1 to 8. For larger k the result tends to the film of a long
+    contact; for an ellipse along the motion it tends to 0.
 
     Examples
     --------

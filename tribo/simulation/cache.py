@@ -69,17 +69,17 @@ class Cache(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """Elastic map and undeformed separation of both bodies, equal at all steps of a loading.
+    """Map from pressure to elastic displacement (`solid`), and the bodies' undeformed separation.
 
-    Two fields serve to estimate imprints in the pin: the `heights` z of the roughness [m], and
-    `yielding` [m²]. The latter is the sum of z·u over all elements, with the displacement u under a
-    pressure of 1 Pa per metre of height.
+    Both are the same at all steps of a loading. `heights` and `elastic_sum` serve to estimate the
+    imprints that the disk's roughness wears into the pin. `elastic_sum` adds up z·u over all
+    elements, where z is the height and u the displacement under a pressure of z times 1 Pa/m.
     """
 
     solid: ElasticHalfSpace
     separation: Array  # between the unworn, undeformed surfaces [m]
     heights: Array | None = None  # of the disk above their mean, where they are needed [m]
-    yielding: float = 0.0  # Σ u·z, z these heights and u the displacement under z · 1 Pa/m [m²]
+    elastic_sum: float = 0.0  # Σ z·u of these heights z and displacements u [m²]
 
 
 _bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
@@ -138,7 +138,9 @@ def forget_contacts() -> None:
 
 
 def forget_kernels() -> None:
-    """Empty all caches of simulations, and free the buffers of this thread.
+    """Empty all caches of simulations, and free this thread's buffers for Fourier transforms.
+
+    The caches have thermal kernels, maps from flux to rise, elastic bodies, surfaces and contacts.
 
     Examples
     --------

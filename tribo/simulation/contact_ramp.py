@@ -152,7 +152,7 @@ def contacts(
     stations = list(scene.stations(normal_load, requested))
     if not scene.remembers_steps:
         for station in stations:
-            yield _unworn(levels, normal_load, velocity, station)
+            yield _independent_state(levels, normal_load, velocity, station)
         return
     shared = list(
         itertools.takewhile(
@@ -197,7 +197,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
     """State at a station of the shared ramp (trunk), one step after the state `before`.
 
-    The step is computed on the first and coarsest of the `levels`, the scene on ever finer grids.
+    `levels` has the scene on ever finer grids. The step is computed on the coarsest, `levels[0]`.
     """
     return _last_part(levels, velocity, before, station)[1]
 
@@ -205,10 +205,10 @@ def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station:
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """States before and after the last part of a step to `station`; see `parts_of`.
+    """Compute a step to `station`; return the states before and after the step's last part.
 
-    The step is computed on the first and coarsest of the `levels`, the scene on ever finer grids.
-    `before` is the state before the whole step.
+    `before` is the state before the whole step, which `parts_of` cuts into parts. `levels` has the
+    scene on ever finer grids. The step is computed on the coarsest, `levels[0]`.
     """
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
@@ -241,15 +241,17 @@ def _solve_requested(
     return replace(finished, course=course, is_requested=True)
 
 
-def _unworn(
+def _independent_state(
     levels: tuple[Scene, ...],
     normal_load: float,
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station on the way to `normal_load` [N], if it does not depend on earlier steps.
+    """State at a station on the way to `normal_load` [N], computed without the steps before.
 
-    `levels` is the scene on ever finer grids. The state is cached for all velocities.
+    The scene must be one in which states do not depend on earlier steps: without wear, and without
+    the heat model "history". `levels` has that scene on ever finer grids. The contact is cached for
+    all velocities. `velocity` [m/s] sets the sliding distance of the state.
     """
     scene = levels[-1]
 

@@ -64,7 +64,8 @@ class Track:
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
     disc : Disc or None
-        The disc whose rim is the track, which keeps all heat; None for a half-space.
+        Disc whose rim is the track. The disc keeps all heat but its losses (see `Disc`). None for a
+        half-space, in which heat spreads without end.
 
     Examples
     --------
@@ -224,19 +225,19 @@ class Corrections:
         theta, F, t = rise[heats], load[heats], time[heats]
         share, V = columns["pin_heat_share"][heats], columns["sliding_distance"][heats] / t
         course = np.array(self.course).T
-        moments = [
-            _Moment.of(columns, place, course, self.rate) for place in np.argwhere(heats).tolist()
+        histories = [
+            _History.of(columns, place, course, self.rate) for place in np.argwhere(heats).tolist()
         ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
-            _stem_resistance(self.stem, moments)
-            + _turn_resistance(self.pin_track, moments, speeds[:, 0])
+            _stem_resistance(self.stem, histories)
+            + _turn_resistance(self.pin_track, histories, speeds[:, 0])
             + (self.pin_bulk.resistance if self.pin_bulk else 0.0),
             self.film_resistance * columns["mean_pressure"][heats] / F
-            + _turn_resistance(self.track, moments, speeds[:, 1])
+            + _turn_resistance(self.track, histories, speeds[:, 1])
             + (self.disk_bulk.resistance if self.disk_bulk else 0.0),
         )
-        warmings = self._bulk_warmings(moments, V, conductances(theta, share, F * V, *resistances))
+        warmings = self._warm_bulks(histories, V, conductances(theta, share, F * V, *resistances))
         added: Array = rise * 0.0
         added[heats] = circuit_rise(theta, share, F * V, *resistances, *warmings) - theta
         return added
@@ -246,22 +247,22 @@ class Corrections:
         pin, disk = self.motion.velocities(sliding) if self.motion else (0.0, sliding)
         return abs(pin), abs(disk)
 
-    def _bulk_warmings(
-        self, moments: Sequence[_Moment], velocities: Array, to_bodies: tuple[Values, Values]
+    def _warm_bulks(
+        self, histories: Sequence[_History], velocities: Array, to_bodies: tuple[Values, Values]
     ) -> Array:
-        """Warming of the bulk of pin and disk at some moments [K], shape (2, n_moment).
+        """Warming of the bulk of pin and disk at the last steps of histories [K], (2, n_history).
 
         `velocities` are sliding velocities [m/s], `to_bodies` the conductances from the contact to
-        pin and disk at the moments [W/K].
+        pin and disk at these steps [W/K].
         """
         bulks = self.pin_bulk, self.disk_bulk
         if not any(bulk and bulk.capacity for bulk in bulks):
             return np.zeros((2, 1))
         return np.array(
             [
-                bulk_warming(moment.times, moment.loads * velocity, (pin, disk), bulks)
-                for moment, velocity, pin, disk in zip(
-                    moments, velocities, *np.broadcast_arrays(*to_bodies), strict=True
+                bulk_warming(history.times, history.loads * velocity, (pin, disk), bulks)
+                for history, velocity, pin, disk in zip(
+                    histories, velocities, *np.broadcast_arrays(*to_bodies), strict=True
                 )
             ]
         ).T
@@ -306,8 +307,8 @@ def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> 
     return {name: x[0] for name, x in corrections.under(scene.loading).applied(now).items()}
 
 
-class _Moment(NamedTuple):
-    """One step of a simulated point, with the history of its load until then."""
+class _History(NamedTuple):
+    """Times and loads of a simulated point until one of its steps, and the contact width then."""
 
     times: Array  # s, ascending
     loads: Array  # N
@@ -317,12 +318,13 @@ class _Moment(NamedTuple):
     def of(
         cls, columns: Mapping[str, Any], place: Sequence[int], course: Array, rate: float | None
     ) -> Self:
-        """Make the moment of one step from recorded columns, whose last axis is the step.
+        """Find the history of the load until one step, from the recorded columns of a sweep.
 
-        `place` is the index of the step along all axes of a column. If a `rate` [N/s] is given, the
-        load grew at this rate and was then held. Otherwise the load followed `course`, shape (2, n)
-        with times [s] and loads as shares of the last load. If `course` is empty, the load was
-        linear between the recorded steps.
+        `columns` has the variables `NEEDED` by name; their last axis is the step. `place` is the
+        index of the step along all axes. If a `rate` [N/s] is given, the load grew at this rate and
+        was then held. Otherwise the load followed `course`, shape (2, n) with times [s] and loads
+        as shares of the last load. If `course` is empty, the load was linear between the recorded
+        steps.
         """
         *before, now = place
         times, loads = (columns[name][*before] for name in ("time", "normal_load"))
@@ -350,41 +352,42 @@ def _describe_curve(curve: Curve) -> str:
     return factors and f"measured, {factors} times the coefficient"
 
 
-def _stem_resistance(stem: Stem | None, moments: Sequence[_Moment]) -> Array | float:
-    """Thermal resistance of the stem at each moment [K/W], given its heat flow until then."""
+def _stem_resistance(stem: Stem | None, histories: Sequence[_History]) -> Array | float:
+    """Thermal resistance of the stem at the last step of each load history [K/W]."""
     if stem is None:
         return 0.0
-    return np.array([stem.resistance_under(moment.times, moment.loads) for moment in moments])
+    return np.array([stem.resistance_under(history.times, history.loads) for history in histories])
 
 
 def _turn_resistance(
-    track: Track | None, moments: Sequence[_Moment], speeds: Array
+    track: Track | None, histories: Sequence[_History], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns, divided by the contact's heat, at each moment [K/W].
+    """Warming of a track by earlier turns, divided by the contact's heat [K/W].
 
-    `speeds` are speeds of the track through the contact [m/s].
+    There is a value for the last step of each load history; without a track it is 0. `speeds` are
+    speeds of the track through the contact at these steps [m/s].
     """
     if track is None:
         return 0.0
     return np.array(
         [
-            _warming_of(track, moment, speed) / (moment.loads[-1] * speed) if speed else 0.0
-            for moment, speed in zip(moments, speeds.tolist(), strict=True)
+            _warming_of(track, history, speed) / (history.loads[-1] * speed) if speed else 0.0
+            for history, speed in zip(histories, speeds.tolist(), strict=True)
         ]
     )
 
 
-def _warming_of(track: Track, moment: _Moment, speed: float) -> float:
+def _warming_of(track: Track, history: _History, speed: float) -> float:
     """Warming of a track by earlier turns per unit friction, if all heat goes into its body [K].
 
-    `moment` has the history of the load, and `speed` is the track's speed through the contact
+    `history` has the loads until the step, and `speed` is the track's speed through the contact
     [m/s].
     """
-    width = track.width or track.aspect * moment.contact_width
+    width = track.width or track.aspect * history.contact_width
     return track_warming(
-        moment.times[-1],
+        history.times[-1],
         track.length / speed,
-        (moment.times, moment.loads),
+        (history.times, history.loads),
         width,
         track.thermal_diffusivity,
         track.heat_capacity,

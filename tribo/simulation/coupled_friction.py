@@ -49,14 +49,14 @@ _KEPT = 4  # rounds that Anderson mixing combines
 
 
 class CoupledRise(NamedTuple):
-    """Temperature rise where friction depends on temperature, and how it was found.
+    """Temperature rise of a contact whose friction depends on temperature.
 
-    Rises are divided by the coefficient of friction [K]. They are NaN if they were not solved,
-    infinite if the contact ignites.
+    Rises are divided by the coefficient of friction [K]. `rise` is NaN without a solution, and
+    infinite if the contact "ignites": friction heats the contact ever faster (thermal runaway).
     """
 
-    rise: float
-    outcome: Outcome | None = None
+    rise: float  # the rise by which wear is judged mild or severe
+    outcome: Outcome | None = None  # how the iteration ended; None if none was needed
     rise_quantile: Array | None = None  # over the contact area, where it is solved [K]
 
 
@@ -70,7 +70,8 @@ class CoupledHeat:
     Attributes
     ----------
     outcome : {"solved", "ignites", "not converged"}
-        How the iteration ended. Unless it is "solved", the rises are NaN.
+        How the iteration ended; "ignites" is a thermal runaway. Unless it is "solved", the rises
+        are NaN.
     partitions : int
         Number of heat partitions that the iteration took.
     rise_quantile : ndarray, shape (len(QUANTILES),)
@@ -209,8 +210,9 @@ def _solve_rise(
 ) -> tuple[Array, Outcome, int]:
     """Iterate to the rise of each element [K]; return rise, outcome and number of iterations.
 
-    `heat` is the elements' heat at friction 1 [W/m²]. ``rise_by(flux, whole)`` returns the rise due
-    to `flux`, the change of the heat in a round; `whole` is all heat in this round.
+    `heat` is the elements' friction heat at friction 1 [W/m²]. Each iteration adds the rise due to
+    the change of the heat since the last iteration. ``rise_by(change, whole)`` returns this rise
+    [K], to a tolerance relative to ``whole``, the present heat.
     """
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)

@@ -63,10 +63,8 @@ class Pass(NamedTuple):
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """Number of parts into which a step is cut; in each part the disk has another position.
 
-    In each part the disk's roughness wears an imprint into the pin. There are enough parts to keep
-    the imprint below a limit. A wave of the roughness leaves an imprint of kS/λ times its height,
-    with the sliding `distance` S [m] and the compliance λ of the half-space to this wave; the mean
-    over all waves is taken.
+    The deeper the imprint that the disk's roughness would wear into the pin over the `distance`
+    [m] slid in the whole step, the more parts there are, up to a limit; see `imprint_of`.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)
@@ -76,13 +74,15 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
     """Depth of the roughness's imprint in the worn pin, divided by the height of the roughness.
 
-    `wear` acts over a sliding `distance` [m]; `part_count` has the formula. The result is 0 if the
-    disk is smooth, or if `elastic_bodies` has no heights for this scene.
+    For a wave of the roughness the ratio is kS/λ, with the specific wear rate k of `wear` [m²/N],
+    the sliding `distance` S [m] and the compliance λ of the half-space to this wave [m/Pa]. The
+    result is a mean over all waves. It is 0 if the disk is smooth, or if `elastic_bodies` has no
+    heights for this scene.
     """
-    heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
-    if heights is None or not yielding > 0:
+    heights, elastic_sum = elastic_bodies(scene).heights, elastic_bodies(scene).elastic_sum
+    if heights is None or not elastic_sum > 0:
         return 0.0
-    return float(np.sum(wear.depth(heights, distance) * heights)) / yielding
+    return float(np.sum(wear.depth(heights, distance) * heights)) / elastic_sum
 
 
 def _part_factor(scene: Scene) -> int:

@@ -160,7 +160,10 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean number of high pixels that follow each other along an axis, a summit's width."""
+    """Mean width of summits along an axis [pixels]: mean length of runs of pixels on summits.
+
+    Pixels are on summits if they are among the highest tenth of all pixels.
+    """
     high = heights >= np.quantile(heights, _HIGHEST)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

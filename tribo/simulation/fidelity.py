@@ -21,9 +21,9 @@ class Fidelity:
         Pixels of the surface along each side of an element; if `elements_per_summit` is above 0,
         the largest number allowed.
     averaging : {"mean", "sample"}
-        An element's height: the mean of its pixels, as measured surfaces are coarsened in the
-        paper, or the height of one pixel in its middle. A sample keeps the distribution of heights
-        and slopes that the mean smooths, and so comes nearer to a computation on the pixels.
+        An element's height: the mean of its pixels, as Bosman & de Rooij coarsen measured surfaces,
+        or the height of one pixel in its middle. A sample keeps the distribution of heights and
+        slopes that the mean smooths, and so comes nearer to a computation on the pixels.
     history_coarsening : int
         Largest factor by which the sides of elements are lengthened in the steps of a point. The
         last step is then repeated on the scene's own grid. Earlier steps affect it only by the
@@ -33,11 +33,11 @@ class Fidelity:
         Least width of the surface's summits, in elements. If it is above 0, elements are made small
         enough for this, down to the pixels; see `tribo.simulation.element_size`.
     fewest_summits : int
-        If fewer summits are expected to touch, elements are single pixels. It counts if
+        If fewer summits are expected to touch, elements are single pixels. Used only if
         `elements_per_summit` is above 0.
     fewest_elements : int
         Least number of elements that are expected to touch in steps before the last, which limits
-        the size of their elements. It counts if `elements_per_summit` is above 0.
+        the size of their elements. Used only if `elements_per_summit` is above 0.
     increments : int
         Steps of the ramp up to its reference load. If a scene gives it, it also replaces the
         preset's `hold_increments` and `imprint`.
@@ -50,8 +50,9 @@ class Fidelity:
     kernel : {"periodic", "nearest-image"}
         Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
-        Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. It is
-        at most 0.03 for local wear, which keeps the error of each contact.
+        Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. With
+        local wear a larger value than 0.03 is replaced by 0.03, because the error of each contact
+        stays in the worn shape.
     contact_criterion : {"gap", "pressure-change"}
         Measure of the contact's error. See `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}

@@ -21,8 +21,8 @@ def refine_step(
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids; return the state on the finest.
 
-    Each grid starts from the result of the grid before, and needs one contact; see `_rewind`.
-    `levels` is the scene on each grid, and `station` the end of the step.
+    `levels` has the scene on each grid, coarsest first, and `station` is the end of the step. Each
+    grid starts from the result on the grid before, so that it solves the contact only once.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends

@@ -69,7 +69,8 @@ class Friction:
     Attributes
     ----------
     coefficient : float
-        Coefficient of friction; 1 if it multiplies the friction of the conditions.
+        Coefficient of friction; 1 if the factors are meant for a coefficient given elsewhere, as
+        in `tribo.Corrections`.
     by_velocity : tuple of tuple of float
         Sliding velocities above 0, ascending [m/s], each with a factor; smooth and monotonic in
         between, constant beyond the ends.
@@ -219,7 +220,9 @@ class Friction:
 
 @dataclass(frozen=True, slots=True)
 class SolvedFriction:
-    """Law and conditions for which friction by temperature is solved; see `coupled_friction`.
+    """What is needed to solve temperature-dependent friction together with the temperature.
+
+    The module `coupled_friction` finds the solution.
 
     Attributes
     ----------

@@ -70,10 +70,11 @@ def simulate(
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:
-    """Add the temperature at a velocity [m/s] to a state from `contacts`, if it is requested.
+    """Copy of a state from `contacts` with its contact temperature at a sliding velocity [m/s].
 
-    The scene's thermal constants and velocity may differ from those used for the contact. The wear
-    number must be the same.
+    The temperature, `State.heat`, is None unless `contact.is_requested` is True. Velocity and
+    thermal constants may differ from those used for the contact. The product of specific wear rate
+    and velocity must be the same.
 
     Examples
     --------
