@@ -124,7 +124,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
         _unstable_wear,
         _few_steps,
         _warn_edge,
-        _few_nodes,
+        _few_elements,
         _present_heat,
         _coarse_pixels,
         _warn_shape,
@@ -251,13 +251,12 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if a ball is so worn and fast that its rise hardly grows with the velocity.
+    """Warn if a worn ball's rise grows more slowly than velocity to the power of 0.3, `SLOWEST`.
 
-    The rise grows as velocity to the power n, which follows in closed form. The radius of a contact
-    due to wear grows as the fourth root of the worn volume. The rise due to a circular source is in
-    proportion to its radius over √(4/π + Pe) (Tian & Kennedy 1994). At 96 points of worn balls n
-    was within 0.09 of the simulated exponent. Where n was below 0.3, at 13 points, it was within
-    0.06.
+    The exponent is estimated in closed form. The rise is in proportion to the heat flux times
+    a/√(4/π + Pe), with the radius a of the contact and the Péclet number Pe (Tian & Kennedy 1994).
+    In a contact widened by wear, a is in proportion to the fourth root of the worn volume. At 96
+    points of worn balls the estimate was within 0.09 of the simulated exponent.
     """
     if not isinstance(scene.pin, Ball) or scene.motion or not state.sliding_distance:
         return
@@ -279,8 +278,8 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
         yield WarningKind.SLOW_RISE, SLOW
 
 
-def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the temperature of a few elements decides the verdict."""
+def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
+    """Warn if so few elements touch that the temperature of the contact is uncertain."""
     smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
     few = _FEW_ELEMENTS
     if is_worn:
@@ -315,7 +314,7 @@ def _is_heavily_worn(scene: Scene, state: State) -> bool:
 
 
 def elements_are_pixels(scene: Scene, state: State) -> bool:
-    """True if the elements of a state are the pixels themselves."""
+    """True if the elements of a state are as small along x as the pixels of the disk's surface."""
     return len(state.pressure) == scene.pixels.shape[0]
 
 

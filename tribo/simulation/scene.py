@@ -172,7 +172,11 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """True if each point of the pin wears by its own pressure, at one position of the disk."""
+        """True if each point of the pin wears by its own pressure in a single contact.
+
+        False without wear, and if the pin wears by mean pressures: over y, or over contacts at many
+        positions of the disk.
+        """
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
@@ -216,7 +220,11 @@ class Scene:
 
     @property
     def rows_per_element(self) -> int:
-        """Number of blocks of pixels along y in one element; 1 unless nothing depends on y."""
+        """Number of blocks of n × n pixels along y that one element of `grid` covers.
+
+        n is ``pixels_per_element``. An element is one block, unless nothing depends on y: then an
+        element covers all blocks along y.
+        """
         return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property

@@ -30,9 +30,10 @@ from tribo.types import Array, Mask
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
     """Temperature of a state, at friction coefficient 1.
 
-    The bodies have equal bulk temperatures. If the scene has unequal bulk temperatures, the
-    response to a difference of 1 K is added. The present friction heat is taken to act since
-    time 0 (Bosman & de Rooij), whatever the heat model of the fidelity.
+    The rise is computed for equal bulk temperatures of pin and disk. If `Scene.unequal_bulks` is
+    True, the result also has `Heat.bulk_response`: how much the pin's surface warms for each kelvin
+    by which the disk's bulk is warmer. The present friction heat is taken to act since time 0
+    (Bosman & de Rooij), whatever the heat model of the fidelity.
 
     The temperature depends on pressure and time of the contact, but not on the wear before. So
     thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
@@ -143,10 +144,11 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
 
 
 def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """Add to the temperature `summary` how much a disk that is 1 K warmer warms the pin's surface.
+    """Return `summary` with its fields for unequal bulk temperatures, computed from `response`.
 
-    `response` is the heat that a disk 1 K warmer makes flow without friction. `contact` is the mask
-    of touching elements.
+    `response` has the rise of the pin's surface without friction, if the disk's bulk is 1 K warmer
+    than the pin's. `contact` is True at touching elements. The fields are ``bulk_response``,
+    ``mean_bulk_response`` and ``bulk_rise_quantile``.
     """
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)

@@ -44,13 +44,13 @@ class _Trunk:
         """Number of increments whose states were dropped, counted from the first."""
         return self.count - len(self.states)
 
-    def discard_if_lacking(self, increments: int, noted: int) -> None:
-        """Discard the ramp if it has dropped a state that is needed to continue it.
+    def clear_if_dropped(self, increments: int, recorded: int) -> None:
+        """Clear the ramp if it has dropped a state that is needed to extend it to `increments`.
 
-        The earliest state needed is that after `increments` increments, or that after `noted` + 1
-        if this is less: values are recorded for `noted` increments so far.
+        Values are already recorded for the first `recorded` increments. So the earliest state
+        needed is the state after min(`increments`, `recorded` + 1) increments.
         """
-        if increments and self.dropped >= min(increments, noted + 1):
+        if increments and self.dropped >= min(increments, recorded + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
@@ -113,8 +113,8 @@ class Trunks:
             trunk = self._trunks.setdefault(key, _Trunk())
             self._trunks.move_to_end(key)
         with trunk.lock:  # a thread waits here for a ramp that another thread computes
-            noted = len(trunk.notes.get(note.name, ())) if note else len(stations)
-            trunk.discard_if_lacking(len(stations), noted)
+            recorded = len(trunk.notes.get(note.name, ())) if note else len(stations)
+            trunk.clear_if_dropped(len(stations), recorded)
             notes: list[Any] = trunk.notes.setdefault(note.name, []) if note else []
             state = begin
             for index, station in enumerate(stations, 1):

@@ -28,7 +28,7 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 
 @dataclass(frozen=True, slots=True)
 class Judging(ABC):
-    """Base class of conditions: all that a verdict needs, apart from the criterion."""
+    """Base class of the conditions of a verdict; subclasses define the criterion, `decisive`."""
 
     friction: float  # coefficient
     bulk_temperature: float  # [K], of the pin alone if `disk_temperature` is given
@@ -59,32 +59,36 @@ class Judging(ABC):
 
     @property
     def rise_factor(self) -> float:
-        """Factor from a rise per unit friction to a rise: the coefficient of friction.
+        """Coefficient of friction, by which a rise per unit friction is multiplied.
 
-        Even without friction, unequal bulk temperatures warm the colder body. Then the factor must
-        not be 0. It is so small that `bulk_ratio`, without its sign, is the largest of
-        `BULK_RATIOS`.
+        If the bulk temperatures differ, the factor is at least their absolute difference divided by
+        the largest of `tribo.thermal.BULK_RATIOS` [K]. So the factor is above 0 even without
+        friction, and `bulk_ratio`, the difference divided by the factor, is finite.
         """
         return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
 
     @property
     def bulk_ratio(self) -> float:
-        """Bulk temperature of the disk minus that of the pin, divided by `rise_factor` [K]."""
+        """Bulk temperature of the disk minus that of the pin, per unit friction [K].
+
+        It is `bulk_difference` [K] divided by `rise_factor`, the coefficient of friction; 0 if both
+        bulk temperatures are equal.
+        """
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
     @property
     def friction_law(self) -> Friction:
-        """Friction by velocity and temperature."""
+        """Coefficient of friction and its dependence on velocity and temperature."""
         present = self.corrections.friction if self.corrections else Friction()
         return replace(present, coefficient=self.rise_factor)
 
     @property
     def solved_friction(self) -> SolvedFriction | None:
-        """Friction law, bulk temperature and criterion for which friction by temperature is solved.
+        """Law, bulk temperature and criterion to solve friction and contact temperature together.
 
-        The result is None if friction does not depend on temperature, or the criterion is a user's
-        rule.
+        None if the two are not solved together: friction does not depend on temperature, or the
+        criterion is a user's rule.
         """
         law = self.friction_law
         if not (law.by_temperature and law.coefficient):
@@ -261,11 +265,13 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Rises per unit friction [K] to use in place of `rise` if friction depends on temperature.
+    """Rises per unit friction [K] for which the friction law gives the solved contact temperatures.
 
-    The contact temperature by Eq. (1) of `friction` is then the solved temperature. `coupled` is
-    the solution, `CoupledRise.rise`. Where it was not solved (NaN), the result is `rise`. Where the
-    contact ignites (infinite), the temperature is that at the highest friction of the law.
+    `rise` has the rises per unit friction without the effect of temperature on friction [K].
+    `coupled` has the solved rises divided by the friction coefficient [K], as in `CoupledRise`.
+    Where `coupled` is NaN (not solved), `rise` is returned. Where `coupled` is infinite (the
+    contact heats itself without bound), the contact temperature is taken at the law's highest
+    friction.
     """
     if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
         return rise

@@ -76,7 +76,7 @@ class MeasuredRoughness:
     Parameters
     ----------
     array : ndarray, shape (nx, ny)
-        Heights [m], positive towards the pin; rows along x.
+        Heights [m], positive towards the pin. Axis 0 is x, the sliding direction.
 
     Examples
     --------

@@ -59,12 +59,12 @@ class ConductingHalfSpace(Convolution):
     time : float
         Duration of heating, t [s], at least 0.
     quadrature_nodes : int, optional
-        Gauss nodes on each panel of the integral (1). The error, as a share of the kernel's self
-        term, is 7e-7 with 10 and 6e-12 with 16.
+        Gauss nodes on each panel of the integral over the distance that heat diffuses. The error,
+        as a share of the kernel's self term, is 7e-7 with 10 nodes and 6e-12 with 16.
     length : float or "nearest-image", optional
         Heated length along a periodic y [m], with the patch in its middle, and at least as long as
-        the patch. Endless if not given. ``"nearest-image"``: the patch, and the nearer image of
-        each element, which Bosman & de Rooij add as leakage.
+        the patch. Endless if not given. With ``"nearest-image"``, the patch and the nearer periodic
+        image of each element are heated, as Bosman & de Rooij assume.
 
     Examples
     --------
@@ -115,11 +115,13 @@ def flux_history_spectrum(
     quadrature_nodes: int = 10,
     length: HeatedLength = math.inf,
 ) -> Spectrum:
-    """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
+    """Spectrum of the map from a heat flux, whose strength varied with time, to the present rise.
 
-    By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) in the
-    integral. `strengths` are at the `ages` [s], which ascend; strength is linear between ages, and
-    0 outside them. See `ConductingHalfSpace` for the other parameters.
+    For a constant flux it is an integral over the diffusion length s, Eq. (1) of
+    `tribo.thermal.conduction`. By Duhamel's principle the integrand is multiplied by the strength
+    of the flux at the time τ = s²/(4κ) before the present. `strengths` are given at `ages`, times
+    before the present [s], which ascend. The strength is linear between ages, and 0 outside them.
+    See `ConductingHalfSpace` for the other parameters.
 
     Returns
     -------
@@ -193,7 +195,7 @@ class _Stretch(NamedTuple):
         return self.first + self.slope * (s**2 - self.begin**2)
 
     def integral(self, s: float) -> float:
-        """Integral of the strength over diffusion lengths from `begin` to s [m]."""
+        """Integral [m] of the strength over the diffusion length, from `begin` to `s` [m]."""
         constant = (self.first - self.slope * self.begin**2) * (s - self.begin)
         return constant + self.slope * (s**3 - self.begin**3) / 3
 

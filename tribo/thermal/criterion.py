@@ -125,17 +125,20 @@ class Criterion:
 
     @property
     def takes_share(self) -> bool:
-        """True if the criterion depends on the share."""
+        """True if the criterion uses `share`, the share of the contact area that may be too hot."""
         return "{share" in (self.rule or CRITERIA[self.name]).temperature
 
     @property
     def temperature(self) -> str:
-        """The deciding temperature in words."""
+        """Words that name the deciding temperature, such as "mean of the contact"."""
         return self._rule.temperature.format(share=100 * self.share)
 
     @property
     def severe(self) -> str:
-        """Sentence on when wear is severe, to be completed by the critical temperature."""
+        """Words for when wear is severe, such as "any of the contact above".
+
+        The critical temperature is to be written after these words.
+        """
         return self._rule.severe.format(share=100 * self.share)
 
     @staticmethod

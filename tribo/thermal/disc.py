@@ -132,9 +132,10 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
     def mode(root: Array, x: float) -> tuple[Array, Array]:
-        """Value and slope of a thermal mode at the radius `x`, relative to the rim, for each root.
+        """Values and slopes of thermal modes at `x`, one mode for each wavenumber in `root`.
 
-        Whatever the root, the mode meets the condition at the bore.
+        `x` is the radius divided by the rim's radius, and slopes are derivatives by `x`. Each mode
+        meets the heat-loss condition at the bore. Only modes of roots also meet the one at the rim.
         """
         if not inner:
             return j0(root * x), -root * j1(root * x)

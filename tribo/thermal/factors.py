@@ -92,9 +92,10 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
 
 
 def wavenumbers(axis: Axis, s: float) -> Array:
-    """Wavenumbers of modes that have not faded at diffusion length s [m], (aliases, modes) [rad/m].
+    """Wavenumbers [rad/m] of modes that have not faded at the diffusion length `s` [m].
 
-    Sampling at the element centres folds the modes m + pn onto the mode m.
+    The shape is (aliases, modes). Sampling at the n element centres folds each mode m + pn, with an
+    integer p, onto the mode m as an alias.
     """
     highest = int(REACH * axis.n * axis.step / (math.pi * s))
     modes = np.arange(min(highest, axis.n // 2) + 1)

@@ -49,8 +49,9 @@ class HeatPartition:
     iterations : int
         Iterations of the local method, each one convolution; 0 for the uniform method.
     residual : float
-        Difference between the two surface temperatures, relative to the right-hand side of
-        Eq. (1); root mean squares over the contact.
+        Difference between the two surface temperatures, relative to T₂q + ΔT_b: the disk's rise if
+        all heat entered the disk, plus ``bulk_difference``. Both are root mean squares over the
+        contact.
 
     Examples
     --------
@@ -93,8 +94,9 @@ def partition_heat(
     contact : ndarray of bool, shape ``grid.shape``
         True at elements that touch.
     method : {"local", "uniform"}, optional
-        "local" solves Eq. (1) at every node. "uniform" is Blok's method: one fraction q₁/q for the
-        whole contact, so that the mean temperatures of both surfaces over the contact are equal.
+        "local" makes the temperatures of both surfaces equal at every element in contact. "uniform"
+        is Blok's method: one fraction q₁/q for the whole contact, so that the mean temperatures of
+        both surfaces over the contact are equal.
     tolerance : float, optional
         Largest `HeatPartition.residual` that the local method accepts, from 1e-14 to below 1.
     bulk_difference : float or ndarray, shape ``grid.shape``, optional
@@ -258,8 +260,8 @@ def _divide_uniformly(
 ) -> HeatPartition:
     """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, means over the contact.
 
-    `rise` is T₁q on the grid. `target` is T₂q + ΔT_b, the right-hand side of Eq. (1), and `delta`
-    is ΔT_b, both on the contact alone [K]. `heat_flux` is q [W/m²].
+    `rise` is T₁q on the grid. `target` is T₂q + ΔT_b, and `delta` is ΔT_b, both on the contact
+    alone [K]. `heat_flux` is q [W/m²].
     """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:

@@ -21,10 +21,12 @@ _NOTHING = 1e-12  # share of a length below which no part of the integral is wor
 
 
 def diffusion_length(reach: float, drift: float, distance: float) -> float:
-    """Return the s > 0 at which drift·s² + reach·s = distance [m]; infinite if there is none.
+    """Return the diffusion length s > 0 [m] at which drift·s² + reach·s = `distance` [m].
 
-    At this diffusion length the heat of a source that moves by drift·s² passes `distance`: with its
-    front if `reach` is positive, with its rear if negative.
+    While heat diffuses by s, its source moves by drift·s², with the `drift` ``|V|/(4κ)`` [1/m]. The
+    heat extends to `reach` times s ahead of the source, or behind it if `reach` is negative. At the
+    returned s this front or rear of the heat is at `distance` from where the source started. The
+    result is infinite if there is no such s.
     """
     root = math.sqrt(reach**2 + 4 * drift * distance)
     if reach > 0:
@@ -35,11 +37,13 @@ def diffusion_length(reach: float, drift: float, distance: float) -> float:
 def panels(
     drift: float, start: float, end: float, filon_start: float, side: float
 ) -> Iterator[tuple[float, float]]:
-    """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
+    """Split the range of diffusion lengths from `start` to `end` [m] into panels of quadrature.
 
-    Panels double in size, since heat spreads in proportion to s. Within a panel the source moves by
-    at most `REACH` diffusion lengths. From `filon_start` on this does not matter, as Filon's rule
-    is used. `drift` is ``|V|/(4κ)`` [1/m], and `side` is the side of an element [m].
+    Yields the ends of each panel [m]. Below `filon_start` panels are for Gauss' rule: the diffusion
+    length at most doubles within a panel, and where an edge of the moving source is near an
+    element's centre, the source moves by at most `REACH` diffusion lengths. From `filon_start` on
+    panels are for Filon's rule, and the diffusion length grows by half within each. `drift` is
+    ``|V|/(4κ)`` [1/m], and `side` is the side of an element [m].
     """
     low = start
     while low < end:

@@ -69,11 +69,11 @@ def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
 
 
 def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
-    """Quantiles of the rise per unit friction at a bulk ratio [K], linear between stored ratios.
+    """Quantiles of the rise per unit friction [K] at the bulk `ratio`, by linear interpolation.
 
-    The bulk ratio is (disk's − pin's bulk temperature)/friction [K]. The shape of `rise_quantiles`,
-    at the ratio 0, is (..., n_quantile). `bulk_rise_quantiles` has the shape (..., n_ratio,
-    n_quantile).
+    A bulk ratio is (disk's − pin's bulk temperature)/friction [K]. `rise_quantiles`, of shape (...,
+    n_quantile), are at the ratio 0. `bulk_rise_quantiles`, of shape (..., n_ratio, n_quantile), are
+    at each of the ratios `BULK_RATIOS`, as `bulk_ratio_quantiles` returns them.
 
     Examples
     --------

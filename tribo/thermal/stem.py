@@ -89,13 +89,13 @@ def stem_fraction(time: float | Array) -> Array:
     """Resistance of a rod after a dimensionless time τ, divided by its steady resistance.
 
     A rod of length L gets a constant heat flow at one end from time 0, while the other end keeps
-    its temperature. The heated end warms by flow × resistance, with the steady resistance R = L/(K
-    A) times
+    its temperature. The resistance is the warming of the heated end divided by the flow. In the
+    steady state it is L/(K A). The result is (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd
+    ed., 1959, §3.8)
 
-        1 − (8/π²) Σ exp(−n²π²τ/4)/n²,  n = 1, 3, 5 …,  τ = κt/L²
+        1 − (8/π²) Σ exp(−n²π²τ/4)/n²,  summed over odd n,  τ = κt/L²
 
-    (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §3.8). At first it is
-    2√(τ/π), as in an endless rod.
+    At short times the result is 2√(τ/π), as in an endless rod.
 
     Examples
     --------

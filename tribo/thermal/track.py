@@ -24,34 +24,48 @@ def track_warming(
     heat_capacity: float,
     disc: Disc | None = None,
 ) -> float:
-    """Warming of the track by earlier passes per unit friction, if the disk takes all heat [K].
+    """Warming of the disk's track by earlier passes under the pin, per unit friction [K].
 
-    In each pass a pin of width B heats the track. With friction 1, and all heat in the disk, an
-    element dx of the track gets the heat F dx. The heat acts as an instantaneous strip on a
-    half-space. At a time t later the middle of the strip is warmer by (Carslaw & Jaeger,
+    The disk takes all heat. In each pass, under the load F, an element dx of the track gets the
+    heat F dx per unit friction, over the width B of the pin. The heat acts as an instantaneous
+    strip on a half-space. At a time t later the middle of the strip is warmer by (Carslaw & Jaeger,
     *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
-    On a disc of width W, insulated at its sides and with the track in its middle, mirror images of
-    the strip are added; with W = B the last factor is 1. For a disc `Disc.rim_response` replaces
-    1/√(πκt): the two are equal at first, but heat that has spread through the disc stays in it.
+    The result is the sum of θ over all earlier passes. The n-th latest pass was the time t = nT
+    ago, with the time T of one round. The length of the contact along the track cancels.
 
-    The result is the sum over passes a time t = nT ago, n = 1, 2 …, with the time T of one round
-    [s] and the load F of that pass. `loads` are times [s] and loads [N], linear in between and 0 at
-    time 0. The length of the contact along the track cancels. `width` is B [m], `diffusivity` is κ
-    [m²/s], and `heat_capacity` is ρc, per volume [J/(m³ K)].
+    If `disc` gives the disk a finite size, `Disc.rim_response` replaces 1/√(πκt). Both are equal at
+    short times, but heat that has spread through a finite disk stays there. The disk is insulated
+    at its sides, and the track is in its middle: mirror images of the strip are added to the last
+    factor of θ. This factor is 1 if the disk is as wide as the pin.
+
+    Parameters
+    ----------
+    time : float
+        Time since the start of the loading at which the warming is computed [s].
+    round_trip : float
+        Time of one round, T [s].
+    loads : tuple of ndarray
+        Times [s] and loads [N], linear in between and 0 at time 0.
+    width : float
+        Width of the pin across the track, B [m].
+    diffusivity, heat_capacity : float
+        κ [m²/s], and heat capacity per volume, ρc [J/(m³ K)].
+    disc : Disc or None
+        Size and heat losses of the disk; None for a half-space.
 
     Examples
     --------
-    The paper's disk at 750 N and 1.25 m/s, with friction 0.1:
+    The disk of Bosman & de Rooij at 750 N and 1.25 m/s, with friction 0.1:
 
     >>> ramp = np.array([5.0]), np.array([750.0])
     >>> warming = track_warming(5.0, 0.34 / 1.25, ramp, 3.4e-3, 1.2275e-5, 3.666e6)
     >>> f"{0.1 * warming:.1f} K"
     '2.4 K'
 
-    A steel disc of 100 × 10 mm takes 100 W for a minute, at 1 m/s. The disc warms by 21 K on
+    A steel disk of 100 × 10 mm takes 100 W for a minute, at 1 m/s. The disk warms by 21 K on
     average, and its track by more:
 
     >>> held, disc = (np.array([1e-3, 60.0]), np.full(2, 100.0)), Disc(diameter=0.1, width=0.01)

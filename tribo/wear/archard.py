@@ -170,7 +170,8 @@ class Wear:
 
         Examples
         --------
-        The paper's grid at 1.25 m/s, with increments of 0.05 s, is far beyond `EXPLICIT_LIMIT`:
+        On the grid of Bosman & de Rooij at 1.25 m/s, increments of 0.05 s are far beyond
+        `EXPLICIT_LIMIT`:
 
         >>> from tribo.numerics import Grid
         >>> solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
@@ -222,9 +223,10 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Stiffness k·dS/λ_min as in `Wear.stiffness`, for waves along y only; 0 without them.
+        """Stiffness of the wear equation for a step over a sliding distance [m].
 
-        `distance` is the sliding distance dS [m].
+        It is defined as in `Wear.stiffness`, but only for shapes that vary along y alone, since the
+        pin wears evenly along x. It is 0 if the wear is swept, or the grid has no such shapes.
         """
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():

@@ -36,8 +36,8 @@ class WearLaw(Protocol):
 class RunningIn:
     """Wear whose rate falls as the surfaces run in.
 
-    Between sliding distances the specific wear rate is k(S) = k∞ + (k₀ − k∞) exp(−S/L), so that a
-    constant load F wears off
+    After a sliding distance S the specific wear rate is k(S) = k∞ + (k₀ − k∞) exp(−S/L). So up to
+    this distance a constant load F wears off the volume
 
         V = F [k∞ S + (k₀ − k∞) L (1 − exp(−S/L))]
 
