@@ -216,7 +216,11 @@ def _si_value(path: str, value: Any) -> Any:
 
 
 def oil_temperature(name: str, value: float | str) -> float:
-    """Read a temperature in K, or as text with a unit; refuse a value at which no oil works."""
+    """Convert a temperature, given as a number in K or as text such as "80 degC", to K.
+
+    `name` says which one it is: "bulk_temperature" or "critical_temperature". Raises an
+    `InputError` with this name if no oil works at the temperature.
+    """
     kelvin = in_si(name, value, "80 degC")
     hottest = HOTTEST_OIL if name == "bulk_temperature" else math.inf
     if kelvin < COLDEST_OIL or hottest < kelvin < math.inf:

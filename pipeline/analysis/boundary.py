@@ -253,10 +253,11 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _quantiles(line: Line) -> Array:
-    """Quantiles `BAND` over the surfaces of critical velocity [m/s] or load [N] (3, k).
+    """Quantiles, over all surfaces, of the critical velocity [m/s] or critical load [N].
 
-    `line` has curves (m, k): for m surfaces, and k loads or velocities. Quantiles are interpolated
-    between ranked surfaces. They are NaN next to a transition of which only bounds are known.
+    Returns an array (3, k) of the three quantiles in `BAND`. `line` has a curve for each of m
+    surfaces and k loads or velocities. Quantiles are interpolated between ranked surfaces. They are
+    NaN next to a surface whose critical value is infinite or only bounded.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

@@ -148,7 +148,7 @@ class Curve:
 
     @property
     def _numbers(self) -> Indices:
-        """Numbers of the curves, counted from 0, as an array of the curves' shape (...)."""
+        """Number of each curve, counted from 0, in an array with one element for each curve."""
         return np.arange(self.count.size).reshape(self.count.shape)
 
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
@@ -207,11 +207,12 @@ class Curve:
 
 
 def filled(rises: Array, loads: Array, velocities: Array) -> Array:
-    """Rises (..., n_load, n_velocity), estimated at all velocities at a load with a single point.
+    """Fill in unknown rises at loads where the rise is known at only one velocity.
 
-    The estimates are interpolated between the loads on both sides, and scaled to pass through the
-    point. Nothing is estimated where the interpolated rise is not positive. At the first or last
-    load, and where the other loads' rises are unknown, only the point is known.
+    `rises` and the result have the shape (..., n_load, n_velocity); unknown rises are NaN. At a
+    load with one known rise, the others are interpolated between the loads on both sides, and
+    scaled to pass through the known rise. They stay NaN if the interpolated rise is unknown, as at
+    the first and last load, or not positive. Rises at all other loads are returned unchanged.
     """
     count = np.isfinite(rises).sum(axis=-1, keepdims=True)
     rows = np.where(count > 1, Curve(velocities, rises)(velocities, continued=True), np.nan)

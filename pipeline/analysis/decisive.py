@@ -35,9 +35,9 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of it that keeps ``status``, or
-        the path of a store. A whole large sweep takes much memory: select loads and velocities
-        first.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of such a dataset that keeps
+        ``status``, or the path of a store. A whole large sweep takes much memory: select loads and
+        velocities first.
 
     Returns
     -------
@@ -45,8 +45,9 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
         the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
         critical temperature, ``failed_fraction``, the share of the contact area above it. If
-        friction depends on temperature, each value is for the friction at that temperature; a run
-        solves the contact only for the deciding temperature.
+        friction depends on temperature, each temperature T is computed as if the whole contact had
+        the friction at T. The run itself gave each element the friction of its own temperature, but
+        solved this only for the deciding temperature; that solution is not used here.
 
     Examples
     --------

@@ -77,7 +77,7 @@ class Field(Protocol):
 
     @property
     def basis(self) -> Sequence[str]:
-        """Lines of text on what answers are based on besides computed points, such as tests."""
+        """Lines of text on the unknown inputs and tests behind the answers; empty if none."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
         """The field judged under an operating point's own conditions, such as its friction.
@@ -97,7 +97,10 @@ class Field(Protocol):
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome on the line along `axis` through each place, and where wear turns severe."""
+        """Whether and where wear turns severe on the line along `axis` through each of k places.
+
+        `axis` is "load" or "velocity".
+        """
 
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
@@ -224,15 +227,17 @@ class PointField:
         return rise, mark == 1
 
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K], marks of interpolated rises, and marks of known outcomes, each (m, k, n_load).
+        """Rises [K] at k velocities and all loads on m surfaces, and two marks of each rise.
 
-        The arrays are for m surfaces, k velocities and all loads. Rises include the effect of
-        velocity on friction. Beyond the points of a load rises are extrapolated by power laws. At a
-        load with a single point they are estimated by `filled`.
+        The result is three arrays (m, k, n_load). Rises include the effect of velocity on friction.
+        Beyond the points of a load rises are extrapolated by power laws. At a load with a single
+        point they are estimated by `filled`.
 
-        Marks are 1 for yes, 2 for no, and NaN for unknown rises and beside a single point. So an
-        interpolated mark is 1 only between two loads with 1. The outcome is known between the
-        points of a load, below them if the lowest is mild, and above them if the highest is severe.
+        A mark is 1 for yes, 2 for no. The first mark tells whether the velocity is within the
+        points of the load. The second tells whether mild or severe wear is certain. It is certain
+        within the points, below them if the lowest is mild, and above them if the highest is
+        severe. Both marks are NaN if the rise is unknown or estimated by `filled`. A mark that is
+        interpolated over load is 1 only between two loads with 1.
         """
         points, rows = self._curves
         factor = self.conditions.friction_factor(velocities)
@@ -260,27 +265,36 @@ class PointField:
 
     @functools.cached_property
     def _rises(self) -> Array:
-        """Rises [K] (m, n_load, n_velocity) without the effect of velocity on friction."""
+        """Rises [K] on m surfaces (m, n_load, n_velocity); NaN at points that are not done.
+
+        They leave out the effect of velocity on friction.
+        """
         return np.array([plane.rises for plane in self.planes])
 
     @functools.cached_property
     def _filled(self) -> Array:
-        """Rises [K] (m, n_load, n_velocity), completed at loads that have only a single point.
+        """Rises [K] on m surfaces (m, n_load, n_velocity), with estimates by `filled`.
 
-        Rises at the other velocities are estimated from neighbouring loads; see `filled`.
+        At loads with only a single point, rises at other velocities are estimated from neighbouring
+        loads.
         """
         return filled(self._rises, self.loads, self.velocities)
 
     @functools.cached_property
     def _curves(self) -> tuple[Curve, Curve]:
-        """Curves over velocity of `_rises`, and of `_filled`, for each surface and load."""
+        """Two `Curve` objects: the rise [K] over velocity, on each surface and at each load.
+
+        The first has only the rises of computed points. The second also has the estimated rises at
+        loads with a single point.
+        """
         return Curve(self.velocities, self._rises), Curve(self.velocities, self._filled)
 
     @functools.cached_property
     def _load_curves(self) -> tuple[Curve, ...]:
-        """Curves over load of rises [K] and of marks, for each surface and velocity of the points.
+        """Three `Curve` objects over load, on each surface and at each velocity of the points.
 
-        The ordinates are the three arrays of `_rises_and_marks`.
+        The first has the rise [K]. The second is 1 where this rise is interpolated over velocity,
+        and the third is 1 where mild or severe wear is certain; see `_rises_and_marks`.
         """
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
@@ -304,7 +318,10 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Outcome on the line along `axis` through each place, and where wear turns severe."""
+        """Whether and where wear turns severe on the line along `axis` through each of k places.
+
+        `axis` is "load" or "velocity".
+        """
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
@@ -330,7 +347,10 @@ class PointField:
         return np.asarray(np.mean(shares, axis=(0, -2)))
 
     def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
-        """Rise along load or velocity (`axis`) through k loads and velocities, on each surface.
+        """Lines of the rise along `axis` ("load" or "velocity"), through k places on m surfaces.
+
+        A place is a pair of a load [N] and a velocity [m/s], both (k,). The returned `Line` has
+        curves (m, k): one for each surface and place.
 
         A line at a load or velocity of the sweep uses only the points at that value. Any other line
         is interpolated between the two neighbouring lines of points, where the outcome on both is

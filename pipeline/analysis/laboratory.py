@@ -77,7 +77,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 def model_error(data: Results, field: Field) -> Scatter:
     """Distribution of the model's own error in ln(critical velocity), from tests and a prior.
 
-    If `field` is of samples whose tests have inferred the error, the inferred one is returned.
+    For samples weighted by tests, it is the distribution that was inferred along with the weights.
     """
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)

@@ -69,10 +69,11 @@ class ModelError:
         return self._widest(known, low), self._widest(known, high)
 
     def _widest(self, known: float, squares: Iterable[float]) -> float:
-        """Scale of Student's t: the largest that results with none, one or more wrong outcomes.
+        """Scale of Student's t, with as many wrong outcomes as make the scale largest.
 
-        `known` is the sum of squares of the transitions' residuals and the prior. `squares` are
-        squared residuals of wrong outcomes, the largest first; they are included in this order.
+        `squares` are the squared residuals of the wrong outcomes, the largest first. With the first
+        n of them the scale is √((known + their sum)/(degrees + n)). `known` is the weighted
+        variance of the prior plus the squared residuals of the transitions.
         """
         sums = enumerate(itertools.accumulate(squares, initial=known), self.degrees)
         return math.sqrt(max(total / count for count, total in sums))

@@ -132,12 +132,15 @@ class Results:
 
     @property
     def entries(self) -> dict[str, Any]:
-        """Values of the selected entries by path, as in a scene file."""
+        """Values of the varied entries by path, as in a scene file, if each has one value here.
+
+        The result is empty if an entry has several values.
+        """
         return self.stored.variants.written(self.name)
 
     @functools.cached_property
     def sweep(self) -> Sweep:
-        """Sweep restricted to the selected entries, under the conditions of `pipeline.at`."""
+        """Sweep restricted to the values in `entries`, under the conditions of `pipeline.at`."""
         columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
         paths = [path for path in PATHS.values() if path in labels and path not in columns]
         own = {path: labels[path] for path in paths}
@@ -222,7 +225,11 @@ class Results:
         self.require("normal_load", "rise_quantile")
 
     def take_row(self, seed: int | None) -> Results:
-        """Results of one scene on the surface with this seed; on the first surface if None."""
+        """Select a single surface from the results of a single scene.
+
+        `seed` is the seed of the surface's roughness; None selects the first surface. Raises an
+        `InputError` if these are not results of one scene on a grid of loads and velocities.
+        """
         self.require_plane()
         row = self.take_surface(seed)
         return row.take(dict.fromkeys(row.front, 0))
@@ -241,14 +248,17 @@ class Results:
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
     def point(self, load: int, velocity: int) -> Point:
-        """Point at the indices `load` and `velocity`, for results with a single row."""
+        """Point at the indices `load` and `velocity`, of results of one scene on one surface."""
         if self.kind is Kind.SAMPLES:
             return Point(float(self.loads[load]), float(self.rows["velocity"]))
         return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)
 
     @functools.cached_property
     def messages(self) -> Any:
-        """Warning or failure message of each point (*front, load, velocity); else empty."""
+        """Warning or failure message of each point; "" for a point without a message.
+
+        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        """
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
@@ -264,7 +274,11 @@ class Results:
         return found
 
     def values(self, name: str) -> Any:
-        """Array of the variable `name`: axes `front`, load, velocity, and others such as step."""
+        """Array of the variable `name`.
+
+        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity, then
+        others such as step. Axes that the variable lacks are left out.
+        """
         if name in self.columns:
             return self.columns[name]
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
@@ -286,7 +300,10 @@ class Results:
 
     @property
     def done(self) -> Mask:
-        """Mask of points that are done (*front, load, velocity)."""
+        """Mask of points that are done.
+
+        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        """
         self.require("status")
         return np.asarray(self.columns["status"] == DONE)
 
@@ -301,9 +318,9 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Deciding temperature rise [K] at friction 1, (*front, load, velocity).
+        """Deciding temperature rise at friction 1 [K]; NaN at points that are not done.
 
-        It is NaN at points that are not done.
+        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
         """
         if self.place is None:
             self.require_lists(*PLANE)
@@ -317,9 +334,11 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Rises/friction [K] at points solved with friction that depends on temperature.
+        """Deciding rises per unit friction [K], solved with temperature-dependent friction.
 
-        They are NaN at other points, or if this dependence is now another one.
+        The axes are those of `Results.rises`. Points that the run did not solve in this way are
+        NaN. The result is a single NaN if the run solved no point in this way, or if its friction,
+        bulk temperature or criterion are not those of `conditions`.
         """
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:

@@ -118,7 +118,10 @@ class RiseError:
 
     @property
     def text(self) -> str:
-        """The error [K] and its parts in words; convert a relative error by `times` before."""
+        """The total error and its parts in words, with the unit K.
+
+        The parts must already be in K: `RiseError.times` converts relative ones.
+        """
         parts = dict(zip(_PARTS, astuple(self), strict=True))
         known = ", ".join(f"{name} {part:.2g} K" for name, part in parts.items() if part)
         if unknown := " and ".join(name for name, part in parts.items() if part is None):
@@ -185,10 +188,10 @@ class RisePlane:
 
     @functools.cached_property
     def _loads_around(self) -> Indices:
-        """Indices of the two loads to interpolate between (2 n_velocity + 1, 2 n_load + 1, 2).
+        """For each velocity slot and load slot: indices of the two loads to interpolate between.
 
-        The first two axes count slots along velocity and load. Slots are points and the gaps
-        between them, as numbered by `_slots`.
+        A slot is a value of the axis, a gap between two values, or the range beyond an end; see
+        `_slots`. The shape is (2 n_velocity + 1, 2 n_load + 1, 2).
         """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
@@ -197,9 +200,10 @@ class RisePlane:
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
-        """Indices of the two velocities to interpolate between (n_load, 2 n_velocity + 1, 2).
+        """For each load and velocity slot: indices of the two velocities to interpolate between.
 
-        The second axis counts points and the gaps between them, as numbered by `_slots`.
+        A slot is a value of the axis, a gap between two values, or the range beyond an end; see
+        `_slots`. The shape is (n_load, 2 n_velocity + 1, 2).
         """
         return _neighbours(self._is_done)
 
@@ -236,9 +240,10 @@ def rise_errors(
 
 
 def _slots(points: Array, places: Array) -> Indices:
-    """Slot number of each of `places` on an axis with ascending `points`.
+    """Number of the slot that each of `places` lies in, on an axis with n ascending `points`.
 
-    Slot 2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i.
+    Slot 2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
+    below the first point, and slot 2 n the range above the last.
     """
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
     return slots
@@ -254,9 +259,9 @@ def counted_error(
 ) -> Array:
     """Relative error of rises due to corrections for oil film and temperature-dependent friction.
 
-    `rises` [K] are for a friction coefficient of 1. `is_solved` marks rises for which the run
-    solved this friction; other rises are corrected after the run. The error of a corrected rise is
-    NaN if friction may grow without limit as the contact gets hotter.
+    `rises` [K] are for a friction coefficient of 1. `is_solved` is True for rises for which the run
+    itself solved the temperature-dependent friction; other rises are corrected after the run. The
+    error of a corrected rise is NaN if friction may grow without limit as the contact gets hotter.
     """
     if (parts := conditions.corrections) is None:
         return np.array(0.0)
@@ -272,12 +277,12 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """Indices of the two done points that each slot is interpolated between (r, 2 n + 1, 2).
+    """For each slot of each row: indices of the two done points to interpolate between.
 
-    `is_done` is the mask of done points (r, n) in r rows; `_slots` numbers the slots. A slot that
-    is a done point has this point twice. Other slots have the nearest done points on either side;
-    beyond the first or last one, the nearest two. In a row with a single done point all slots have
-    this point twice. In an empty row indices are -1.
+    `is_done` is the mask of done points (r, n) in r rows; `_slots` numbers the slots. The result
+    has the shape (r, 2 n + 1, 2). A slot that is a done point has this point twice. Other slots
+    have the nearest done points on either side; beyond the first or last one, the nearest two. In a
+    row with a single done point all slots have this point twice. In an empty row indices are -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]
@@ -341,7 +346,10 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
 
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(grid: RisePlane) -> float:
-    """Standard deviation of d ln(rise)/d ln(velocity) between neighbouring points of a surface."""
+    """Standard deviation of the slopes d ln(rise)/d ln(velocity) of the points in `grid`.
+
+    Slopes are between neighbouring velocities at the same load. Without any slope the result is 0.
+    """
     x, y = _logarithms(grid.velocities, grid.rises)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]

@@ -67,12 +67,12 @@ class Line:
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest computed velocity or load of each line; NaN if nothing is computed."""
+        """Lowest and highest computed velocity or load of each curve; NaN if none is computed."""
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property
     def outcome(self) -> Array:
-        """Code of the outcome of each line; `outcomes` has the texts of the codes."""
+        """Code of the outcome along each curve; `outcomes` has the texts of the codes."""
         count, (low, high) = np.isfinite(self.places).sum(axis=-1), self.computed
         is_first, is_last = low <= self.ends[0], high >= self.ends[1]
         turns_back = self.turns_back & (self.continued.count > 0)
@@ -96,7 +96,7 @@ class Line:
         return np.where(self.outcome == UNKNOWN, math.nan, place)
 
     def texts(self, along: str) -> Array:
-        """Outcome in words of each line, along ``"velocity"`` or ``"load"``."""
+        """Outcome in words of each curve, along ``"velocity"`` or ``"load"``."""
         ends, texts = self.computed, np.empty(self.outcome.shape, object)
         for line, code in np.ndenumerate(self.outcome):
             computed = [float(end[line]) for end in ends]
@@ -106,7 +106,11 @@ class Line:
 
     @property
     def _turns_severe(self) -> Mask:
-        """Mask of the changes `places`: True where wear turns severe, False where it turns mild."""
+        """True for each place in `Line.places` where wear turns from mild to severe.
+
+        The direction is that of rising velocity or load. Places of the opposite change, and those
+        that are NaN, are False.
+        """
         number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
         return np.asarray(np.isfinite(self.places) & (number % 2 == 1))
 
@@ -156,7 +160,10 @@ class Line:
 
     @property
     def transitions(self) -> Transitions:
-        """Outcome of each line, and where wear first turns severe."""
+        """Whether wear turns severe along each curve, and where it first does.
+
+        `Transitions.first` has these velocities [m/s] or loads [N].
+        """
         low, high = (np.where(self.outcome == UNKNOWN, math.nan, end) for end in self.computed)
         ends = np.fmin.reduce(low, axis=0), np.fmax.reduce(high, axis=0)
         alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))

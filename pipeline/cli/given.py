@@ -77,7 +77,11 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
 
 
 def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
-    """Load the command's scene, changed by the options for conditions and numerical choices."""
+    """Load the command's scene, changed by the options for conditions and numerical choices.
+
+    `store` is the store that the command will write, if any. If the store exists, --accuracy takes
+    its fidelity, and --measure its measured error.
+    """
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if "share" in conditions_in(options):

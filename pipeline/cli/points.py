@@ -45,7 +45,10 @@ def point(options: argparse.Namespace) -> Result:
 
 
 def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
-    """Simulate points and yield their records, `wanted` first; raise only if `wanted` fails."""
+    """Simulate the chosen points of a sweep, `wanted` first, and yield a record of each.
+
+    An error at `wanted` is raised. An error at another point is put in the record of that point.
+    """
     for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
             (result,) = run_points(sweep, (point,), progress=progress)

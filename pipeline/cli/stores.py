@@ -64,7 +64,10 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _listed(path: Path, name: str) -> list[object]:
-    """Row for a store in the table of stores in a folder, even if the store cannot be read."""
+    """Row of the table of stores for the store at `path`, which is shown as `name`.
+
+    If the store cannot be read, the row says why.
+    """
     try:
         store = opened(path)
         return _row(name, summary_of(store), store.sweep.preset)
@@ -74,7 +77,7 @@ def _listed(path: Path, name: str) -> list[object]:
 
 
 def _row(name: str, state: Summary, preset: str | None) -> list[object]:
-    """Row for a store in the table of stores: name, state, numbers of points, preset, title."""
+    """Row of the table of stores: name, state, numbers of points, preset, title of one store."""
     words = "running now, " * bool(state.running)
     words += "done" if state.done == state.total else _counts(state)
     counts = state.total, state.done, len(state.failed), state.pending

@@ -123,13 +123,14 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
 _INSIDE = 1e-4  # distance from a point, over the interval: at points the error is smaller
 
 
-def _refine_axis(points: Array, least: int) -> Array:
-    """Values along an axis, about `least` or more, between the loads or velocities `points`.
+def _refine_axis(points: Array, count: int) -> Array:
+    """Fine axis with at least `count` values, between the loads or velocities `points`.
 
-    The outermost values of each interval lie just beside its two points.
+    All intervals between two points have the same number of values. The outermost values of an
+    interval lie just beside its points.
     """
     begins, ends = points[:-1], points[1:]
-    inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(least / len(begins)))
+    inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(count / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 

@@ -30,10 +30,9 @@ def chosen_points(
 ) -> list[Spot]:
     """Indices (load, velocity) of the points that a figure shows.
 
-    They are nearest to all pairs of the user's loads and velocities.
-
-    By default the load is the highest with a computed point, and the velocity the nearest to the
-    transition under `conditions`.
+    There is one point for each pair of the wanted loads and velocities: the nearest one. By default
+    the load is the highest with a computed point, and the velocity the nearest to the transition
+    under `conditions`.
     """
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)

@@ -82,7 +82,10 @@ def ramp(
 
 
 def _stored_variable(data: Results, name: str) -> tuple[str, str]:
-    """Axis label and name of a variable that is stored at each step; raises for other names."""
+    """Axis label with unit, and the unchanged `name`, of a variable that is stored at each step.
+
+    Raises an `InputError` if no variable with this name is stored at each step.
+    """
     stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
