@@ -52,7 +52,7 @@ class Document(NamedTuple):
         return self.layers[0].file
 
     def entries(self) -> dict[str, Any]:
-        """The entries of all layers, merged."""
+        """Entries of all files in `layers`, merged; files that come earlier override later ones."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def default(self, entries: Mapping[str, Any]) -> Document:

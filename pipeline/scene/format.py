@@ -60,7 +60,10 @@ def one_or_two(kind: Kind) -> Either:
 
 
 def _with_extras(table: type, path: str) -> Any:
-    """Make a copy of the table at a path that has the ``ENTRIES`` of optional parts, too."""
+    """Copy `table`, the class of the scene table at `path`, and add the keys of optional parts.
+
+    An optional part lists its keys in ``ENTRIES`` of its module ``format``.
+    """
     listed = (brought.ENTRIES for brought in extras.modules("format"))
     others = (entries[path] for entries in listed if path in entries)
     return type(table.__name__.lstrip("_"), (*others, table), {})

@@ -104,10 +104,11 @@ def notes_on_first_values(table: Variants) -> Iterator[str]:
 
 
 def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
-    """Add variants to a sweep as its outer axis; `InputError` for the first faulty variant.
+    """Add the variants in `table` to a sweep, as its outer axis.
 
-    Each row of `table` is completed with values of the library and the SHA-256 of its files.
-    Messages name `key`, the entry that asks for these variants.
+    If a row names a material or oil of the library, the library's values are added to the row. If a
+    row names a file, the SHA-256 of this file is added. Raises an `InputError` for the first faulty
+    row. Its message names `key`, the entry of the scene that asks for these variants.
     """
     for path in table.rows[0].values:
         if path.partition(".")[0] in _FIXED:

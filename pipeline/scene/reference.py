@@ -24,7 +24,10 @@ from tribo import InputError
 
 
 class Section(NamedTuple):
-    """A table of the scene format: its path (empty for the top of the file), and its entry."""
+    """A table of the scene format: its path, and `entry`, the declaration of what it may contain.
+
+    The path of the top of the file is empty.
+    """
 
     path: str
     entry: Entry
@@ -89,7 +92,10 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
 
 
 def all_keys() -> Iterator[tuple[str, Entry]]:
-    """Path and entry of every key that holds a value; NAME is a name of the user's choice."""
+    """Yield the path and declaration of every key of the scene format that holds a value.
+
+    In a path such as "materials.NAME.density", NAME stands for any name that the user gives.
+    """
     for section in sections():
         for key, (entry, _) in section.keys().items():
             yield section.path_of(key), entry
@@ -243,10 +249,11 @@ def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Write a line of a scene file, then its meaning and `form` as a comment.
+    """Write a line of a scene file, followed by a comment: `meaning`, then `form`.
 
     `mark` stands before the line: "#" makes a comment of it, "" does not. A long meaning is cut
-    after a clause.
+    after a clause. `form` is text such as " (run by stages)" for a key that only one form of its
+    table has.
     """
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]

@@ -59,9 +59,10 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations of hold in the tests of a scene file [s], ascending, each once.
+    """Durations of hold in the tests of a scene [s], ascending, each once.
 
-    The result is empty if the file does not set ``sweep.samples``.
+    `scene` is a `SceneFile`: the tables of a scene file as objects. The result is empty if
+    ``sweep.samples`` is not set.
     """
     if not entry_at(scene, "sweep.samples"):
         return ()
@@ -69,7 +70,7 @@ def tested_holds(scene: Any) -> tuple[float, ...]:
 
 
 def tests_of(scene: Any) -> tuple[Any, ...]:
-    """Measured transitions and tests of a scene."""
+    """All measured transitions and tests of `scene`, a `SceneFile`."""
     return (*(scene.measured or ()), *(scene.tested or ()))
 
 

@@ -145,7 +145,11 @@ class Sheet:
         self.leave_out(reasons)
 
     def numbers(self, name: str) -> Array:
-        """Values of a quantity in SI (rows,), NaN for empty cells; faulty cells become faults."""
+        """Values (n_row,) of the quantity `name` in SI; NaN where a cell has no number.
+
+        A cell that is neither empty nor a number adds a message to the sheet's `faults`. Times of
+        day become seconds since the first row.
+        """
         place, unit, like = self.places[name], self.heading(name).unit, self.units[name] or ""
         zero, one = 0.0, 0.01 if unit == "%" else 1.0
         if like and unit:

@@ -53,7 +53,7 @@ def file_contents(sweep: Sweep) -> dict[str, Array]:
 
 
 def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
-    """Read a sweep from its JSON text alone; `SweepTextError` for any other text.
+    """Read a sweep from the JSON text of `sweep_text`; `SweepTextError` for any other text.
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """

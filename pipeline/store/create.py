@@ -61,7 +61,11 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
 
 
 def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
-    """Open a store whose lock is held, with room for a sweep's points. Errors: see `writing`."""
+    """Create or open a store, with room for a sweep's points. Errors: see `writing`.
+
+    `lock` is the store's lock, which this process must already hold. With None, later writes do
+    not check that the lock is still in its place.
+    """
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
@@ -73,7 +77,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
                 place.put({ROOT: before.documents()[ROOT]})
             _write_root(place, root)
     store = Store(place, root, lock)
-    store.ask(sweep)
+    store.mark_asked(sweep)
     return store
 
 

@@ -44,7 +44,7 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         descriptor = open_file(place.path, LOCK)
     try:
         with io_errors(place, "written"):
-            if not _is_flocked(place, descriptor):
+            if not _flock(place, descriptor):
                 progress(unlocked)
             name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):
@@ -62,11 +62,11 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
         os.close(descriptor)
 
 
-def _is_flocked(folder: Folder, descriptor: int) -> bool:
-    """Lock an open file, and return True; return False if the file system has no locks.
+def _flock(folder: Folder, descriptor: int) -> bool:
+    """Lock the open lock file of a store; return False if the file system has no locks, else True.
 
-    `descriptor` is that of the lock file in `folder`. Raises a `StoreError` if another run has the
-    lock.
+    `descriptor` is the file descriptor of the lock file, and `folder` is the store. Raises a
+    `StoreError` if another run has the lock.
     """
     for _ in range(_TRIES):
         try:

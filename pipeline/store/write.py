@@ -149,8 +149,8 @@ class Store:
         """Make points pending again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
-    def ask(self, sweep: Sweep) -> None:
-        """Write to the store which points the present run is to compute."""
+    def mark_asked(self, sweep: Sweep) -> None:
+        """Mark the points of `sweep` in the store as those that the present run is to compute."""
         wanted = np.zeros_like(self.asked)
         for point in points_of(sweep):
             wanted[self.index(point)] = 1

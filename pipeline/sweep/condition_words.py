@@ -11,7 +11,7 @@ from pipeline.sweep.conditions import PATHS, Conditions
 def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
     """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
 
-    For entries whose paths are in `drawn` the text is "of each sample".
+    Values of entries whose paths are in `drawn` are replaced by the words "of each sample".
     """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
@@ -25,7 +25,7 @@ def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
     """Say in one line when wear is severe under several conditions, without repeats.
 
-    For entries whose paths are in `drawn` the text is "of each sample".
+    Values of entries whose paths are in `drawn` are replaced by the words "of each sample".
     """
     each = [
         (
@@ -42,8 +42,8 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
 def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
     """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C".
 
-    `drawn` has the paths of entries that differ between samples. A critical temperature or share
-    among them is "of each sample".
+    `drawn` has the paths of entries that differ between samples. If they include the critical
+    temperature or the share, its value is replaced by the words "of each sample".
     """
     severe = conditions.decisive.severe
     if PATHS["share"] in drawn:

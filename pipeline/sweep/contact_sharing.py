@@ -24,9 +24,10 @@ class ContactSource(NamedTuple):
     places: tuple[float, float] | None = None  # own velocities of variant and source [m/s]
 
     def velocity_at(self, velocity: float) -> float | None:
-        """Velocity [m/s] at which the source has the contacts that the variant has at `velocity`.
+        """Convert `velocity` of the variant that reuses contacts to that of their source [m/s].
 
-        The result is None if the source has no point at this velocity.
+        At these two velocities both variants have the same contacts. The result is None if each
+        variant has only one velocity, and `velocity` is not that of the reusing variant.
         """
         if self.places:
             own, shared = self.places

@@ -34,10 +34,10 @@ class Measurement:
         return cls(**{"normal_load" if k == "load" else k: v for k, v in entry.items()} | names)
 
     def under_oil(self, oil: str | None) -> Measurement:
-        """Copy of the test for answers on `oil`, unchanged if this argument is None.
+        """Copy of the test for a scene with the oil named `oil`; the same test if `oil` is None.
 
-        The copy's `oil` is None if the test ran on the oil of the answers. Otherwise it is the name
-        of the oil on which the test ran.
+        The field `oil` of the copy is None if the test ran on the scene's oil. Otherwise the field
+        is the name of the oil on which the test ran.
         """
         if oil is None:
             return self

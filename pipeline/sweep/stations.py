@@ -24,9 +24,10 @@ class Stations:
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of the steps to a load [N] whose temperature is computed on the finest grid.
+        """Indices of steps at which to compute a temperature on the finest grid.
 
-        The step that reaches the load, and the last step, have a temperature in any case.
+        The steps are those of the loading up to `load` [N], and of its hold. The set may lack the
+        step that reaches the load and the last step: there a temperature is always computed.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]

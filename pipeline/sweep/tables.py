@@ -67,8 +67,9 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
     """Return tables with the entries at several paths replaced by `values`.
 
-    A new coefficient of friction also scales the friction by velocity and by temperature, unless
-    they are also in `values`.
+    If the coefficient of friction is replaced, the coefficients in the tables
+    ``friction.by_velocity`` and ``friction.by_temperature`` change in proportion. A table that is
+    itself in `values` is not scaled.
     """
     values = dict(values)
     old, new = entry_at(tables, FRICTION), values.get(FRICTION)

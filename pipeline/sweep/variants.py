@@ -132,11 +132,14 @@ class Variants:
 
     @property
     def given(self) -> tuple[Variant, ...]:
-        """Every combination of labels along the dimensions that the user chose, as names."""
+        """Names of the variants that the user chose: all combinations of the chosen labels.
+
+        A name is a tuple of (dimension, label) pairs. Dimensions of random draws are left out.
+        """
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
     def base(self, name: Variant) -> Variant:
-        """Name of the variant for which a row was drawn; its own name if it was not drawn."""
+        """Name of the variant of which row `name` is a sample; `name` itself without samples."""
         return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
 
     @cached_property
@@ -150,7 +153,7 @@ class Variants:
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
-        """Entries that a row replaces, by path.
+        """New values of the scene entries that the variant called `name` replaces, by path.
 
         If `name` lacks the labels of random draws, the result lacks the drawn entries.
         """
