@@ -51,8 +51,8 @@ def choose_accuracy(
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
     """Measure the error of the boundary velocity that the sweep's fidelity causes.
 
-    Returns the sweep with this error, as `selection`. The error is not measured anew if `store` has
-    it.
+    Returns a copy of the sweep whose field `selection` has this error. An error that `store`
+    already has is used instead of a new measurement.
     """
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)

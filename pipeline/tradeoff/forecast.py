@@ -188,9 +188,10 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _count_steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Count the steps to a load [N]: shared with higher loads, not shared, and heated.
+    """Count the steps of the loading up to a load [N], in three numbers.
 
-    Heated steps are those of the steps not shared whose temperature every simulation computes.
+    The first is the number of steps that are shared with higher loads, the second that of all other
+    steps. The third counts only those other steps at which a temperature is always computed.
     """
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))

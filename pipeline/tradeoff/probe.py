@@ -75,7 +75,11 @@ def _simulated_rise(
 
 
 def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """Make the elements of `fidelity` smaller until they divide the scene's pixels evenly."""
+    """Return `fidelity` with elements small enough to tile the scene's grid of pixels.
+
+    An element is a block of n × n pixels. Its n is lowered until n divides the numbers of pixels
+    along x and along y.
+    """
     nx, ny = sweep.scene.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
     return replace(fidelity, pixels_per_element=next(fits))

@@ -185,7 +185,10 @@ def trade(
 
 
 def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Relative cost of simulating the targets `places`: sum of steps × elements per pixel."""
+    """Cost of simulating the targets `places`, in steps on a grid of single-pixel elements.
+
+    A step with larger elements costs less, in proportion to the number of elements of its grid.
+    """
     scene = as_computed(with_fidelity(sweep, fidelity))
     before = sum(step_count(scene, place.load) - 1 for place in places)
     steps = before / scene.coarsening**2 + len(places)
@@ -212,10 +215,11 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Errors of the boundary velocity, against the reference, and processor time of a fidelity.
+    """Compare a fidelity with the reference: errors of the boundary velocity, and processor time.
 
-    `name` names the fidelity, and `measured` has its rises. `exponents` are d ln(rise)/d
-    ln(velocity) at each point.
+    `name` is the name of the fidelity, which is a set of numerical choices. `measured` has the
+    fidelity's rises at some points, and `reference` those of the reference. `exponents` are
+    d ln(rise)/d ln(velocity) at each point.
     """
     pairs = zip(measured.rises, reference.rises, exponents, strict=True)
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)

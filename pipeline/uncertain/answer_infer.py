@@ -87,10 +87,10 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 def _bounds_result(
     at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
 ) -> Result:
-    """Result with bounds of the critical temperature, from tests that stayed mild or turned severe.
+    """Result of ``irg infer`` for tests with an outcome: bounds of the critical temperature.
 
-    `at_tests` are the critical temperatures that simulations give for them, and `outcomes` their
-    outcomes.
+    `at_tests` has the simulated temperature at each test, and `outcomes` is "mild" or "severe" for
+    each test. `frame` is the table to print, with a row for each test.
     """
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
@@ -165,7 +165,10 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
 
 
 def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
-    """Sweep with a hold after the ramp to `load` [N], so that a test lasts `duration` [s]."""
+    """Sweep with a hold after the ramp to `load` [N], so that a test lasts `duration` [s].
+
+    If `duration` is None, the sweep is returned unchanged.
+    """
     if duration is None:
         return sweep
     if not isinstance(sweep.scene.loading, Ramp):

@@ -17,9 +17,9 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Draws of a sweep's own inputs, without the columns that belong to the rig.
+    """Return `draws` without the columns of inputs that belong to the test rig.
 
-    They are `draws`, by default draws of the prior.
+    If `draws` is None, the result is draws of the ensemble's prior.
     """
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)

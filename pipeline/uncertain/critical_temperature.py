@@ -163,9 +163,10 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Sweep whose measured transitions are the tests in its list `key`, of one oil only.
+    """Return the sweep with tests of a single oil, from its list `key`, as measured transitions.
 
-    The oil is the scene's own. If every test names an oil, it is the first in the alphabet.
+    `key` is "measured" or "tested". Tests that name no oil ran on the scene's oil, and are taken.
+    If every test names an oil, tests of the alphabetically first oil are taken.
     """
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)

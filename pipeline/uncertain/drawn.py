@@ -19,7 +19,7 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Read the rule by which samples were drawn from `draw`, the plain data of a `Draw`.
+    """Convert `draw`, the plain data of a `Draw`, to a `Sampling`: how samples were drawn.
 
     `Sampling.rows` leaves out correlations, since the samples do not depend on them. Units of the
     scene file, which are for display only, are left out everywhere.

@@ -57,12 +57,12 @@ _LEAST_SCORE = 1e-3  # least score, for outputs that are predicted exactly
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emulator:
-    """Gaussian process that predicts outputs from features, fitted to n rows of data.
+    """Gaussian process that predicts outputs of a simulation from features of its inputs.
 
-    `features` (n, n_feature) have a row for each sample, and `dimensions` (n_feature,) has the
-    number of the input that each feature belongs to. `constants` are logarithms of the kernel's
-    amplitudes a, b, c, s and n, then of a length ℓ for each input. Outputs have the shape (n,
-    n_output).
+    It was fitted to n samples, with `features` (n, n_feature) and outputs (n, n_output).
+    `dimensions` (n_feature,) has the number of the input that each feature belongs to. `constants`
+    are logarithms of the kernel's five amplitudes, in the order of the module's equation, then of
+    a length scale for each input.
     """
 
     features: Array  # (n, n_feature), with a spread of about 1
@@ -91,10 +91,11 @@ class Emulator:
 
 
 class LeftOut(NamedTuple):
-    """Result of cross-validation of an emulator: errors of samples predicted without them.
+    """Result of cross-validation of an emulator: its errors at samples left out of the fit.
 
-    All samples of a contact are left out at a time, then those at the lowest and at the highest
-    velocities. `held` is the share of samples inside their 90 % bands.
+    Samples with the same contact are left out together, one contact after the other. Then the
+    samples at the lowest velocities are left out, and those at the highest. `held` is the share of
+    samples inside their 90 % bands.
     """
 
     #: Covariance of the errors of outputs, over the predicted variance, (n_output, n_output). It is
@@ -210,7 +211,7 @@ def _kernel(
 
 
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
-    """Covariance (n, n) of training rows: smooth part, part that rows of a contact share, noise.
+    """Covariance (n, n) of training rows: smooth part, random effect of each contact, and noise.
 
     `smooth` is the smooth part, from `_kernel`. `contacts` has the number of the contact of each
     row. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.

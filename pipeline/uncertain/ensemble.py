@@ -259,10 +259,12 @@ class Ensemble:
         critical: float | Array | None = None,
         was_measured: bool = False,
     ) -> Array:
-        """ln(limit of the rise [K]) for n draws (n,), at a friction coefficient of 1.
+        """ln((critical − bulk temperature)/friction [K]) for each draw, shape (n,).
 
-        `friction`, `bulk` [K] and `critical` [K] replace the values of the draws. A friction that
-        `was_measured` already includes the effect of temperature.
+        This is the logarithm of the highest rise per unit of friction at which wear stays mild.
+        `draws` (n, n_unknown) are values of the unknown inputs [SI]. `friction`, `bulk` [K] and
+        `critical` [K] replace the values of the draws, if given. A friction that `was_measured`
+        already includes the effect of temperature.
         """
         frictions = self.values(FRICTION, draws) if friction is None else friction
         bulks = self.values(BULK, draws) if bulk is None else bulk
