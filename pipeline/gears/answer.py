@@ -44,7 +44,7 @@ _WIDE = (
 
 
 def gears(options: argparse.Namespace) -> Result:
-    """Answer ``irg gears``: contact along a gear mesh, its scene, FZG's test or a spectrum."""
+    """Answer ``irg gears``: contact along a gear mesh, its scene, FZG's test or a duty spectrum."""
     pair = read_pair(options.pair, settings_in(options))
     if options.critical_temperature is not None:
         pair = pair.with_critical(options.critical_temperature, pair.file.temperature.critical_sd)

@@ -182,12 +182,13 @@ def load_share(gears: Involutes, position: float, quality: int) -> float:
 
 
 def buttressing(gears: Involutes, position: float) -> float:
-    """Factor on the load near both ends of the path, where helical teeth are stiffer.
+    """Factor on the load near both ends of the path of contact, where helical teeth are stiffer.
 
-    The `position` on the path is counted from the pitch point [m]. The factor is 1 + 0.3 εβ at A
-    and E, with the overlap ratio εβ; 1.3 if εβ is above 1. From there it falls linearly to 1,
-    within 0.2 sin βb times the distance from the pinion's base point to the pitch point (ISO/TR
-    13989-1:2000, Eqs. 49 to 56, as cited by another program). The load elsewhere is not reduced,
+    `position` is the distance along the path from the pitch point [m]. At the ends A and E the
+    factor is 1 + 0.3 εβ, with the overlap ratio εβ, or 1.3 if εβ is above 1. The factor falls
+    linearly to 1 over a length of 0.2 l sin βb from each end. Here βb is the base helix angle, and
+    l the distance from the pitch point to the tangent point on the pinion's base circle (ISO/TR
+    13989-1:2000, Eqs. 49 to 56, quoted from a secondary source). The load elsewhere is not reduced,
     which is on the safe side.
 
     Examples

@@ -49,8 +49,9 @@ def rig_pair(pair: Pair) -> Pair:
 def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame:
     """Critical temperature of an oil that fails in a load stage of FZG's test, by simulation.
 
-    It lies between the highest temperatures in the last stage passed and in the failed stage. It
-    holds only for this model, with the same friction and bulk temperature.
+    The critical temperature lies between the highest contact temperatures in the last stage passed
+    and in the failed stage. The value holds only for this model, with the same friction and bulk
+    temperature.
 
     Parameters
     ----------
@@ -64,9 +65,12 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     Returns
     -------
     DataFrame
-        One row: the value, midway between both stages; its standard deviation, from a uniform
-        distribution between both and the simulation's error; the temperatures in both stages; and
-        the scuffing integral temperature of ISO/TR 13989-2, Eq. 94, for use with that report only.
+        One row with these columns. ``critical temperature [°C]`` is midway between the highest
+        temperatures in both stages. ``standard deviation [K]`` combines a uniform distribution
+        between them with the simulation's error. ``hottest place, last stage passed [°C]`` and
+        ``hottest place, failed stage [°C]`` are the temperatures themselves. ``scuffing integral
+        temperature [°C]`` of ISO/TR 13989-2, Eq. 94, is for use with that report only; it is
+        missing without an oil.
 
     Raises
     ------

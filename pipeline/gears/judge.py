@@ -40,9 +40,9 @@ def judge(
     workers: int | None = None,
     progress: Report = silent,
 ) -> pd.DataFrame:
-    """Simulate the places of each mesh that may be the worst, and return the worst verdict.
+    """Simulate each mesh at the places that may be the worst, and return its worst verdict.
 
-    A mesh is severe without a simulation if its bulk temperature is above the critical one.
+    A mesh whose bulk temperature is above the critical temperature is severe, and not simulated.
 
     Parameters
     ----------
@@ -106,9 +106,10 @@ def _worst_margins(meshes: Sequence[Mesh], *choices: Any) -> list[Mapping[str, A
 
 
 def worst_row(table: pd.DataFrame) -> pd.Series[Any]:
-    """Row with the worst verdict in a `table` of `judge`.
+    """Row with the worst verdict in a `table` of `judge`: severe, else not decided, else mild.
 
-    Of equal verdicts it is the most probable, then the hottest one.
+    Of rows with equal verdicts, it is the one with the highest probability of severe wear. If these
+    are equal too, it is the hottest.
     """
     temperatures = table["decisive temperature [°C]"].astype(float).fillna(math.inf)
     keys = zip(map(_WORSE.index, table["verdict"]), table["probability"], temperatures, strict=True)

@@ -27,7 +27,7 @@ _RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
 
 @dataclass(frozen=True, slots=True)
 class Duty:
-    """Duty of a pair of gears: torque and speed of the pinion, temperature, and load factor."""
+    """Duty of a gear pair: pinion torque and speed, bulk temperature of the teeth, load factor."""
 
     torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].

@@ -26,14 +26,14 @@ _ROUNDS = 10  # iterations; friction and bulk temperature converge within 1e-9 K
 
 @dataclass(frozen=True, slots=True)
 class Integral:
-    """Integral temperatures by ISO/TR 13989-2 [K], and the coefficient of friction used.
+    """Integral temperature of a pair by ISO/TR 13989-2 [K], and the values that it follows from.
 
-    `tip_flash` is the flash temperature if the pinion's tip carried the whole load, and
-    `mean_flash` the mean along the path; both are rises.
+    `friction` is the mean coefficient of friction. `tip_flash` is the rise above the bulk [K] at
+    the pinion's tip under the whole load. `mean_flash` is the mean rise along the path of contact.
     """
 
     friction: float  #: Mean coefficient of friction, Eq. (1).
-    tip_flash: float  #: Flash temperature if the pinion's tip carried the whole load, Eq. (19).
+    tip_flash: float  #: Flash temperature at the pinion's tip under the whole load, Eq. (19).
     mean_flash: float  #: Mean flash temperature along the path of contact, Eq. (18).
     integral: float  #: Integral temperature: bulk + 1.5 × mean flash, Eq. (17).
 
@@ -157,7 +157,7 @@ def integral_temperature(pair: Pair, duty: Duty) -> Integral:
         friction * heat * geometry * angle * load**0.75 * math.sqrt(_line_velocity(pair, duty))
         / (1e3 * a) ** 0.25 / (approach * relief)
     )  # fmt: skip
-    mean = at_tip * _path_mean(eps1, eps2)
+    mean = at_tip * _contact_ratio_factor(eps1, eps2)
     return Integral(friction, at_tip, mean, duty.bulk + _WEIGHT * mean)
 
 
@@ -231,11 +231,12 @@ def _helical_load(ratio: float) -> float:
     return 1 + 0.2 * math.sqrt((ratio - 2) * (5 - ratio)) if ratio < 3.5 else 1.3
 
 
-def _path_mean(eps1: float, eps2: float) -> float:
-    """Contact ratio factor Xε of ISO/TR 13989-2, for the mean flash temperature along the path.
+def _contact_ratio_factor(eps1: float, eps2: float) -> float:
+    """Contact ratio factor Xε of ISO/TR 13989-2, Eqs. (39) to (44).
 
-    It is this mean, divided by the flash temperature if the pinion's tip carried the whole load.
-    `eps1` and `eps2` are the parts of the contact ratio of pinion and wheel; Eqs. (39) to (44).
+    Xε is the mean flash temperature along the path of contact, over the flash temperature at the
+    pinion's tip under the whole load. `eps1` and `eps2` are the addendum contact ratios of pinion
+    and wheel, whose sum is the transverse contact ratio.
     """
     total, long, short = eps1 + eps2, max(eps1, eps2), min(eps1, eps2)
     if total < 2 and long < 1:
