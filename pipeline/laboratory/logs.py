@@ -131,7 +131,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         ends = [sheet.places[name] for name in ("mild_up_to", "severe_at") if name in sheet.places]
         no_end = [row.number for row in sheet.rows if not any(row.cells[k] for k in ends)]
         sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
-    _leave_out_repeats(sheet)
+    _leave_out_copies(sheet)
     if export.stages and row_class is Test and "run" not in sheet.places:
         _number_runs(sheet, log.words)
     log.tests, log.in_si = sheet.entries(row_class, log.words, MAY_LACK)
@@ -178,11 +178,12 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
         sheet.require(["outcome"])
 
 
-def _leave_out_repeats(sheet: Sheet) -> None:
+def _leave_out_copies(sheet: Sheet) -> None:
     """Leave out rows that are copies of earlier rows.
 
-    A copy has the same cells throughout, and among them a number or another cell that repeated
-    tests would not share. Other equal rows are repeated tests, and are kept.
+    A copy equals an earlier row in every cell, and one of these cells, such as the test's number,
+    would differ if the test had been repeated. Equal rows without such a cell are repeated tests,
+    and are kept.
     """
     used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
     distinguishing = {

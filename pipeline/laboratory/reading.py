@@ -122,7 +122,9 @@ def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault to a sheet if columns `needed` are missing, with options that supply them.
+    """Add a fault to a sheet if columns `needed` are missing.
+
+    The fault is a message that names the options by which a user supplies the missing columns.
 
     Rows in which a `needed` quantity is empty, or a quantity of `moving` is 0, are removed from the
     sheet.
@@ -136,9 +138,10 @@ def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> 
 
 
 def add_hints(sheet: Sheet) -> None:
-    """Add to faults the options by which a user resolves them: missing units, unknown outcomes.
+    """Add hints to faults on missing units and unknown outcomes: the option that resolves each.
 
-    An outcome is unknown if the word in its column is not known to mean mild or severe.
+    The faults are messages of the `sheet`, and are changed in place. An outcome is unknown if the
+    word in its column is not known to mean mild or severe.
     """
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
@@ -188,9 +191,11 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
 
 
 def _read_levels(sheet: Sheet, step: str) -> None:
-    """Read the last mild and the first severe level of stepwise tests, with cells such as "> 12".
+    """Turn the last mild and first severe levels of stepwise tests in a sheet into numbers.
 
-    If a row has only one of the two levels, the other level is `step` away.
+    A cell such as "> 12" means that level 12 was still mild, and that no level was severe. If the
+    sheet has a column for only one of the two levels, the other level is one step of load away.
+    `step` is this step as text, such as "100 N"; empty if it is not known.
     """
     beyond = {name: _read_more_than(sheet, name) for name in ("failed_stage", *_ENDS)}
     place = sheet.places.get("failed_stage", 0)

@@ -45,7 +45,10 @@ class Likeness(NamedTuple):
 
     @property
     def is_like(self) -> bool:
-        """True if the scan is off the mean by at most 15 %, or twice the scatter if larger."""
+        """True if the scan's value and the mean over the random surfaces are close.
+
+        Both differ by at most 15 % of the mean, or twice the scatter if that is larger.
+        """
         reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
         return abs(self.scan - self.mean) <= reach
 
@@ -83,7 +86,10 @@ class SurfaceStatistics:
 
     @property
     def toml(self) -> str:
-        """Scene lines ``[disk.roughness]`` for random surfaces like the scan; else empty."""
+        """Table ``[disk.roughness]`` of a scene, as text, for random surfaces like the scan.
+
+        The text is empty if random surfaces cannot replace the scan.
+        """
         if self.fit is None or not self.is_like:
             return ""
         lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
@@ -186,7 +192,7 @@ def surface_statistics(
     pixel_size: Sequence[float | str] | None = None,
     transpose: bool = False,
 ) -> SurfaceStatistics:
-    """Find the roughness of a scan by ISO 25178, and random surfaces like the scan.
+    """Measure the roughness of a scan by ISO 25178, and fit the spectrum of random surfaces to it.
 
     Parameters
     ----------
@@ -201,6 +207,12 @@ def surface_statistics(
         unit. They replace the sizes in the file.
     transpose : bool
         Exchange x and y of the file.
+
+    Returns
+    -------
+    SurfaceStatistics
+        Roughness of the scan, the fit, and whether random surfaces with the fitted spectrum can
+        replace the scan. If they can, ``toml`` has their entries for a scene.
 
     Raises
     ------

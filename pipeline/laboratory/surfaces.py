@@ -100,7 +100,10 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
 
 
 def _read_array(path: Path) -> Array:
-    """Heights (nx, ny) from a two-dimensional .npy array, transposed."""
+    """Read heights (nx, ny) from a .npy file whose array has the shape (ny, nx).
+
+    Heights are in the file's unit, which such a file does not state.
+    """
     try:
         with path.open("rb") as file:
             array = np.lib.format.read_array(file, allow_pickle=False)
@@ -118,7 +121,7 @@ def _read_array(path: Path) -> Array:
 def _remove_outliers(heights: Array, unit: float) -> list[str]:
     """Turn isolated outliers such as −9999 into holes, in place; return a note on each value.
 
-    Notes state values in the file's `unit` of height [m].
+    `heights` are in m. Notes state values in the file's unit of height, whose length is `unit` [m].
     """
     notes = list[str]()
     values = heights[np.isfinite(heights)]
@@ -151,7 +154,7 @@ def _refuse_profile(path: Path, heights: Array) -> None:
 def oriented(
     surface: MeasuredSurface, transpose: bool = False, flip: bool = False
 ) -> MeasuredSurface:
-    """Exchange x and y of a surface (`transpose`), then reverse its heights (`flip`)."""
+    """Exchange x and y of a surface if `transpose`; change the sign of its heights if `flip`."""
     heights, sides = surface.heights, surface.pixel_size
     if transpose:
         heights, sides = heights.T, sides and (sides[1], sides[0])
@@ -168,7 +171,10 @@ def form_words(radii: tuple[float, float]) -> str:
 
 
 def filled(heights: Array) -> Array:
-    """Fill holes in heights [m] by the harmonic function that continues the edges of holes."""
+    """Copy heights (nx, ny) [m], and fill holes, which are NaN, by Laplace's equation.
+
+    Each filled height is the mean of its neighbours. Raises an `InputError` if all are missing.
+    """
     from scipy import sparse  # takes 0.1 s, and few surfaces have holes
     from scipy.sparse.linalg import spsolve
 

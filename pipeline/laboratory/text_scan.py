@@ -176,7 +176,7 @@ def _number(cell: str) -> float | None:
 
 
 def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
-    """Lengths that the lines `head` of a header state [m]: sizes by name, and units of columns.
+    """Read lengths [m] from `head`, the lines of a header: sizes by name, and units of columns.
 
     Sizes are "width" and "height" of the surface, "x step" and "y step" of its pixels, and "unit",
     the unit of heights. Units of columns have the keys "x", "y" and "z".

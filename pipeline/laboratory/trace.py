@@ -93,10 +93,10 @@ class Trace:
             is_first = last is None
             slowest = (1 - _APART) * (last.velocity or 0) if last else 0
             is_slower = (stage.velocity or 0) < slowest
-            before = math.inf if is_first or is_slower else end
-            skipped = max(2, math.ceil(_START * len(friction))) if before == math.inf else 0
-            start = end if is_slower else math.inf
-            rises = _rises(friction, before, skipped, start, _STANDARD_DEVIATIONS * noise)
+            previous = math.inf if is_first or is_slower else end
+            skipped = max(2, math.ceil(_START * len(friction))) if previous == math.inf else 0
+            faster = end if is_slower else math.inf
+            rises = _rises(friction, previous, skipped, faster, _STANDARD_DEVIATIONS * noise)
             for row, low, high, why in rises:
                 reason = f"{why} with a lower speed" if why == "begins" and is_slower else why
                 reason = f"{why} the first stage" if why == "begins" and is_first else reason
@@ -158,7 +158,7 @@ class Trace:
         mild = [one for one in mild if _span(self.time, one.rows) >= _SHORT * longest] or mild[-1:]
         # The hardest stage represents a mild run.
         last = stages[-1] if severe else max(mild, key=lambda x: (x.load or 1) * (x.velocity or 1))
-        common = self._shared_values(last.rows, severe)
+        common = self._median_entries(last.rows, severe)
         if last.is_ramp:
             row = severe.row if severe else last.rows.stop - 1
             place = {name: getattr(self, name) for name in _COMMANDS}
@@ -180,16 +180,17 @@ class Trace:
             return [run | _place_as_text(last._asdict(), without=name) | common]
         return [
             _place_as_text(one._asdict())
-            | self._shared_values(one.rows, severe if outcome == "severe" else None)
+            | self._median_entries(one.rows, severe if outcome == "severe" else None)
             | {"outcome": outcome, "run": 1}
             for one, outcome in outcomes
         ]
 
-    def _shared_values(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Median friction of a stage, and median bulk temperature since the beginning of the trace.
+    def _median_entries(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
+        """Medians of a trace as a test's entries, by name: friction, and bulk temperature if known.
 
-        Both end at scuffing if it occurs. They are by name, as entries of a test. `rows` are those
-        of the stage, and `severe` is the rise of friction that counts as scuffing.
+        Friction is the median over a stage with the given `rows`. Bulk temperature, text with a
+        unit, is the median from the beginning of the trace to the end of the stage. If the stage
+        scuffs, `severe` is that rise of friction, and the rows after it are not used.
         """
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
@@ -350,24 +351,25 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 
 
 def _rises(
-    friction: Array, before: float, skipped: int, start: float, scatter: float
+    friction: Array, previous: float, skipped: int, previous_faster: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Yield rises of friction in a stage: row, level before, level after, reason against scuffing.
+    """Yield rises of friction in a stage: row, level before, level after, why it is not scuffing.
 
-    The reason is empty if the rise counts as scuffing. The level before is the lowest friction so
-    far. A rise exceeds it by more than a fixed share plus `scatter`.
+    The reason is empty if the rise is scuffing. `friction` (n,) is smoothed, a value for each row
+    of the stage. The level before is the lowest friction so far, and the level after is higher by
+    at least a fixed share plus `scatter`.
 
-    `friction` is smoothed, with a value for each row of the stage. `before` is friction at the end
-    of the previous stage, infinite if it is not comparable. In the first `skipped` rows friction
-    still settles. They have at most one rise, with the reason "begins". The level before this rise
-    is their lowest friction, or `start`, the friction before the stage, if `start` is lower.
+    `previous` is friction at the end of the previous stage, and the level before the first row. It
+    is infinite if that stage was faster, or if there is none. `previous_faster` is friction at the
+    end of a faster previous stage, else infinite. In the first `skipped` rows friction still
+    settles, so that a rise there has the reason "begins".
     """
     own = friction[skipped:]
-    first = before if math.isfinite(before) else own[0]
+    first = previous if math.isfinite(previous) else own[0]
     lowest = np.minimum.accumulate(np.concatenate([[first], own]))[:-1]
     least = np.minimum.accumulate(own[::-1])[::-1]
     limit = lowest * (1 + _LEAST_RISE) + scatter
-    start = min(float(friction[: skipped + 1].min()), start)
+    start = min(float(friction[: skipped + 1].min()), previous_faster)
     if skipped and own[0] > start * (1 + _LEAST_RISE) + scatter:
         yield 0, start, float(own[0]), "begins"
     row = 0
