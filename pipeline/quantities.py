@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 
 
 class Dimension(NamedTuple):
-    """A dimension: its name, its limits in a scene, and its units by size, the SI unit first."""
+    """A physical dimension: its name, the lowest and highest value in a scene, and its units.
+
+    `units` maps each unit to its size in SI, as decimal text. The SI unit stands first.
+    """
 
     name: str
     limits: tuple[str, str]

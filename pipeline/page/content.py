@@ -263,7 +263,7 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
     fine_loads = divided(loads, by_load)
-    heat, nodes = heat_along(rises, loads, velocities, by_velocity, conditions)
+    heat, nodes = rises_on_finer_grid(rises, loads, velocities, by_velocity, conditions)
     first = int(np.searchsorted(nodes, velocities[0]))
     state = states(done, (by_load, by_velocity), np.arange(len(nodes)) - first)
     plane = along(heat, loads, fine_loads, -4)
@@ -420,18 +420,18 @@ def along(values: Array, x: Array, places: Array, axis: int, continued: bool = F
     return np.moveaxis(fine, -1, axis)
 
 
-def heat_along(
+def rises_on_finer_grid(
     rises: Array, loads: Array, velocities: Array, parts: int, conditions: Conditions
 ) -> tuple[Array, Array]:
-    """Rises on a finer grid of velocities [K], and the velocities of this grid [m/s].
+    """Interpolate rises to a finer grid of velocities; return rises [K] and velocities [m/s] there.
 
-    The rises returned are divided by the factor by which velocity changes friction. `rises` are
-    known at the sweep's points [K] (..., load, velocity, bulk ratio, share).
+    `rises` are those of the sweep's points [K] (..., load, velocity, bulk ratio, failing share),
+    NaN where unknown. The rises returned are divided by the factor by which velocity changes
+    friction.
 
-    Each interval of velocities is divided into `parts`. The outermost velocities are far outside
-    the sweep. Outside the points of a load, rises are extrapolated by a power law of the velocity.
-    At a load with a single point they are estimated by `filled`. Where `filled` has no estimate,
-    rises at this load are NaN except at the point.
+    The grid divides each interval between `velocities` [m/s] into `parts`, and reaches far beyond
+    them. Outside the points of a load, rises follow a power law of velocity. If a load has a single
+    point, its rises are estimated from other loads, or are NaN except at the point.
     """
     fine, factor = divided(velocities, parts), conditions.friction_factor
     stated = np.array([place for place, _ in conditions.friction_law.by_velocity], dtype=float)

@@ -104,7 +104,11 @@ def _select(name: str, options: Mapping[str, str]) -> str:
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
-    """Control of a temperature [K] with a `label`; its slider extends at least to `high` [°C]."""
+    """Control of a temperature, shown in °C; `value` is the scene's [K], None if it has none.
+
+    The slider contains 0 °C, `high` [°C] and `value`. `limits` are the fields `least`, `most` and
+    `fault` of `Control`: the range allowed [K], and the message on a value outside.
+    """
     degrees = None if value is None else shown_in(value, "°C")
     low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
     high = high if degrees is None else max(high, math.ceil(1.5 * degrees))

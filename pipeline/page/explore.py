@@ -67,14 +67,20 @@ def explore(
     most_fields: int = MOST_FIELDS,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
 ) -> Page:
-    """Write a page on which friction, temperatures and failing share can be changed.
+    """Write the results of a sweep as an interactive HTML page.
 
-    The page is a single file that opens in any current browser, without a server. It begins with
-    the answer. The boundary, the band over several surfaces and the tables change with the
-    conditions that the reader sets. For each point it shows numbers, fields and the distribution of
-    temperature over the contact. For samples the page shows the probability of severe wear at any
-    load and velocity. For rows with their own load and velocity it shows their margins. If entries
-    have several values, the reader selects a scene. Printed on A4 or to PDF, the page is a report.
+    The page is a single file that opens in any current browser, without a server. Printed on A4 or
+    to PDF, it is a report. Its content depends on the sweep:
+
+    - For a grid of loads and velocities the page shows the boundary with its band over several
+      surfaces. The reader can change friction, temperatures, and the share of the contact that is
+      above the critical temperature when wear turns severe. For each point the page also shows
+      numbers, fields and the distribution of temperature over the contact.
+    - For samples of uncertain entries the page shows the probability of severe wear at any load and
+      velocity.
+    - For single pairs of load and velocity the page shows the margin of each pair.
+
+    If entries have several values, the reader selects a scene.
 
     Parameters
     ----------
@@ -181,7 +187,7 @@ def _plane(scene: Results, most_fields: int) -> _Main:
     return _Main(_filled("plane.html", values), held)
 
 
-def _samples(scene: Results, _: int) -> _Main:
+def _samples(scene: Results, _most_fields: int) -> _Main:
     """Main part of the page for samples: diagram and table of the probability of severe wear."""
     table = boundary_frame(boundary(scene))
     values = {
@@ -192,10 +198,10 @@ def _samples(scene: Results, _: int) -> _Main:
     return _Main(_filled("samples.html", values), content_of_samples(scene))
 
 
-def _places(held: Results, _: int) -> _Main:
-    """Main part of the page for rows that have their own load and velocity: a figure."""
+def _places(data: Results, _most_fields: int) -> _Main:
+    """Main part of the page for single pairs of load and velocity: a figure of their margins."""
     with fitted(0.17, plain=True):
-        drawn = svg_of(diagram(held))
+        drawn = svg_of(diagram(data))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
     return _Main(f'<img alt="margins by row" src="{source}">', {"fields": {"points": {}}})
 

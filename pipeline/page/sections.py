@@ -98,7 +98,11 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
 
 
 def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
-    """Table and notes on tests compared with the model at their own conditions; else empty."""
+    """Compare laboratory tests with the model: how many agree, a table, and notes.
+
+    Each test is compared at its own friction and bulk temperature. The result is empty if there are
+    no tests, or if the sweep's points are not a grid of loads and velocities.
+    """
     table = compared(data)
     return () if table is None else test_parts(table)
 

@@ -51,9 +51,9 @@ class _Root(NamedTuple):
 class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
 
-    `scale` times a velocity is the velocity at which another variant has the same contacts, so that
-    these are reused. The search rounds the other variant's velocities to six digits. `scale` is 1
-    if no contacts are reused.
+    The contact solutions at a velocity v may be those of another variant of the scene at velocity
+    `scale` × v. Without such reuse `scale` is 1. The search chooses v so that `scale` × v has six
+    digits.
     """
 
     loads: Sequence[float]

@@ -183,9 +183,9 @@ class Range(Kind):
 class Either(Kind):
     """Kind of scene entry that allows several kinds of value.
 
-    A value is read by the first kind, unless another fits the value better. If the kinds are
-    tables, only those keys of the value count that the first table lacks. The table that has most
-    of these keys fits best.
+    If the first kind is not a table, a value is read by the first of the other kinds that accepts
+    its Python type. If the first kind is a table, keys that are unknown to it decide: the value is
+    read by the table that has most of them. In all other cases a value is read by the first kind.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
