@@ -177,7 +177,10 @@ class Ramp:
             begin = end
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations of the shared ramp (trunk), then one at `normal_load` [N]; see `increment`."""
+        """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one at that load.
+
+        `increments` is the number of steps in which the ramp reaches its `reference_load`.
+        """
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):

@@ -176,7 +176,7 @@ class Convolution:
         return single
 
     def faster_precision(self, influence: float) -> Self:
-        """Return a copy in single precision, or this map if that is slower or impossible.
+        """Return a copy in single precision, or `self` if that is slower or impossible.
 
         Single precision is slower on small grids. `influence` is the effect of an element on
         itself; single precision is impossible if this effect is too large or too small.
@@ -222,14 +222,17 @@ class Convolution:
         return self._replace_grid(grid, np.fft.fft(kernel, axis=0))
 
     def _replace_grid(self, grid: Grid, modes: Spectrum) -> Self:
-        """Return a copy with another grid and `modes` as spectrum, in the precision of this map."""
+        """Return a copy with another grid, and with `modes` as its spectrum.
+
+        `modes` are converted to the data type of this convolution's own spectrum.
+        """
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)
         return changed
 
     def __add__(self, other: Convolution) -> Convolution:
-        """Return the map whose result is the sum of the results of both maps."""
+        """Return the convolution whose result is the sum of the results of both convolutions."""
         return Convolution(self.grid, self.spectrum + other.spectrum)
 
 

@@ -69,11 +69,13 @@ class Cache(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """Map from pressure to elastic displacement (`solid`), and the bodies' undeformed separation.
+    """Elastic response and undeformed separation of the pin and the disk.
 
-    Both are the same at all steps of a loading. `heights` and `elastic_sum` serve to estimate the
-    imprints that the disk's roughness wears into the pin. `elastic_sum` adds up z·u over all
-    elements, where z is the height and u the displacement under a pressure of z times 1 Pa/m.
+    `solid` maps pressure to elastic displacement. `heights` are the disk's heights on the elements,
+    above their mean; None if neither shifts of the disk nor imprints are computed. An imprint is
+    what the disk's roughness wears into the pin. Its depth is estimated from `heights` and
+    `elastic_sum`, the sum of z·u over all elements. Here z is an element's height, and u its
+    displacement under a pressure of z times 1 Pa/m on each element.
     """
 
     solid: ElasticHalfSpace
@@ -102,7 +104,7 @@ def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
-    """Elastic map and undeformed separation of a scene on the scene's own grid; cached."""
+    """Elastic response and undeformed separation of a scene's bodies, on its grid; cached."""
     return _bodies.get(scene, lambda: _elastic_bodies(scene))
 
 

@@ -153,18 +153,18 @@ def _at_position(scene: Scene, state: State, frictions: _Frictions, added: float
     tolerance = min(scene.fidelity.heat_tolerance, _TOLERANCE)
     heat = friction_heat(scene, state, frictions.velocity).take(nodes)
 
-    def rise_by(flux: Array, whole: Array) -> Array:
-        """Rise of the touching elements due to a flux of heat into the contact [K].
+    def rise_by(flux: Array, total: Array) -> Array:
+        """Temperature rise [K] of each touching element due to the friction heat `flux` [W/m²].
 
-        The partition of heat is solved to a tolerance that is looser, the smaller `flux` is
-        compared with the `whole` flux.
+        `flux` may be a small part of the contact's friction heat, `total` [W/m²]. The smaller this
+        part is, the looser is the tolerance of the heat partition.
         """
         size = float(np.linalg.norm(flux))
         if not size:
             return np.zeros(nodes.size)
         field = np.zeros(contact.shape)
         field.reshape(-1)[nodes] = flux
-        share = min(tolerance * float(np.linalg.norm(whole)) / size, _LOOSEST)
+        share = min(tolerance * float(np.linalg.norm(total)) / size, _LOOSEST)
         method = scene.fidelity.partition
         split = partition_heat(pin, disk, field, contact, method, max(share, tolerance))
         evenly = added * float(flux.sum()) / float(heat.sum())
@@ -211,8 +211,8 @@ def _solve_rise(
     """Iterate to the rise of each element [K]; return rise, outcome and number of iterations.
 
     `heat` is the elements' friction heat at friction 1 [W/m²]. Each iteration adds the rise due to
-    the change of the heat since the last iteration. ``rise_by(change, whole)`` returns this rise
-    [K], to a tolerance relative to ``whole``, the present heat.
+    the change of the heat since the last iteration. ``rise_by(change, total)`` returns this rise
+    [K], to a tolerance relative to ``total``, the present heat.
     """
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)

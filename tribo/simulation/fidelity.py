@@ -36,8 +36,9 @@ class Fidelity:
         If fewer summits are expected to touch, elements are single pixels. Used only if
         `elements_per_summit` is above 0.
     fewest_elements : int
-        Least number of elements that are expected to touch in steps before the last, which limits
-        the size of their elements. Used only if `elements_per_summit` is above 0.
+        Least number of elements that are expected to touch. Elements are made small enough for
+        this, down to the pixels, also in steps before the last. Used only if `elements_per_summit`
+        is above 0.
     increments : int
         Steps of the ramp up to its reference load. If a scene gives it, it also replaces the
         preset's `hold_increments` and `imprint`.

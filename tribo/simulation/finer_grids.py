@@ -56,7 +56,11 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
 
 
 def _solve_on_finest(scene: Scene, after: State) -> State:
-    """Solve the contact on the finest grid, with the unshifted disk and the wear of `after`."""
+    """Return `after`, a state on a coarser grid, with its contact solved on the grid of `scene`.
+
+    The wear depth of `after` is interpolated, without further wear. The disk is at its initial
+    position.
+    """
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
     wear_depth = _interpolate(after.wear_depth, scene.grid.shape)

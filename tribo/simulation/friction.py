@@ -220,14 +220,14 @@ class Friction:
 
 @dataclass(frozen=True, slots=True)
 class SolvedFriction:
-    """What is needed to solve temperature-dependent friction together with the temperature.
+    """Input for solving friction and contact temperature together, where each affects the other.
 
-    The module `coupled_friction` finds the solution.
+    The solver is `tribo.simulation.coupled_friction.coupled_heat`.
 
     Attributes
     ----------
     law : Friction
-        Friction by velocity and temperature.
+        Coefficient of friction as a function of velocity and temperature.
     bulk_temperature : float
         Temperature of both bodies far from the contact [K].
     criterion : str

@@ -156,9 +156,10 @@ def solve_pass(
 ) -> tuple[ContactSolution, Array]:
     """Solve one of the contacts of a step; return the solution and elastic displacement [m].
 
-    `contact_pass` has the load and the shift of the disk. `wear_depth` [m] is the wear of the pin
-    so far; with `wear` it grows by the pressure that is sought. `guess` is a pressure [Pa] to start
-    from; by default it is extrapolated from `state` and the state before.
+    `contact_pass` has the load, and the shift of the disk. The pin is already worn by `wear_depth`
+    [m]. If `wear` is not None, the pressure that is sought wears the pin, too. The solver starts
+    from the pressure `guess` [Pa], or from an extrapolation of the pressures of `state` and the
+    state before if `guess` is None.
     """
     solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (

@@ -214,7 +214,10 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _warn_shape(scene: Scene, state: State) -> Iterator[Reason]:
-    """Warn if the contact is so wide, or the wear so deep, that the pin's shape is not valid."""
+    """Warn if the contact is too wide, or the wear too deep, compared with the pin's radius.
+
+    The model takes the pin as a half-space with a parabolic profile.
+    """
     radius, depth = scene.pin.radius, float(state.wear_depth.max())
     width = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0]
     if width > 2 * WIDEST * radius:

@@ -295,10 +295,10 @@ class Scene:
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
     def stations(self, normal_load: float, requested: Container[int] = ()) -> Iterator[Station]:
-        """Steps that lead to a load [N] and through its hold; only those that are needed.
+        """Stations (moments) of the loading up to a load [N] and in its hold that must be solved.
 
-        All steps are needed if a state depends on earlier steps. Otherwise only the last step, the
-        step at which a hold begins, and the steps with the indices `requested` are needed.
+        If a state depends on earlier states, all stations must be solved. Otherwise only these: the
+        last station, the station at which a hold begins, and stations with an index in `requested`.
         """
         stations = self.all_stations(normal_load)
         if self.remembers_steps:
@@ -315,7 +315,7 @@ class Scene:
             yield replace(station, on_trunk=False)
 
     def all_stations(self, normal_load: float) -> Iterator[Station]:
-        """All steps that lead to a load [N] and through its hold."""
+        """Stations (moments) of the loading up to a load [N], then the stations of its hold."""
         fidelity = self.fidelity
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 

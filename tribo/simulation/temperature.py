@@ -76,7 +76,10 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 
 
 def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature by the pressure of `state`, as if its friction heat had acted since time 0."""
+    """Temperature rises of the contact per unit friction, and the pin's share of the heat.
+
+    The heat follows from the pressure of `state`, and is taken to have acted since time 0.
+    """
     contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:

@@ -28,7 +28,10 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 
 @dataclass(frozen=True, slots=True)
 class Judging(ABC):
-    """Base class of the conditions of a verdict; subclasses define the criterion, `decisive`."""
+    """Friction, temperatures and corrections, by which wear is judged mild or severe.
+
+    This is a base class. Its subclasses define the property `decisive`, the criterion.
+    """
 
     friction: float  # coefficient
     bulk_temperature: float  # [K], of the pin alone if `disk_temperature` is given
@@ -120,7 +123,10 @@ class Judging(ABC):
         return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
 
     def temperature_error(self, temperature: float) -> float:
-        """Error of a contact temperature [K] over the relative error of the rise, dT/d ln(rise)."""
+        """Derivative dT/d ln(rise) [K] at a contact `temperature` T [K].
+
+        This derivative times the relative error of the rise is the error of T.
+        """
         return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
 
     def require_proportional(self) -> None:
@@ -209,10 +215,12 @@ class Verdict:
     contact_rise : float
         Second part: the rise between two half-spaces [K].
     added_rise : float
-        Third part: added by warming bodies, stem, film and friction by velocity [K].
+        Third part: the rise added by the warming of the bodies and of the pin's stem, by the film
+        on the disk, and by friction that depends on velocity [K].
     friction : {"solved", "ignites", "not converged"} or None
-        How friction by temperature was solved, see `coupled_friction`; None if it was not solved.
-        If the contact ignites, temperatures are at the highest friction of the law.
+        How the solution of temperature-dependent friction ended, see `CoupledRise`; None without
+        such a solution. If the contact "ignites", its temperatures are computed with the highest
+        friction of the law.
 
     Examples
     --------

@@ -25,7 +25,7 @@ Columns = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """How a kind of criterion finds the deciding rise, and its texts.
+    """Kind of criterion: how the deciding rise is found, and the words for the criterion.
 
     Attributes
     ----------
@@ -35,7 +35,8 @@ class Rule:
         Called with the column that decides [K], the share of the contact, and the probabilities of
         the quantiles; returns the deciding rise [K].
     temperature, severe : str
-        Words for the deciding temperature and for severe wear, with the ``{share}`` [%].
+        Words that name the deciding temperature, and words for when wear is severe. They may
+        contain ``{share:g}``, the share of the contact [%].
 
     Examples
     --------
@@ -157,9 +158,10 @@ class Criterion:
         Parameters
         ----------
         columns : mapping
-            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...), for
-            the bulk temperatures that pin and disk have; and ``quantile``, unless the quantiles are
-            `tribo.QUANTILES`.
+            Arrays by name: the deciding column, ``rise_quantile`` (..., n_quantile) or
+            ``mean_rise`` (...) [K], and ``quantile`` (n_quantile,), the probabilities of the
+            quantiles; `tribo.QUANTILES` if left out. If the bulk temperatures of pin and disk
+            differ, the rises must already account for this; see `add_bulk_ratio`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):

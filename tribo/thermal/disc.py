@@ -29,10 +29,9 @@ class Disc:
     bore : float
         Diameter of the hole [m]; 0 without a hole.
     rim_loss, face_loss : float
-        Heat loss of the rim, and of each of the two faces, for each area and kelvin [W/(m² K)].
+        Heat loss of the rim, and of each of the two faces, per unit area and kelvin [W/(m² K)].
     shaft_loss : float
-        Heat loss to the shaft for each kelvin [W/K]: at the bore, or evenly over a disc without a
-        bore.
+        Heat loss to the shaft per kelvin [W/K]: at the bore, or evenly over a disc without a bore.
 
     Examples
     --------
@@ -131,25 +130,26 @@ def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     """
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 
-    def mode(root: Array, x: float) -> tuple[Array, Array]:
-        """Values and slopes of thermal modes at `x`, one mode for each wavenumber in `root`.
+    def mode(beta: Array, x: float) -> tuple[Array, Array]:
+        """Values and slopes at `x` of thermal modes, one mode for each wavenumber in `beta`.
 
         `x` is the radius divided by the rim's radius, and slopes are derivatives by `x`. Each mode
-        meets the heat-loss condition at the bore. Only modes of roots also meet the one at the rim.
+        satisfies the heat-loss condition at the bore; at the rim, only if its wavenumber is a root
+        of `rim_function`.
         """
         if not inner:
-            return j0(root * x), -root * j1(root * x)
+            return j0(beta * x), -beta * j1(beta * x)
         first, second = (
-            -root * slope(root * inner) - bore * value(root * inner)
+            -beta * slope(beta * inner) - bore * value(beta * inner)
             for value, slope in ((j0, j1), (y0, y1))
         )
         return (
-            second * j0(root * x) - first * y0(root * x),
-            root * (first * y1(root * x) - second * j1(root * x)),
+            second * j0(beta * x) - first * y0(beta * x),
+            beta * (first * y1(beta * x) - second * j1(beta * x)),
         )
 
-    def rim_function(root: Array) -> Array:
-        value, slope = mode(root, 1.0)
+    def rim_function(beta: Array) -> Array:
+        value, slope = mode(beta, 1.0)
         return slope + rim * value
 
     # Neighbours are about π/(1 − inner) apart; a small loss has a small first root.

@@ -82,14 +82,16 @@ def conducted_spectrum(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeatHistory:
-    """Heat that has flowed into both bodies, linear in time between stations (moments).
+    """Heat flux into both bodies up to now. It is linear in time between stations (moments).
 
     Attributes
     ----------
     times : tuple of float
         Times of the stations [s]. The first is 0, when there was no flux.
-    pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
-        Transforms of the flux at each station [W/m²], without columns that have no more effect.
+    pin_flux, disk_flux : tuple of ndarray, shape (mx, n)
+        Fourier transforms of the flux into each body [W/m²], one for each station after the first.
+        There are mx modes along x, and the n lowest modes along y. Higher modes along y are left
+        out once they no longer affect the temperature.
 
     Examples
     --------

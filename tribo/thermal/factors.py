@@ -30,14 +30,15 @@ class Axis:
     nearest_image: bool = False
 
     def series_start(self, drift: float) -> float:
-        """Diffusion length from which the Fourier series is cheaper than samples [m].
+        """Diffusion length [m] from which on the kernel is computed by its Fourier series.
 
-        `drift` is ``|V|/(4κ)`` [1/m].
+        `drift` is ``|V|/(4κ)`` [1/m]. The result is infinite if the series is never used.
 
-        At shorter lengths the series has many modes. At greater lengths samples cost more, for two
-        reasons: heat has spread over the period, so that images of the source count, or a moving
-        source has passed many elements. At rest the limit is where heat has spread over four
-        elements: there the series has no more modes than the axis has elements.
+        At shorter lengths the kernel is sampled at the elements, since the series would have many
+        modes. At greater lengths samples would cost more, for two reasons: heat has spread over the
+        period, so that images of the source count, or a moving source has passed many elements. At
+        rest the limit is where heat has spread over four elements: there the series has no more
+        modes than the axis has elements.
         """
         if not self.periodic or self.nearest_image:
             return math.inf
@@ -105,11 +106,12 @@ def wavenumbers(axis: Axis, s: float) -> Array:
 
 
 def series_terms(axis: Axis, s: Array, k: Array) -> Array:
-    """Fourier transform, along an axis, of the thermal kernel's factor E for a body at rest.
+    """Terms of the Fourier series of a thermal kernel along one axis, for a body at rest.
 
-    It is 2 sinc(ka) exp(−k²s²/4), with half the side of an element, a = `axis.step`/2. `s` are the
-    diffusion lengths at the nodes of the quadrature [m], and `k` has the `wavenumbers`. The shape
-    is (nodes, aliases, modes).
+    The terms are 2 sinc(ka) exp(−k²s²/4), of shape (nodes, aliases, modes). They belong to the
+    function erf((x + a)/s) − erf((x − a)/s) of the coordinate x. `s` are diffusion lengths [m], one
+    for each node of a quadrature, and `k` are the `wavenumbers` [rad/m], (aliases, modes).
+    a = `axis.step`/2 is half the side of an element [m].
     """
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)

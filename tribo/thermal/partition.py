@@ -197,7 +197,11 @@ def _check_choices(method: str, tolerance: float) -> None:
 def _check_fields(
     pin: Convolution, disk: Convolution, heat_flux: Array, contact: Mask, difference: Array
 ) -> None:
-    """Raise `InputError` for fields that do not fit each other."""
+    """Raise `InputError` for bodies or fields that `partition_heat` cannot use.
+
+    Both bodies must have the same grid, and `heat_flux` and `contact` its shape. `contact` must be
+    bool. `heat_flux` and `difference` must be finite, and `heat_flux` 0 outside the contact.
+    """
     grid = pin.grid
     if disk.grid != grid:
         raise InputError(f"pin has {grid} and disk has {disk.grid}; they must be the same")
@@ -258,10 +262,12 @@ def _norm(vector: Array) -> float:
 def _divide_uniformly(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
-    """Divide heat by one share φ, from ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, means over the contact.
+    """Divide heat so that the pin takes the same share φ of it on each element.
 
-    `rise` is T₁q on the grid. `target` is T₂q + ΔT_b, and `delta` is ΔT_b, both on the contact
-    alone [K]. `heat_flux` is q [W/m²].
+    φ makes the mean temperatures ⟨·⟩ of both surfaces over the contact equal: ⟨(T₁ + T₂) φq⟩ =
+    ⟨T₂q + ΔT_b⟩. T₁ and T₂ map a heat flux to the rise of the pin and of the disk. `heat_flux` is q
+    [W/m²], and `rise` is T₁q [K], both on the grid. `target` is T₂q + ΔT_b [K], and `delta` is ΔT_b
+    [K], both on the contact alone.
     """
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:

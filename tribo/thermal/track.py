@@ -107,10 +107,12 @@ def track_warming(
 def strip_response(width: float, body_width: float, spread: Array) -> Array:
     """Warming in the middle of a heated strip, divided by that of a plane heated all over.
 
-    `spread` is √(κt) [m] at a time t after the heating.
+    The heat is released in an instant, as much per area in the strip as on the plane. `spread` is
+    √(κt) [m], with the diffusivity κ, at a time t after that instant.
 
-    In a body of width W the strip of width B has images at multiples of W. In Fourier space the
-    warming is
+    The strip, of width B = `width` [m], is in the middle of a body that is W = `body_width` wide
+    [m] and insulated at its sides; W is infinite for a half-space. The sides act as images of the
+    strip at multiples of W. In Fourier space the result is
 
         B/W (1 + 2 Σ sinc(kB/W) exp(−(2πk/W)²κt)),  k = 1, 2 …
 

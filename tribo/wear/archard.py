@@ -116,9 +116,10 @@ class Wear:
     pattern : {"local", "swept"}
         ``"local"``: each point of the pin wears by the pressure on it, as if it always faced the
         same patch of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
-        the pin, which at x loses the mean along y, dh(x) = k dS ⟨p(x, ·)⟩_y, on a patch that is
-        periodic along y. If y is not periodic, as under a ball, a scene takes the mean over
-        positions of the disk instead; see `tribo.simulation.disk_positions`.
+        the pin. If the patch is periodic along y, all points of the pin at the same x wear by the
+        mean pressure along y. Over a sliding distance dS their depth grows by k dS ⟨p(x, ·)⟩_y. If
+        y is not periodic, as under a ball, each point wears by its mean pressure over positions of
+        the disk; see `tribo.simulation.disk_positions`.
 
     Examples
     --------
@@ -162,11 +163,11 @@ class Wear:
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Stiffness of the wear equation for a step over a sliding distance dS: k·dS/λ_min.
+        """Stiffness (dimensionless) of the wear equation over a sliding distance dS: k·dS/λ_min.
 
         Over the step, wear lets the shortest wave of the shape decay by exp(−k·dS/λ_min). λ_min is
-        the smallest eigenvalue of the map from pressure to displacement [m/Pa]: of all shapes, or
-        for swept wear of shapes that are uniform along y.
+        the smallest eigenvalue of the map from pressure to displacement, `solid` [m/Pa]: of all
+        shapes, or for the pattern "swept" of shapes that are uniform along y.
 
         Examples
         --------
@@ -223,10 +224,12 @@ class RollingWear(Wear):
         return solid.replace_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Stiffness of the wear equation for a step over a sliding distance [m].
+        """Stiffness (dimensionless) of the wear equation over a sliding distance [m].
 
-        It is defined as in `Wear.stiffness`, but only for shapes that vary along y alone, since the
-        pin wears evenly along x. It is 0 if the wear is swept, or the grid has no such shapes.
+        The stiffness is defined as in `Wear.stiffness`. But here only shapes that vary along y
+        alone count, since a rolling pin wears evenly along x. The stiffness is 0 for the pattern
+        "swept", since the pin then wears evenly along y, too. It is also 0 if the grid has a single
+        element along y.
         """
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():
