@@ -97,7 +97,7 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
 
 
 def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
-    """Simulate and judge a pair in all load stages of FZG's test; see `judge`.
+    """Simulate a pair in each load stage of FZG's test, and return the verdict for each stage.
 
     Parameters
     ----------
@@ -105,6 +105,12 @@ def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
         Any pair with a critical temperature, such as the test gears with another roughness.
     **choices
         Preset, workers and progress of `judge`.
+
+    Returns
+    -------
+    DataFrame
+        A row for each load stage, in ascending order. The first column is ``stage``, the number of
+        the load stage from 1 on. The other columns are those of `judge`.
     """
     stages = range(1, len(STAGES) + 1)
     table = judge([mesh(pair, duty=stage_duty(pair, number)) for number in stages], **choices)

@@ -81,7 +81,10 @@ class SurfaceStatistics:
 
     @property
     def is_like(self) -> bool:
-        """True if random surfaces can replace the scan."""
+        """True if random surfaces with the fitted spectrum may be simulated instead of the scan.
+
+        Their spectrum, Rq, Sal and Str must be close to those of the scan.
+        """
         return not self.fault_of_fit
 
     @property

@@ -28,7 +28,10 @@ _LONE = 30.0  # distance of an outlier from all other heights, in their standard
 
 
 def axis_note(transpose: bool) -> str:
-    """Sentence on the direction of sliding in the file: along rows, or with `transpose` columns."""
+    """Sentence that says how sliding runs in a surface's file.
+
+    Sliding runs along the file's rows or, if `transpose`, along its columns.
+    """
     lines, name = ("row", "y") if transpose else ("column", "x")
     return f"x, the sliding direction, goes from {lines} to {lines}, or along the file's {name}"
 

@@ -163,7 +163,10 @@ def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
 
 
 def _is_comment(line: str, row: list[float | None]) -> bool:
-    """True for a line that begins like a comment, unless the row begins with a missing value."""
+    """True if a line begins with a comment sign, and has a word or fewer than two cells.
+
+    `row` has the value of each cell: a number, NaN for a missing height, or None for a word.
+    """
     return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 

@@ -186,11 +186,12 @@ class Trace:
         ]
 
     def _median_entries(self, rows: slice, severe: Candidate | None) -> dict[str, str | float]:
-        """Medians of a trace as a test's entries, by name: friction, and bulk temperature if known.
+        """Entries of a test, by name: median friction of a stage, and median bulk temperature.
 
-        Friction is the median over a stage with the given `rows`. Bulk temperature, text with a
-        unit, is the median from the beginning of the trace to the end of the stage. If the stage
-        scuffs, `severe` is that rise of friction, and the rows after it are not used.
+        `rows` are the rows of the stage. `severe` is the rise of friction at which the stage
+        scuffs, or None; both medians leave out the rows from this rise on. Bulk temperature, text
+        with a unit, is the median since the beginning of the trace. It is left out if it was not
+        recorded.
         """
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
@@ -353,16 +354,20 @@ def _is_ramp(commands: Array, pieces: Sequence[slice], levels: Sequence[Array], 
 def _rises(
     friction: Array, previous: float, skipped: int, previous_faster: float, scatter: float
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Yield rises of friction in a stage: row, level before, level after, why it is not scuffing.
+    """Yield large rises of friction in a stage, each as a tuple (row, low, high, why_not).
 
-    The reason is empty if the rise is scuffing. `friction` (n,) is smoothed, a value for each row
-    of the stage. The level before is the lowest friction so far, and the level after is higher by
-    at least a fixed share plus `scatter`.
+    `row` is counted from the beginning of the stage. `low` and `high` are friction before and after
+    the rise. `why_not` is the reason why the rise is not scuffing, empty if it is scuffing.
 
-    `previous` is friction at the end of the previous stage, and the level before the first row. It
-    is infinite if that stage was faster, or if there is none. `previous_faster` is friction at the
-    end of a faster previous stage, else infinite. In the first `skipped` rows friction still
-    settles, so that a rise there has the reason "begins".
+    - `friction` (n,) is the smoothed coefficient of friction in each row of the stage.
+    - `previous` is friction at the end of the previous stage. It is infinite if there is no
+      previous stage, or if that stage was faster.
+    - `skipped` is the number of rows at the beginning in which friction still settles. A rise in
+      these rows is not scuffing.
+    - `previous_faster` is friction at the end of the previous stage if that stage was faster, else
+      infinite.
+    - `scatter` is an allowance for noise. A rise is large if it exceeds a fixed share of `low` by
+      more than `scatter`.
     """
     own = friction[skipped:]
     first = previous if math.isfinite(previous) else own[0]
