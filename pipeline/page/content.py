@@ -393,10 +393,11 @@ _ORIGINS = ("", "computed there", "interpolated", "extrapolated")  # by state
 
 
 def pieces_of(loads: int, velocities: int, others: int) -> tuple[int, int]:
-    """Numbers of parts into which the page's grid divides each interval of velocity, and of load.
+    """Numbers of parts (by velocity, by load) into which the page's grid divides an interval.
 
-    `loads` and `velocities` are how many the sweep has. `others` is the number of values at each
-    node, which limits the number of nodes.
+    An interval lies between neighbouring velocities, or loads, of the sweep. `loads` and
+    `velocities` are the sweep's numbers of loads and velocities. `others` is the number of values
+    at each pair of load and velocity; a large number makes the grid coarser.
     """
     gaps = np.array([velocities, loads]) - 1
     parts = np.maximum(1, np.ceil(_PLACES / np.maximum(gaps, 1))).astype(int)
@@ -469,9 +470,10 @@ def states(done: Mask, parts: tuple[int, int], numbers: Indices) -> Indices:
     A computed point is `COMPUTED`. A node is `INTERPOLATED` if the sweep's loads below and above it
     (`rows_beside`) have points on both sides of its velocity; else `EXTRAPOLATED`.
 
-    `done` is the mask of computed points. `parts` has the numbers of parts into which the grid
-    divides intervals of load and of velocity. `numbers` are those of the nodes along velocity, 0 at
-    the sweep's first velocity and negative below it.
+    `done` is the mask (surface, load, velocity) of computed points. `parts` is the pair
+    (by load, by velocity) of the numbers of parts into which the grid divides an interval between
+    points. `numbers` counts the nodes along velocity: 0 at the sweep's first velocity, negative
+    below it.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

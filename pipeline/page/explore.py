@@ -45,14 +45,14 @@ _OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.
 @shown
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Path of the page that `pipeline.explore` wrote, and the numbers of points on it."""
+    """Path of the page that `pipeline.explore` wrote, and counts of the points on it."""
 
     path: Path  #: File of the page.
     points: int  #: Number of points of the sweep that are done.
     points_with_fields: int  #: Number of points whose fields the page contains.
 
     def as_dict(self) -> dict[str, Any]:
-        """Path and numbers of points by name, as plain data."""
+        """The fields by name as plain data: the path as text, and both counts of points."""
         return asdict(self) | {"path": str(self.path)}
 
     def __str__(self) -> str:
@@ -97,7 +97,7 @@ def explore(
     Returns
     -------
     Page
-        The file, and the numbers of points on it.
+        Path of the file, and counts of the points on it.
 
     Raises
     ------

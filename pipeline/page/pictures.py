@@ -27,13 +27,14 @@ _COLOURS = "viridis_r", "inferno", "cividis_r"  # pressure, temperature and wear
 def packed_fields(
     ds: xr.Dataset, chosen: Iterable[tuple[int, ...]], bulk_ratio: float
 ) -> dict[str, Any]:
-    """Draw pressure, rise and wear depth of points `chosen` by (surface, load, velocity) index.
+    """Pictures of pressure, temperature rise and wear depth at points, and extreme values.
 
-    Returns ``note`` and ``aspect`` of the pictures, ``scales`` of their colours, and ``points`` by
-    the flat index of the point. Each point has the highest pressure [Pa], the lowest and highest
-    rise above the colder body over friction [K], the greatest wear depth [m], and three pictures.
+    `chosen` has the indices (surface, load, velocity) of the points. `bulk_ratio` is (disk's −
+    pin's bulk temperature)/friction [K].
 
-    `bulk_ratio` is (disk's − pin's bulk temperature)/friction [K].
+    Returns a dictionary. ``points`` has the list made by `packed_point` for each point, by the flat
+    index of the point. ``scales`` are pictures of the three colour scales. ``note`` is a caption,
+    and ``aspect`` the width of a picture over its height.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -53,9 +54,12 @@ def packed_fields(
 
 
 def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
-    """Highest pressure, lowest and highest rise, greatest wear depth, and a picture of each field.
+    """List of extreme values of three fields (x, y) at a point, then a picture of each field.
 
-    The last three entries are the pictures of pressure, rise and wear depth, as base64 text.
+    The values are the highest pressure [Pa], the lowest and the highest rise [K] in the contact,
+    and the greatest wear depth [m]. The pictures show pressure, rise and wear depth, as base64
+    text. `rise` is the temperature above the bulk temperature of the colder body, divided by
+    friction.
     """
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
@@ -88,9 +92,10 @@ def png_of(image: Image.Image) -> str:
 
 
 def coloured(probability: Array) -> str:
-    """Picture of probabilities in the figure's colours, as base64 text of a .png.
+    """Picture of probabilities of severe wear, as base64 text of a .png.
 
-    The first row of the array is on top.
+    The colours, from blue at 0 to red at 1, are those of the diagrams. The first row of the array
+    is on top.
     """
     low, high = PALE
     shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]

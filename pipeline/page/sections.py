@@ -38,7 +38,10 @@ _CLOSED = "Inputs", "Origin"  # sections that are closed at first on a screen
 
 
 def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
-    """Sections of one scene as HTML, by name."""
+    """HTML of each section of the page on one scene, by name of the section.
+
+    `points` are operating points whose margins are shown, or None.
+    """
     has_places = points is not None or data.kind is Kind.PLACES
     return {
         "answer": _section("Answer", _answer(data)),

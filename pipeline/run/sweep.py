@@ -102,7 +102,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        If only the boundary is wanted, but there is no friction, only one velocity, or samples.
+        If `boundary_only` is given for a sweep without friction, with a single velocity above 0,
+        with samples, or with rows of ``sweep.along``.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
