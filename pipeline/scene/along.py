@@ -143,7 +143,11 @@ def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Faults of columns in words: a heading given twice, or an entry that needs a simulation."""
+    """Yield a message for each repeated heading, and each column that would change the simulation.
+
+    Operating points are judged without a new simulation, so that a column such as ``pin.radius`` is
+    a fault.
+    """
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
@@ -194,7 +198,11 @@ def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
 
 
 def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
-    """The sweep with a variant for each row of ``sweep.along``; `InputError` if a row is faulty."""
+    """Add a variant to a sweep for each of `rows`, and return the new sweep.
+
+    `rows` are the rows of the scene's table ``sweep.along``, each as entries by path. Raises an
+    `InputError` if a row is faulty.
+    """
     if entry_at(sweep.plane, "samples"):
         raise InputError(
             "sweep.along: its rows have their own loads and velocities, as samples have; leave out "

@@ -183,9 +183,12 @@ class Range(Kind):
 class Either(Kind):
     """Kind of scene entry that allows several kinds of value.
 
-    If the first kind is not a table, a value is read by the first of the other kinds that accepts
-    its Python type. If the first kind is a table, keys that are unknown to it decide: the value is
-    read by the table that has most of them. In all other cases a value is read by the first kind.
+    The first kind reads the value, with two exceptions:
+
+    - If the first kind is not a table, the first of the other kinds that accepts the Python type of
+      the value reads the value.
+    - If the first kind is a table, and the value has keys unknown to this table, the other table
+      that knows most of these keys reads the value.
     """
 
     def __init__(self, usual: Kind, *others: Kind) -> None:
@@ -215,7 +218,7 @@ class Either(Kind):
 
 
 class Axis(Either):
-    """Kind of scene entry: values in a list or a range, read in ascending order and each once."""
+    """Kind of scene entry: a list or a range of values, sorted and without duplicates when read."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
         values = super()._read(value, place, faults)

@@ -57,7 +57,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def soft_or_hard(material: Any) -> str:
-    """Warning that hardness/elastic modulus of a material is unusual; empty if it is usual."""
+    """Warning that a material's ratio of hardness to elastic modulus is unusual; else empty."""
     share = material.hardness / material.elastic_modulus
     usual = USUAL_HARDNESS if math.isfinite(share) else None
     return unusual(share, usual, "times the elastic modulus")

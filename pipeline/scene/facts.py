@@ -65,7 +65,11 @@ def facts_of(sweep: Sweep) -> Facts:
 
 
 def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
-    """Raise `InputError`, which names the entry `key`, if the window cannot carry a load."""
+    """Raise an `InputError` if `load` [N] is too high for the size of the simulated window.
+
+    The mean pressure over the window must not exceed the hardness. The message names `key`, the
+    entry or option that gives the load.
+    """
     scene = sweep.scene
     if load > scene.greatest_load:
         raise InputError(

@@ -113,7 +113,7 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Write faults in the rows of tables as lines, one line for all rows with the same fault."""
+    """Messages on `faults` in rows of tables; rows with the same fault share one message."""
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)

@@ -221,7 +221,11 @@ class Quantity(Kind):
 
 
 def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
-    """Warning that a value is outside its usual range, given in `unit`; empty if it is within."""
+    """Warning that `value` [SI] is outside its usual range; else empty.
+
+    `usual` has both ends of this range in `unit`, in which the warning states them. If `usual` is
+    None, no value is unusual.
+    """
     (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
     shown, of = shown_in(value, unit), f" {unit}" if unit else ""
     if low <= shown <= high:

@@ -121,10 +121,11 @@ def _laws_of(parts: Parts) -> dict[str, Any]:
 
 
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
-    """Add the laws of a scene to its entries: name, fields and the hash of the source.
+    """Return the entries of a scene with the user's laws added.
 
-    The laws are in `parts`. A law is left out if `like` has the same law and `entries` lack the
-    table of the law.
+    A law is written as its name, its fields and the hash of its source code. `parts` are the
+    objects read from the scene, with its laws. `like` are those of another scene, or None. A law
+    that both scenes have is left out, unless `entries` have a table for the law.
     """
     present = _laws_of(like) if like else {}
     for kind, part in _laws_of(parts).items():

@@ -24,7 +24,11 @@ _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 
 @functools.cache
 def library() -> dict[str, Any]:
-    """Read the library file: ``materials`` and ``oils`` (value, source), and ``sources``."""
+    """Read the library of materials and oils, as a dictionary of three tables.
+
+    ``materials`` and ``oils`` have a table for each name, with a pair (value, key of its source)
+    for each entry. ``sources`` has the reference for each such key.
+    """
     file = resources.files("pipeline.scene").joinpath("library.toml")
     tables = tomllib.loads(file.read_text(encoding="utf-8"))
     materials = tables["materials"]

@@ -81,7 +81,11 @@ def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
-    """Convert values to numbers in SI, with their unit; if that fails, to texts, with None."""
+    """Convert the values of an entry to labels, and return the labels and their unit.
+
+    The labels are numbers in SI, and the unit is their SI unit, "1" for plain numbers. If a value
+    is not a number or a quantity, all labels are texts, and the unit is None.
+    """
     first = values[0]
     try:
         if isinstance(first, str):

@@ -175,8 +175,8 @@ def corrections_of(
         stem = tribo.Stem.rod(rod.length, rod.area, *conduction)
     corrections = tribo.Corrections(
         friction=tribo.Friction(**curves),
-        track=_ring_of(scene.disk, pin, disk),
-        pin_track=_ring_of(scene.pin, pin, pin.material),
+        track=_track_of(scene.disk, pin, disk),
+        pin_track=_track_of(scene.pin, pin, pin.material),
         stem=stem,
         film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
         pin_bulk=_bulk_of(scene.pin, pin.material),
@@ -196,8 +196,11 @@ def track_length(body: Body) -> float | None:
     return math.pi * body.diameter if body.diameter else body.track_length
 
 
-def _ring_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
-    """Make the `tribo.Track` around a body, under a pin; None if the table gives no track."""
+def _track_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
+    """Make the `tribo.Track` of a body, the ring that passes under the pin again and again.
+
+    The result is None if the table `body` gives neither a diameter nor the length of the track.
+    """
     track = disc_of(body) or track_length(body)
     return tribo.Track.under(pin, material, track) if track else None
 

@@ -117,9 +117,10 @@ class SceneReader:
         return parts
 
     def complete(self, entries: Entries, parts: Parts, like: Parts | None = None) -> dict[str, Any]:
-        """Entries with all defaults, values of the library and choices of the preset written out.
+        """Entries of a scene with all defaults, library values and preset choices written out.
 
-        With `like`, only tables in which `parts` differ from `like` are returned.
+        `parts` are the objects that were read from `entries`. If `like`, the parts of another
+        scene, is given, tables that are equal in both scenes are left out.
         """
         fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)

@@ -123,7 +123,10 @@ def number_in(kind: Kind) -> Quantity | Number | None:
 
 
 def number_at(path: str) -> Quantity | Number:
-    """Kind of number or quantity of the entry at a path; any number if there is no such entry."""
+    """Kind of the number that the entry at a path holds: its unit, bounds and usual range.
+
+    If there is no such entry, or it holds no number, the result is a `Number` without bounds.
+    """
     entry = find_entry(path)
     return (entry and number_in(entry.kind)) or Number()
 

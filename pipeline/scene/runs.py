@@ -17,7 +17,11 @@ _KINDS = {"load": LOAD, "velocity": VELOCITY}
 
 
 def expand_tests(scene: Any, faults: Faults) -> Any:
-    """Number the tests of a scene, and replace each run of several stages by a test per stage."""
+    """Copy of `scene`, a `SceneFile`, with numbered tests and without runs by stages.
+
+    A run by stages is replaced by a test at its last mild stage and a test at its first severe
+    stage, if the run states these stages. A faulty run is added to `faults`, and left out.
+    """
     number, expanded = itertools.count(1), dict[str, Any]()
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
