@@ -70,16 +70,18 @@ class Origin:
 
 
 @functools.lru_cache(maxsize=64)
-def judged_sweep(origin: Origin, at: str, name: Variant = ()) -> Sweep:
-    """The sweep of a dataset, or only its scene `name`, judged under the conditions `at`.
+def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
+    """The sweep of a dataset, judged under the conditions `at`.
 
-    `origin` has the text of the sweep. `at` is JSON with values in SI by the path of their entry.
+    `origin` has the text of the scene. `at` is JSON with values in SI by the path of their entry.
+    `variant` has a pair (path, value) for each varied entry, and selects one variant of the sweep.
+    If `variant` is empty, the whole sweep is returned.
     """
-    if name:
+    if variant:
         whole = judged_sweep(origin, at)
-        words = ", ".join(f"{path} {value}" for path, value in whole.variants.written(name).items())
+        words = ", ".join(f"{path} {one}" for path, one in whole.variants.written(variant).items())
         title = f"{whole.declared.title or whole.name}, {words}"
-        return whole.samples_of(name).changed("title", title)
+        return whole.samples_of(variant).changed("title", title)
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)
@@ -330,11 +332,11 @@ def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
-def keep_steps(ds: xr.Dataset, *names: str) -> xr.Dataset:
-    """Restore the dimension ``step`` of a dataset from which a single step was selected.
+def restore_step(ds: xr.Dataset, *names: str) -> xr.Dataset:
+    """Restore the dimension ``step``, of size 1, if a single step was selected from a dataset.
 
-    Raises an `InputError` if the dataset lacks one of the variables `names`, or the last step of
-    each point.
+    A dataset that still has this dimension is returned unchanged. Raises an `InputError` if one of
+    the variables `names` is missing, or if step 0, the end of each point, was not selected.
     """
     if missing := [name for name in names if name not in ds.variables]:
         raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
@@ -371,5 +373,5 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.000292
     """
-    end = keep_steps(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
+    end = restore_step(dataset_of(ds)).isel(step=-1).drop_vars("step", errors="ignore")
     return end.set_coords([name for name in (*MADE, "own_grid") if name in end])

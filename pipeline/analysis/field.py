@@ -115,7 +115,8 @@ class Field(Protocol):
 class Here(NamedTuple):
     """Contact temperatures that decide on wear at loads and velocities, or why they are unknown.
 
-    Arrays have a value for each member and place; see `Field`.
+    There are m members, which are surfaces or draws of unknown inputs, and k places, which are
+    pairs of load and velocity.
     """
 
     values: Array  # deciding temperatures [K] (m, k); NaN if unknown
@@ -133,7 +134,11 @@ class Here(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PointField:
-    """Field interpolated between the computed points of a scene, or of one row of its table."""
+    """Temperature rise and wear at any load and velocity, interpolated between computed points.
+
+    The points were computed for one variant of a sweep: one value of each varied entry. The methods
+    are those of `Field`.
+    """
 
     planes: tuple[RisePlane, ...]  # one for each surface, without friction by velocity
     conditions: Conditions
@@ -229,15 +234,18 @@ class PointField:
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
         """Rises [K] at k velocities and all loads on m surfaces, and two marks of each rise.
 
-        The result is three arrays (m, k, n_load). Rises include the effect of velocity on friction.
-        Beyond the points of a load rises are extrapolated by power laws. At a load with a single
-        point they are estimated by `filled`.
+        Returns three arrays (m, k, n_load):
 
-        A mark is 1 for yes, 2 for no. The first mark tells whether the velocity is within the
-        points of the load. The second tells whether mild or severe wear is certain. It is certain
-        within the points, below them if the lowest is mild, and above them if the highest is
-        severe. Both marks are NaN if the rise is unknown or estimated by `filled`. A mark that is
-        interpolated over load is 1 only between two loads with 1.
+        1. The rises, including the effect of velocity on friction. They are extrapolated by power
+           laws outside the computed velocities of a load. At a load with a single computed
+           velocity they are estimated by `filled`.
+        2. Mark: the velocity is within the range of computed velocities of the load.
+        3. Mark: the outcome, mild or severe wear, is certain. It is certain within this range,
+           below the range if wear is mild at its lowest velocity, and above the range if wear is
+           severe at its highest.
+
+        A mark is 1 for yes, 2 for no, and NaN if the rise is unknown or estimated by `filled`.
+        Interpolated over load, it is 1 only if it is 1 at both neighbouring loads.
         """
         points, rows = self._curves
         factor = self.conditions.friction_factor(velocities)
@@ -409,11 +417,11 @@ def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, 
 
 
 def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array, Array]:
-    """Rises [K] at closely spaced velocities [m/s], if friction depends on velocity.
+    """Interpolate curves of rises [K] to closely spaced velocities [m/s].
 
-    Returns velocities and rises. Friction is known at every velocity, so only rise/friction is
-    interpolated: rises are divided by the friction factor at their velocity, and multiplied by the
-    factor at each new velocity. `factor` is a function that returns the factor at velocities.
+    Returns the new velocities and their rises. `factor` is a function of velocity: the ratio of
+    friction to the nominal coefficient of friction. Friction is known at every velocity, so only
+    rise/factor is interpolated, and then multiplied by the factor at each new velocity.
     """
     steps = np.diff(velocities)[..., None] * (np.arange(_PARTS) / _PARTS)
     places = (velocities[..., :-1, None] + steps).reshape(*velocities.shape[:-1], -1)
@@ -427,8 +435,9 @@ def along_friction(velocities: Array, rises: Array, factor: Any) -> tuple[Array,
 def continued_rises(velocities: Array, rises: Array, factor: Any) -> Curve:
     """Extrapolate curves of rises [K] far beyond their velocities [m/s], both (..., n).
 
-    The rise is a power law of velocity, times `factor`, a function that returns the friction factor
-    at velocities. A curve to which no power law fits is NaN.
+    The rise is a power law of velocity, times `factor`. `factor` is a function of velocity: the
+    ratio of friction to the nominal coefficient of friction. A curve to which no power law fits is
+    NaN.
     """
     heat = Curve(velocities, rises / factor(velocities))
     heat = Curve(heat.x, np.where(heat.is_log[..., None], heat.y, np.nan))
@@ -442,7 +451,7 @@ def continued_rises(velocities: Array, rises: Array, factor: Any) -> Curve:
 
 
 def fields(data: Results) -> list[Field]:
-    """One `Field` for each scene of a sweep, or for each row with its own load and velocity."""
+    """Make a `Field` for each variant of a sweep: each combination of values of varied entries."""
     if data.kind is Kind.SAMPLES:
         made: list[Field] = extras.module("fields").fields(data)
         return made

@@ -43,7 +43,8 @@ _HEADS = (
 def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
     """Tests that a sweep is compared with: measured transitions first, then single outcomes.
 
-    Only tests with the oil that the sweep is judged for count; all tests if that oil is not known.
+    Tests with another oil than the sweep's are left out. If the sweep's oil is not known, no test
+    is left out.
     """
     tests = data.sweep.tests
     return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
@@ -141,15 +142,18 @@ class Comparison(NamedTuple):
 
 
 def comparison(own: PointField, test: Measurement) -> Comparison:
-    """Compare a test with `own`, the field under the test's conditions.
+    """Compare a test with the wear that the model predicts at the test's load.
 
-    For a measured transition only changes to severe wear count. With several surfaces the median
-    counts. If wear does not change at the computed velocities, `Comparison.turn` is infinite (mild)
-    or -infinite (severe).
+    `own` predicts temperature rise and wear under the test's conditions. Velocities of the result
+    are medians over the surfaces. For a measured transition only predicted changes from mild to
+    severe wear count. `Comparison.turn` is infinite if wear is mild at all computed velocities, and
+    -infinite if wear is severe at all of them.
 
-    Beyond the computed velocities a test that disagrees is unknown (`Comparison.is_known`) if wear
-    may change before the velocity of the test. Wear may turn severe as velocity grows. If friction
-    depends on velocity, wear may also turn mild.
+    A test outside the computed velocities is compared with wear at the nearest of them. If wear
+    there differs from the test's outcome, or if no transition is predicted, the comparison is
+    uncertain (`Comparison.is_known` is False) where wear may still change up to the test's
+    velocity. With rising velocity wear may turn severe, and also mild if friction depends on
+    velocity.
 
     Raises
     ------
@@ -251,11 +255,12 @@ def _test_rows(scene: Results) -> Iterator[tuple[Any, ...]]:
 
 
 def _test_answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
-    """Computed outcome in words, deciding temperature [K], and whether the test agrees.
+    """Computed outcome in words, deciding temperature [K], and agreement with the test in words.
 
-    `found` compares the test with `field`. A difference within the numerical error and the scatter
-    of the measurement still agrees. The model's own error is not allowed for, as it is inferred
-    from the tests.
+    Agreement is "yes", "no", "not decided" or "not known". `found` compares the test with `field`.
+    A transition agrees if the computed velocity is within two standard deviations of the measured
+    one. A single outcome is not decided if the numerical error might change the computed one. The
+    model's own error is not allowed for, as it is inferred from the tests.
     """
     here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))

@@ -37,10 +37,13 @@ _LEAST = 1e-4  # least probability that is stated as a number: the tails are not
 @shown
 @dataclass(frozen=True, slots=True)
 class Margin:
-    """The verdict on an operating point, and its distance from severe wear.
+    """The verdict on an operating point, and its distances from severe wear.
 
-    With several surfaces or samples, numbers are medians, and ``intervals`` has their 5 and 95 %
-    quantiles. Beyond the computed velocities the rise is extrapolated as a power of the velocity.
+    The distances are critical minus deciding temperature (``distance``), critical velocity over
+    velocity (``velocity_factor``), and critical load over load (``load_factor``). With several
+    surfaces or samples, temperatures and critical values are medians, and ``intervals`` has their 5
+    and 95 % quantiles. Beyond the computed velocities the temperature rise is extrapolated as a
+    power of the velocity.
 
     Examples
     --------
@@ -258,10 +261,10 @@ def verdict_plane(
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
     """Velocities [m/s] below which wear is mild and above which it is severe, for k loads (k, 2).
 
-    `scatter` is the model's own error, and `velocities` are those tried, in ascending order. An end
-    is NaN if it is unknown. If wear is mild at all velocities, the first end is infinite and the
-    second NaN; if severe at all, the first is NaN and the second 0. The second end is searched up
-    to the last velocity whose numerical error is known.
+    `scatter` is the model's own error, and `velocities` are those tried, in ascending order. An
+    unknown result is NaN. If wear is mild at every velocity, the results are infinite and NaN. If
+    wear is severe at every velocity, they are NaN and 0. The second result is searched up to the
+    last velocity whose numerical error is known.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):

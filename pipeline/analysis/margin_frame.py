@@ -121,9 +121,10 @@ class Judged(NamedTuple):
 
 
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Yield the judged operating points of each scene.
+    """Judge operating points for each variant of a sweep; yield one `Judged` per point and variant.
 
-    If `points` is None, the loads and velocities of the sweep's rows are judged.
+    A variant has one value of each varied entry. If `points` is None, each variant is judged at
+    its own load and velocity; an `InputError` is raised if it has several loads or velocities.
     """
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)

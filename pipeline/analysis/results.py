@@ -23,10 +23,10 @@ from pipeline.analysis.dataset import (
     entry_dims,
     judged_sweep,
     judged_values,
-    keep_steps,
     name_at,
     require_kind,
     require_one_scene,
+    restore_step,
     scene_sweep,
     sweep_kind,
 )
@@ -289,7 +289,10 @@ class Results:
             raise InputError(f"the dataset has no {', '.join(missing)}; take all of its variables")
 
     def require_lists(self, *names: str) -> None:
-        """Raise an `InputError` if one of the axes `names` has a single value, not a dimension."""
+        """Raise an `InputError` if the dataset has a scalar load or velocity, not a dimension.
+
+        `names` are the axes to check: "load", "velocity" or both. A dimension of size 1 is allowed.
+        """
         for name in names:
             if name in self.cut:
                 value = (self.loads if name == "load" else self.velocities)[0]
@@ -382,7 +385,7 @@ def results(ds: ResultsLike) -> Results:
     """
     if isinstance(ds, Results):
         return ds
-    ds = keep_steps(dataset_of(ds), "status")
+    ds = restore_step(dataset_of(ds), "status")
     if "rise_quantile" in ds and "cooler_share" not in ds.indexes:
         raise InputError("the dataset has no axis cooler_share; keep it, with all of its values")
     kind, status = sweep_kind(ds), ds["status"]

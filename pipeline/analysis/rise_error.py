@@ -230,8 +230,9 @@ def rise_errors(
 ) -> Array:
     """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
 
-    `grid` has the points of the surface. `velocity_error` is the relative error of the boundary
-    velocity due to the preset, or None. The last part, `RiseError.counted`, is 0.
+    `grid` has the computed rises of one surface, between which others are interpolated.
+    `velocity_error` is the relative error of the boundary velocity due to the preset, or None if
+    unknown. The last part, `RiseError.counted`, is 0.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -250,7 +251,10 @@ def _slots(points: Array, places: Array) -> Indices:
 
 
 def preset_error(velocity_error: float | None) -> float:
-    """Relative error of a rise, from the preset's error in boundary velocity; NaN if unknown."""
+    """Relative error of a rise due to the preset; NaN if unknown.
+
+    `velocity_error` is the relative error of the boundary velocity due to the preset, or None.
+    """
     return math.nan if velocity_error is None else SHARE * velocity_error
 
 

@@ -62,7 +62,11 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit to show the coordinate `axis` in: the unit of the entry's example, else a default."""
+    """Unit in which users are shown values of the coordinate `axis`, such as "mm" for a radius.
+
+    For an entry of the scene it is the unit of the example that documents the entry. For any other
+    coordinate it is taken from `_OWN`, or is the SI unit if `_OWN` lacks it.
+    """
     unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
     return own if own and unit else _OWN.get(unit, unit)
 

@@ -172,8 +172,8 @@ class Line:
     def severe_chance(self, velocities: Array, scatter: Scatter) -> Array:
         """Probability that a run is severe at each of `velocities` [m/s].
 
-        The velocities broadcast with `limit`: one for each limit. A run at velocity V behaves like
-        the model at V·exp(ε), where ε has the distribution `scatter`.
+        The result has the shape of `Line.outcome`, to which the velocities are broadcast. A run at
+        velocity V behaves like the model at V·exp(ε), where ε has the distribution `scatter`.
         """
         places, turns_severe, is_severe = self._all_turns
         below = scatter.below(np.log(places / np.asarray(velocities)[..., None]))
@@ -200,10 +200,12 @@ def in_words(
     turns: Sequence[float] = (),
     begins_severe: bool = False,
 ) -> str:
-    """Outcome along ``"velocity"`` or ``"load"`` in words, with the computed range.
+    """Describe an outcome in words, such as "mild at every velocity computed (to 3 m/s)".
 
-    If wear changes several times, at `turns`, the words state the ranges of severe wear; see
-    `severe_ranges` for `begins_severe`.
+    `outcome` is one of the texts of `outcomes`, and `along` is "velocity" or "load". `computed` has
+    the lowest and highest computed velocity or load. `turns` are the values at which wear changes.
+    If wear changes several times, the ranges of severe wear are stated; see `severe_ranges` for
+    `begins_severe`.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):

@@ -46,14 +46,19 @@ class Warned:
 
 @np.errstate(under="ignore")
 def warned(ds: ResultsLike) -> Warned:
-    """Count the points of a sweep that carry a warning.
+    """Count the points of a sweep that carry a warning, such as too few elements in contact.
 
     Parameters
     ----------
     ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. With several
-        values of a condition, such as two frictions, a point counts as molten if it is molten at
-        one of them.
+        Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store.
+
+    Returns
+    -------
+    Warned
+        Number of points with a warning, in total and by the kind of warning, and an example. One
+        kind, "molten", says that steel would melt. With several values of a condition, such as two
+        frictions, this kind counts points where steel would melt at one of these values.
 
     Examples
     --------

@@ -101,7 +101,10 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:
-    """Load the command's scene with the first value of each varied entry, and print a note."""
+    """Load the scene of a command that uses only one value of each varied entry.
+
+    A note is printed for each varied entry, as its other values are ignored.
+    """
     sweep = scene_in(options)
     tell(*notes_on_first_values(sweep.variants))
     return sweep

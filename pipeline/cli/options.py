@@ -42,8 +42,9 @@ class Command(NamedTuple):
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
     """Option with a value.
 
-    `words` has the option's names and the value's name, `use` is the help, and `read` converts the
-    text.
+    `words` has the option's names and then the value's name, such as "-o --output FILE". `use` is
+    the help, and `read` converts the text. `more` are further arguments of argparse's
+    ``add_argument``.
     """
     *names, metavar = words.split()
     return Option(*names, metavar=metavar, type=read, help=use, **more)

@@ -158,7 +158,7 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
 
 
 def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
-    """Add the options and groups of options that a command takes to a parser."""
+    """Add to a parser the options and groups of options that a command takes."""
     for taken in takes:
         if isinstance(taken, o.Option):
             parser.add_argument(*taken.names, **taken.settings)

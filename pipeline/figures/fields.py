@@ -97,8 +97,10 @@ def fields(
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point.
 
-    `load` and `velocity` choose the point, `realization` the surface. In a figure as narrow as a
-    journal's column the panels are stacked.
+    The sweep's point nearest to `load` and `velocity` is drawn; both are in SI or text with a
+    unit. By default the load is the highest with a computed point, and the velocity is the nearest
+    to the transition. `realization` is the seed of the surface; by default the first one. In a
+    figure as narrow as a journal's column the panels are stacked.
     """
     if "pressure" not in data.rest:
         raise InputError(

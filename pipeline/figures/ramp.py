@@ -40,7 +40,10 @@ def ramp(
 ) -> Figure:
     """Draw contact, wear and temperature, or the variable `show`, of points as their load grows.
 
-    `load` and `velocity` choose the points, `realization` the surface.
+    The points nearest to each pair of `load` and `velocity` are drawn; both are in SI or text with
+    a unit, and may have several values. By default the load is the highest with a computed point,
+    and the velocity is the nearest to the transition. `realization` is the seed of the surface; by
+    default the first one.
 
     No line joins steps on the ramp's coarse grid to steps on the point's own grid.
     """
@@ -157,7 +160,7 @@ def temperature(
 ) -> Figure:
     """Draw highest and deciding temperature over velocity, at one load and on one surface.
 
-    The load of the sweep nearest to `load` is drawn, a number in N or text with a unit; by default
+    `load` is a number in N or text with a unit. The sweep's load nearest to it is drawn; by default
     the highest. `realization` is the seed of the surface; by default the first one.
     """
     data = data.take_row(realization)

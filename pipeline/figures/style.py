@@ -193,6 +193,9 @@ def entry_label(path: str) -> str:
 
 
 def as_text(words: str) -> str:
-    """Escape text for a figure: shortened, without control characters and formulas."""
+    """Prepare text for a figure: shorten it to 240 letters, and drop control characters.
+
+    Each $ is escaped, so that Matplotlib does not set the text as a formula.
+    """
     printable = "".join(character for character in words[:1000] if character.isprintable())
     return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")
