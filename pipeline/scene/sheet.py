@@ -105,7 +105,7 @@ class Sheet:
 
     @property
     def other_sheets(self) -> str:
-        """Name of the sheet that was read, and of the other sheets; empty for a single sheet."""
+        """Note that names the sheet that was read, and the sheets left out; empty for one sheet."""
         return next((words for words in self.form if "(not read: " in words), "")
 
     def heading(self, name: str) -> Heading:
@@ -295,9 +295,9 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
 
 
 def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
-    """Find the row of headings that names most quantities.
+    """Find the row of headings that names the largest number of quantities.
 
-    Returns the number of these quantities, and the index of the row.
+    Returns this number, and the index of the row.
     """
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
@@ -309,9 +309,11 @@ def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
-    """Make a `Sheet` from the table whose headings name most quantities.
+    """Make a `Sheet` from the table whose headings name the largest number of quantities.
 
-    `decimal` is the decimal sign, "," or "."; found from the cells if None.
+    `name` is the name of the file, for messages. `names` are the quantities to look for, and
+    `tables` the rows of each table of the file. `decimal` is the decimal sign, "," or "."; found
+    from the cells if None.
     """
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])

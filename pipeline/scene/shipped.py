@@ -44,5 +44,8 @@ def shipped_pages() -> dict[str, Path]:
 
 
 def page_name(path: Path) -> str:
-    """Name of a page of ``irg help``, such as "first-hour", from its file or from typed text."""
+    """Convert the path of a Markdown file to the name of its page in ``irg help``.
+
+    ``FIRST_HOUR.md`` becomes "first-hour". A path made of typed text is converted likewise.
+    """
     return "paper" if path.stem == "README" else path.stem.lower().replace("_", "-")

@@ -83,9 +83,10 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Axes of a sweep's variants, such as surfaces: sorted values along each dimension.
+    """Sorted values along each dimension of the table of variants, such as "realization".
 
-    Columns that have one value for each value of a dimension are included.
+    Keys are names of dimensions, and of columns of the table that a dimension determines. Such a
+    column has a value for each value of the dimension, in the same order.
     """
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()

@@ -103,10 +103,11 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def subtract_fit(count: int) -> tuple[Array, Array]:
-        """Subtract a fitted sum of terms from the heights; return the rest, and the coefficients.
+        """Fit a sum of `count` terms to the heights of the surface, and subtract the sum.
 
-        The terms are the first `count` of 1, u, v, u², uv, v². u and v are x and y, scaled to the
-        range −1 to 1.
+        Returns the remaining heights, (nx, ny), and the coefficients of the terms, (count,), all in
+        metres. The terms are the first of 1, u, v, u², uv, v², where u and v are x and y, scaled to
+        the range −1 to 1.
         """
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors

@@ -115,7 +115,10 @@ class Conditions(Judging):
         return bool(self.friction_law.by_velocity)
 
     def friction_factor(self, velocity: Array | float) -> Array:
-        """Friction at sliding velocities [m/s], divided by the coefficient of friction."""
+        """Factor by which to multiply the coefficient `friction`, at sliding velocities [m/s].
+
+        It is 1 unless friction depends on velocity. The shape is that of `velocity`.
+        """
         factor: Array = replace(self.friction_law, coefficient=1.0).at(velocity)
         return factor
 

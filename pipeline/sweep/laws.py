@@ -55,16 +55,18 @@ class MissingSurface(UnknownHeights):
 
 @dataclass(frozen=True)
 class Law(UnknownHeights):
-    """Record in a store of a law, surface, criterion or pin that was given in Python.
+    """What a store records of a user's Python object: a wear law, surface, criterion or pin.
 
     Attributes
     ----------
     name : str
-        Module and name of the law's class, or of the criterion's function.
+        Module and name of the object's class; for a criterion, those of its function.
     parameters : tuple
-        Names and values of the law's fields, and of attributes that answers use; arrays as digests.
+        Names and values of the object's fields, and of attributes that are read after a run, such
+        as the length of a pin. An array is replaced by text with its SHA-256.
     source_sha256 : str
-        SHA-256 of the file of the law's module, or of its source if there is no file.
+        SHA-256 of the file that defines the class or function, or of its source if there is no
+        file.
     """
 
     name: str
@@ -117,7 +119,7 @@ def law_record(law: Any) -> Law:
 
 
 def name_of(law: Any) -> str:
-    """Module and name of the class of a law, or of the function of a criterion."""
+    """Module and name of the class or function from `code_of`, as in "module:name"."""
     if isinstance(law, Law):
         return law.name
     code = code_of(law)
@@ -125,7 +127,11 @@ def name_of(law: Any) -> str:
 
 
 def code_of(law: Any) -> Any:
-    """Class of a law; for a criterion its function, or the class of a callable object."""
+    """Class or function that holds the code of a user's wear law, surface, criterion or pin.
+
+    It is the class of `law`. For a criterion it is the function that was given, or the class if a
+    callable object was given.
+    """
     called = law.rise if isinstance(law, Rule) else type(law)
     return called if hasattr(called, "__qualname__") else type(called)
 

@@ -251,7 +251,10 @@ class Sweep:
         return self._alone[name]
 
     def cache_parts(self, parts: Iterable[Parts]) -> None:
-        """Cache the `parts` of all variants, given in order: making each takes 0.2 ms."""
+        """Cache `parts` that were already made, so that variants do not read their entries again.
+
+        There is one `Parts` (scene, conditions, tests and oil) for each variant, in their order.
+        """
         for name, one in zip(self.variants.names, parts, strict=True):
             vars(self.variant(name))["parts"] = one
 

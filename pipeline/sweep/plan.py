@@ -70,10 +70,12 @@ class PointResult:
 
     @property
     def fields(self) -> dict[str, Array]:
-        """Pressure [Pa], rise per unit friction [K] and wear depth [m] at the end, shape (nx, ny).
+        """Fields at the end of the simulation by name, each (nx, ny).
 
-        With unequal bulk temperatures there is also the response to their difference. Values are
-        means over the scene's elements if the point was computed on smaller elements.
+        They are ``pressure`` [Pa], ``rise`` per unit friction [K] and ``wear_depth`` [m]. With
+        unequal bulk temperatures there is also ``bulk_response`` [K/K]: how much the pin's surface
+        warms for each kelvin by which the disk's bulk is warmer than the pin's. If the point was
+        computed on smaller elements than the scene's, values are means over the scene's elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)

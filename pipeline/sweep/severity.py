@@ -43,16 +43,16 @@ MOLTEN = (
 
 
 def rise_limit(conditions: Conditions) -> float:
-    """Decisive rise per unit friction above which wear is severe [K]; infinite without friction."""
+    """Rise per unit friction above which wear is severe [K]; infinite without friction."""
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Limits of the decisive rise per unit friction [K] (n,), as the critical temperature varies.
+    """Rises per unit friction above which wear is severe [K], (n,).
 
-    There is one for each of n equally likely errors of the critical temperature. A limit is
-    negative if the critical temperature is below the bulk temperature.
+    There is one for each of n equally likely errors of the critical temperature. It is negative if
+    the critical temperature, with this error, is below the bulk temperature.
     """
     critical = conditions.known_critical_temperature()
     return np.array([conditions.limit(critical + error) for error in critical_errors(conditions)])

@@ -24,10 +24,11 @@ class Stations:
     holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
-        """Indices of steps at which to compute a temperature on the finest grid.
+        """Indices of the time steps at which to compute a temperature on the finest grid.
 
-        The steps are those of the loading up to `load` [N], and of its hold. The set may lack the
-        step that reaches the load and the last step: there a temperature is always computed.
+        The steps belong to the loading up to `load` [N] and to the hold at this load. The step that
+        reaches the load, and the last step, may be missing from the set: their temperatures are
+        always computed.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]

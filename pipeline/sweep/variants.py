@@ -61,7 +61,7 @@ class Column:
 
 
 class Sampling(NamedTuple):
-    """How samples were drawn at random, as reported by the optional part that draws them."""
+    """How the samples in a table of variants were drawn at random, as read from `Variants.draw`."""
 
     unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
     movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value

@@ -164,9 +164,10 @@ def as_computed(sweep: Sweep) -> Scene:
 
 
 def time_steps(sweep: Sweep) -> tuple[float, float, State]:
-    """Time some steps; return the mean CPU time of a contact, that of a heat solution, a state.
+    """Measure the CPU time of some steps of a sweep's simulations.
 
-    Times are in seconds. The state is the last that was computed.
+    Returns the mean time of a contact solution [s], that of a heat solution [s], and the last state
+    that was computed.
     """
     moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]

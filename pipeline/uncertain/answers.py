@@ -47,8 +47,9 @@ def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
     """Find where wear changes along n lines of ln(rise/limit), straight between abscissae.
 
     `x` (m,) are the abscissae, such as ln(velocity), and `lines` (n, m) the values. Returns two
-    arrays (n, m − 1) with a value for each interval: 1 if wear turns severe, −1 if it turns mild,
-    else 0; and the abscissa of the change.
+    arrays (n, m − 1) with a value for each interval between abscissae. The first array is 1 if wear
+    turns severe, −1 if it turns mild, and 0 without a change. The second is the abscissa of the
+    change; without a change its value has no meaning.
     """
     is_severe = lines > 0
     turns = is_severe[:, 1:].astype(int) - is_severe[:, :-1]

@@ -163,10 +163,11 @@ def critical_temperatures(
 
 
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Return the sweep with tests of a single oil, from its list `key`, as measured transitions.
+    """Return the sweep with tests of the scene's own oil as its only measured transitions.
 
-    `key` is "measured" or "tested". Tests that name no oil ran on the scene's oil, and are taken.
-    If every test names an oil, tests of the alphabetically first oil are taken.
+    The tests are taken from the scene's list `key`, "measured" or "tested". Tests that name no oil
+    ran on the scene's own oil. If every test names an oil, the alphabetically first oil counts as
+    the scene's own.
     """
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)

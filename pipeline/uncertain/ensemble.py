@@ -366,9 +366,11 @@ def keep_fits(ds: xr.Dataset) -> None:
 def _row_conditions(
     conditions: Conditions, sweep: Sweep, rows: Sequence[int], shares: Sequence[float] | None
 ) -> list[Conditions]:
-    """Conditions of the samples `rows`, with the corrections that were drawn for each sample.
+    """Conditions of each sample: `conditions` with the values that were drawn for the sample.
 
-    `shares` are the drawn failing shares; None if the share was not drawn.
+    Corrections are taken from the `sweep`, where `rows` are the numbers of the samples' variants.
+    `shares` has a drawn value of `Conditions.failing_share` for each sample. If None, this share
+    was not drawn, and that of `conditions` remains.
     """
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]

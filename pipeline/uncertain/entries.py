@@ -56,7 +56,10 @@ _APPLIED = {"friction.coefficient", "temperature.bulk", "temperature.critical"}
 
 
 def _fixed_paths(document: Document) -> frozenset[str]:
-    """Paths of unknown inputs that are fixed by a later value, such as by ``--set``."""
+    """Paths of unknown inputs to which an overriding layer of the scene gives a value.
+
+    Such a layer is ``--set``, or a scene file that extends the file with the unknown input.
+    """
     fixed, above, seen = set[str](), set[str](), set[str]()
     for layer in document.layers:
         table = layer.entries.get("unknown")

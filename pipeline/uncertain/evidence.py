@@ -307,10 +307,11 @@ class Joint:
 
     @functools.cached_property
     def _specimen_scatter(self) -> tuple[Array, Array]:
-        """Mean and variance of the shifts of tests by inputs that vary between specimens.
+        """Mean and variance of each test's shift, which is due to differences between specimens.
 
-        A shift is a change of a test's distance from the boundary, in ln(velocity). Both arrays are
-        (n_test, 1), or (1, 1) if no input varies.
+        The shift is the change of a test's distance from the boundary, in ln(velocity), if inputs
+        that vary between specimens depart from their medians. Both arrays are (n_test, 1), or
+        (1, 1) if no input varies.
         """
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))

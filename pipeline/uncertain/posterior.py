@@ -295,10 +295,11 @@ class Contrast(NamedTuple):
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Yield differences between each two oils: critical temperature, and ln(critical velocity).
+    """Yield the differences between two oils, for each pair of oils.
 
-    The critical velocity is taken at the geometric mean of the sweep's lowest and highest load.
-    Nothing is yielded if the tests are of one oil.
+    A pair has two: the difference in critical temperature [K], then that in ln(critical velocity)
+    at the geometric mean of the sweep's lowest and highest load. Nothing is yielded if the tests
+    are of one oil.
     """
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs

@@ -32,10 +32,11 @@ _LEAST = 0.005  # share of the whole covariance added to each component's
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> tuple[Array, Array]:
-    """Draw `count` values of each unknown input from prior × likelihood.
+    """Draw `count` values of each unknown input, with weights for prior × likelihood.
 
-    `log_likelihood` returns ln(likelihood) (n,) of draws (n, n_unknown). Returns draws [SI] and the
-    logarithms of their weights (n,). The mean of the weights is the evidence.
+    The draws follow this distribution only if they are weighted. `log_likelihood` returns
+    ln(likelihood) (count,) of draws (count, n_unknown) [SI]. Returns the draws and the logarithms
+    of their weights (count,). The mean of the weights is the evidence.
     """
     n, power = len(unknown), 0.0
     scores, mixture = ndtri(sequence(seed, count, n)), None

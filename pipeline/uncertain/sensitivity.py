@@ -117,11 +117,10 @@ def sensitivity(ensemble: Samples, posterior: Draws | None = None) -> Sensitivit
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array]:
-    """First and total Sobol' indices of independent inputs, and half-widths of 90 % intervals.
+    """First-order and total Sobol' indices of independent inputs, with half-widths of 90 % bands.
 
-    Both arrays are (2, n_output, n_unknown), with the first index before the total. `function`
-    returns the outputs (n, n_output) of n draws. `count` is the size of the base sample, drawn with
-    `seed`.
+    Both arrays are (2, n_output, n_unknown), first-order before total. `function` returns the
+    outputs (n, n_output) of n draws. `count` is the size of the base sample, drawn with `seed`.
     """
     from scipy.stats import norm, sobol_indices  # takes 0.5 s
 
@@ -140,10 +139,10 @@ def indices(
 
 
 def _first_order_indices(draws: Draws, values: Array) -> Array:
-    """First Sobol' indices (n_output, n_unknown), also of correlated inputs.
+    """First-order Sobol' indices (n_output, n_unknown), also of correlated inputs.
 
-    The index is the variance of means over parts of an input's range, minus the part due to chance,
-    divided by the whole variance. `values` are the outputs of the draws, (n, n_output).
+    The outputs of the draws, `values` (n, n_output), are averaged in bins of an input. The index is
+    the variance of these averages, minus what chance adds to it, divided by the output's variance.
     """
     weights = draws.weights
     y = values - draws.mean(values)

@@ -200,7 +200,11 @@ def moving_ellipse_rise(
     decay = abs(velocity) / (2 * thermal_diffusivity) * (1 - np.cos(angle))
 
     def negative_rise(x: float) -> float:
-        """−2πK/q₀ times the rise at a distance x behind the centre [m]; its minimum is sought."""
+        """Steady rise at a point of the middle line, times −2πK/q₀ [m], to be minimised.
+
+        The point lies `x` [m] behind the centre of the elliptical source. K is the thermal
+        conductivity, and q₀ the peak flux.
+        """
         # On a ray, 1 − x²/a² − y²/b² = `left` + 2 `product` r − `square` r². Its positive root in
         # r is the edge.
         square, product, left = along**2 + across**2, x / a * along, 1 - (x / a) ** 2

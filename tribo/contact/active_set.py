@@ -55,9 +55,10 @@ def active_set_step(
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the pressure at the free nodes, while all other nodes stay at their bounds.
 
-    `judged` is the judgement of the iterate. Conjugate gradients stop once the gap at these nodes
-    is at most `gap_goal` [m], and after `most` convolutions at the latest. Returns the next
-    iterate, and the state for the next active-set step.
+    `judged` has the free nodes and the gap of the iterate. `active` is the state that the last
+    active-set step returned. Conjugate gradients stop once the gap at the free nodes is at most
+    `gap_goal` [m], and after `most` convolutions at the latest. Returns the next iterate, and the
+    state for the next active-set step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)

@@ -25,7 +25,7 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess the pressure [Pa] from the contact of 2 × 2 blocks; return it, and its cost.
+    """Guess the pressure [Pa] from the contact of 2 × 2 blocks; return the guess and its cost.
 
     The contact of blocks is itself guessed from a coarser grid. All elements of a block get the
     block's pressure, so that too many are loaded: the iteration drops surplus elements in fewer
@@ -48,11 +48,13 @@ def coarser_guess(problem: Problem) -> tuple[Array, float]:
 
 
 def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Improve a guess [Pa] by solving the contact on its loaded part; return it, and its cost.
+    """Improve a guess of the pressure [Pa] by solving the contact on the loaded part of the grid.
 
-    Along periodic axes the part has all elements. Elements outside the part get 0. `limits` end the
-    iteration on the part. The cost is a number of convolutions, in which those on the part count as
-    fractions. If the part is not much smaller than the grid, the guess is returned unchanged.
+    The part is a rectangle around the elements that the guess loads. Along periodic axes it has all
+    elements. `limits` end the iteration on the part. Returns the better guess, which is 0 outside
+    the part, and its cost in convolutions on the whole grid. A convolution on the part counts as a
+    fraction, by the number of elements. If the part is not much smaller than the grid, the guess is
+    returned unchanged.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)

@@ -27,7 +27,11 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A contact problem: separation, solid, load and hardness, and quantities from the solid."""
+    """A contact problem: the solid, the separation of the surfaces, the load and the hardness.
+
+    Derived from the solid are `soft` (its rows), `near` (influence of neighbouring elements) and
+    `fast` (the solid in single precision where possible).
+    """
 
     solid: ElasticHalfSpace  # the map D
     heights: Array  # separation of the undeformed surfaces, z [m]
@@ -48,16 +52,17 @@ class Problem:
 
     @property
     def coupling(self) -> float:
-        """Displacement of a row by unit pressure on one of its nodes [m/Pa]; 0 if it is small.
+        """Displacement of a whole row by unit pressure on one of its nodes [m/Pa]; 0 if negligible.
 
-        Rows with a larger coupling are soft: they yield as a whole.
+        Rows run along x or y, as `soft` says. The displacement is negligible if it is small against
+        that of the loaded node itself. Otherwise the rows are called soft.
         """
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
         """Index of the row in which each node lies.
 
-        Rows run along x or y, whichever axis yields more to a uniform pressure.
+        Rows run along x or y, whichever a uniform pressure displaces more.
         """
         return self.soft.numbers(nodes, self.heights.shape)
 
@@ -85,7 +90,7 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Rows of elements along x or along y, whichever yield more to a uniform pressure."""
+    """Rows of elements along x or along y, whichever a uniform pressure displaces more."""
     return _prepare_solid(solid)[0]
 
 

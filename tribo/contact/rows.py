@@ -31,7 +31,7 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """Rows of elements along x or along y, whichever yield more to a uniform pressure.
+    """Rows of elements along x or along y, whichever a uniform pressure displaces more.
 
     `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa]. If the
     coupling is not small against the influence of an element on itself, the rows are soft, and
@@ -44,7 +44,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Choose rows along x or along y, whichever yield more to a uniform pressure."""
+        """Choose rows along x or along y, whichever a uniform pressure displaces more."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n
@@ -63,11 +63,11 @@ class SoftRows:
 
 
 class RowMetric:
-    """Metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ for pressures at some nodes of a grid, where rows are soft.
+    """Metric d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ for pressures at some nodes, which lie in rows of a grid.
 
-    The vector 1ᵢ is 1 at the nodes of row i and 0 at all other nodes. Unit pressure on a node
-    displaces this node by d, and all nodes of its row by another c/n. Fields are vectors with a
-    value for each node of the metric, (n_node,).
+    Unit pressure on a node displaces this node by d, and all nodes of its row by another c/n. Unit
+    pressure on all n nodes of a row thus adds c. The vector 1ᵢ is 1 at the nodes of row i and 0 at
+    all other nodes. Fields are vectors with a value for each node of the metric, (n_node,).
 
     Parameters
     ----------
