@@ -1,4 +1,4 @@
-"""The bulk of a body behind its heated skin: a heat capacity, and a loss to what is around it."""
+"""The bulk of a body behind its heated skin: a heat capacity, and a loss to the surroundings."""
 
 from __future__ import annotations
 
@@ -47,7 +47,10 @@ class Bulk:
 
     @property
     def resistance(self) -> float:
-        """Thermal resistance to the surroundings [K/W]: 1/loss, or 0 with a heat capacity."""
+        """Steady thermal resistance to the surroundings [K/W]: 1/loss.
+
+        It is 0 for a body with a heat capacity: `bulk_warming` computes how such a body warms.
+        """
         return 0.0 if self.capacity else 1 / self.loss
 
 
@@ -57,21 +60,22 @@ def bulk_warming(
     conductances: tuple[float, float],
     bulks: tuple[Bulk | None, Bulk | None],
 ) -> tuple[float, float]:
-    """Warming of the bulk of pin and disk from time 0 to the last of the `times` [K].
+    """Warming of the bulk of the pin, and of the disk, from time 0 to the last of the `times` [K].
 
-    The contact has one temperature, and conductances h₁ and h₂ to the bulks [W/K]. With the heat Q
-    of the contact, and the heat that flows from one body to the other, body 1 gets
+    The contact has one temperature, and conductances h₁ and h₂ to the bulks [W/K]. Its heat Q is
+    shared, and heat flows from one body to the other. So the warming T₁ of body 1, with its
+    capacity C₁ and its loss G₁, follows
 
         C₁ dT₁/dt = h₁/(h₁ + h₂) Q + h₁h₂/(h₁ + h₂) (T₂ − T₁) − G₁ T₁,
 
-    and body 2 the same with 1 and 2 exchanged. With constant conductances the solution has two
-    exponentials, each summed in closed form.
+    and that of body 2 the same with 1 and 2 exchanged. With constant conductances the solution has
+    two exponentials, each summed in closed form.
 
     Parameters
     ----------
     times, heats : ndarray
-        Times [s] and the heat of the contact at each time [W]. The heat is linear in between, and 0
-        at time 0.
+        Times, ascending [s], and the heat of the contact at each time [W]. The heat is linear in
+        between, and 0 at time 0.
     conductances : tuple of float
         Conductances from the contact to pin and disk [W/K].
     bulks : tuple
@@ -79,10 +83,10 @@ def bulk_warming(
 
     Examples
     --------
-    A disk of 0.65 kJ/K that takes nearly all of 94 W, after a ramp of 5 s and a hold of 60 s:
+    A disk of 0.65 kJ/K takes nearly all heat, which rises to 94 W in 5 s and stays there for 60 s:
 
-    >>> moments, heats = np.array([5.0, 65.0]), np.array([94.0, 94.0])
-    >>> _, disk = bulk_warming(moments, heats, (0.0, 1.0), (None, Bulk(650.0)))
+    >>> times, heats = np.array([5.0, 65.0]), np.array([94.0, 94.0])
+    >>> _, disk = bulk_warming(times, heats, (0.0, 1.0), (None, Bulk(650.0)))
     >>> f"{disk:.2f} K"
     '9.04 K'
     """

@@ -1,8 +1,9 @@
 """The contact as a node between two bodies, each behind a thermal resistance.
 
-Two half-spaces that share the heat Q so that the contact gets warmer by θ, with the share φ into
-the pin, are two resistances to ground, θ/(φQ) and θ/((1 − φ)Q). Whatever lies in series with one of
-them, and a bulk that earlier heat has warmed, then follows without another solution of the contact.
+Two half-spaces share the heat Q, with the share φ into the pin, so that the contact gets warmer by
+θ. They act as two resistances to ground, θ/(φQ) and θ/((1 − φ)Q). The rise with further resistances
+in series, or with bulks that earlier heat has warmed, then follows without solving the contact
+again.
 """
 
 from __future__ import annotations
@@ -48,9 +49,9 @@ def circuit_rise(
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    `rise` is the mean rise θ [K] between half-spaces without them, where the pin takes `pin_share`
-    φ of the `heat` Q [W]. The resistances are in K/W. With the conductances hᵢ' of `conductances`,
-    and the warming of the bulk of pin (θ₁) and disk (θ₂) [K], the rise is
+    `rise` is the mean rise θ [K] between half-spaces without these resistances, where the pin takes
+    the share φ, `pin_share`, of the `heat` Q [W]. The resistances are in K/W. With the conductances
+    hᵢ' of `conductances`, and the warming of the bulk of pin (θ₁) and disk (θ₂) [K], the rise is
 
         θ' = (Q + h₁'θ₁ + h₂'θ₂)/(h₁' + h₂')
 

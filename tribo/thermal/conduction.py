@@ -6,11 +6,12 @@ of the insulated surface of a half-space that moves at V along x by::
     T(x, y, t) = 1/(4√π K) ∫₀^{2√(κt)} E_x E_y ds                                        (1)
     E_x = erf((x + a)/s − vs) − erf((x − a)/s − vs),   v = V/(4κ)
 
-and E_y likewise with b and at rest (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed.,
-§10.7). It is the instantaneous source integrated over its age τ, with s = 2√(κτ) the distance
-that heat diffuses and vs² = Vτ the distance that the surface travels in the meantime. At each
-node s of a quadrature the integrand is an outer product f(x) g(y), and so is its transform: the
-spectrum of the whole kernel is a sum of outer products of one-dimensional transforms.
+and E_y likewise with b and at rest, with the conductivity K and the diffusivity κ (Carslaw &
+Jaeger, *Conduction of Heat in Solids*, 2nd ed., §10.7). It is the instantaneous source integrated
+over its age τ, with s = 2√(κτ) the distance that heat diffuses and vs² = Vτ the distance that the
+surface travels in the meantime. At each node s of a quadrature the integrand is an outer product
+f(x) g(y), and so is its transform: the spectrum of the whole kernel is a sum of outer products of
+one-dimensional transforms.
 
 The panels of the quadrature are in `quadrature`, and the factors f and g in `factors`.
 
@@ -63,8 +64,8 @@ class ConductingHalfSpace(Convolution):
         as a share of the kernel's self term, is 7e-7 with 10 nodes and 6e-12 with 16.
     length : float or "nearest-image", optional
         Heated length along a periodic y [m], with the patch in its middle, and at least as long as
-        the patch. Endless if not given. With ``"nearest-image"``, the patch and the nearer periodic
-        image of each element are heated, as Bosman & de Rooij assume.
+        the patch. Infinite if not given. With ``"nearest-image"``, the patch and the nearer
+        periodic image of each element are heated, as Bosman & de Rooij assume.
 
     Examples
     --------
@@ -119,15 +120,15 @@ def flux_history_spectrum(
 
     For a constant flux it is an integral over the diffusion length s, Eq. (1) of
     `tribo.thermal.conduction`. By Duhamel's principle the integrand is multiplied by the strength
-    of the flux at the time τ = s²/(4κ) before the present. `strengths` are given at `ages`, times
-    before the present [s], which ascend. The strength is linear between ages, and 0 outside them.
-    See `ConductingHalfSpace` for the other parameters.
+    of the flux at the time τ = s²/(4κ) before the present. The dimensionless `strengths` are those
+    at `ages`, ascending times before the present [s]. The strength is linear between ages, and 0
+    outside them. The other parameters are those of `ConductingHalfSpace`.
 
     Returns
     -------
     ndarray, shape (mx, c)
-        The first c columns of a spectrum for `Convolution` [K m²/W]. The other columns are 0: they
-        vary quickly along a periodic y, and have faded. Real if the body is at rest.
+        The first c columns of a spectrum for `Convolution` [K m²/W]. The other columns are 0: their
+        modes are short waves along a periodic y, which have faded. Real if the body is at rest.
 
     Examples
     --------
@@ -243,7 +244,7 @@ def _weighted_factor(
     """Nodes s [m] on a panel of the integral, and the kernel's factor along x times their weights.
 
     `axis` is the x axis, `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on
-    [−1, 1]. With `filon` the weights are from `filon_weights`.
+    [−1, 1]. With `filon` the weights are those of `filon_weights`, for factors that oscillate.
     """
     (low, high), (nodes, weights) = panel, rule
     if not filon:
@@ -266,7 +267,10 @@ def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Length along y that is heated [m]; infinite if the heat has no ends along y."""
+    """Length along y that is heated [m]: `length`, or that of the patch if it is longer.
+
+    It is infinite if the heat has no ends along y: on a free axis, and for "nearest-image".
+    """
     if length == "nearest-image":
         if not grid.periodic[1]:
             raise InputError("length 'nearest-image' is for a patch that is periodic along y")

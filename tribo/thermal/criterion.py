@@ -1,10 +1,11 @@
-"""The temperature of the contact that decides about severe adhesive wear (scuffing).
+"""Criteria of severe adhesive wear (scuffing): which contact temperature has a limit.
 
-Wear is severe where the deciding temperature exceeds the critical one: the temperature that a
-share of the contact area exceeds (Bosman & de Rooij), the highest (Blok), or the mean. To add a
-criterion, add an entry to `CRITERIA`.
+Wear is severe where the criterion's temperature exceeds its limit, the critical temperature. The
+criterion's temperature is that which a share of the contact area exceeds (Bosman & de Rooij), the
+highest (Blok), or the mean. To add a criterion, add an entry to `CRITERIA`.
 
-Temperatures follow from rises at friction 1. The deciding one is picked in this module alone.
+Temperatures follow from rises per unit friction coefficient. This module alone knows which rise a
+criterion uses.
 """
 
 from __future__ import annotations
@@ -25,17 +26,19 @@ Columns = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """Kind of criterion: how the deciding rise is found, and the words for the criterion.
+    """Kind of criterion: how its temperature rise is found, and the words for the criterion.
+
+    Wear is severe if the criterion's rise exceeds the rise to the critical temperature.
 
     Attributes
     ----------
     column : str
-        Column that decides, ``"rise_quantile"`` or ``"mean_rise"``.
+        Column of rises that the criterion uses, ``"rise_quantile"`` or ``"mean_rise"``.
     rise : callable
-        Called with the column that decides [K], the share of the contact, and the probabilities of
-        the quantiles; returns the deciding rise [K].
+        Called with the values of this column [K], the share of the contact, and the probabilities
+        of the quantiles; returns the criterion's rise [K].
     temperature, severe : str
-        Words that name the deciding temperature, and words for when wear is severe. They may
+        Words that name the criterion's temperature, and words for when wear is severe. They may
         contain ``{share:g}``, the share of the contact [%].
 
     Examples
@@ -76,9 +79,10 @@ CRITERIA: dict[str, Rule] = {
 
 @dataclass(frozen=True, slots=True)
 class Criterion:
-    """A criterion of severe wear.
+    """A criterion of severe wear: which temperature of the contact must exceed the critical one.
 
-    The temperature that a share s of the contact area exceeds is its quantile 1 − s.
+    The temperature that a share s of the contact area exceeds is the quantile 1 − s of the
+    temperature over this area.
 
     Attributes
     ----------
@@ -121,7 +125,7 @@ class Criterion:
 
     @property
     def column(self) -> str:
-        """Column that decides, ``"rise_quantile"`` or ``"mean_rise"``."""
+        """Column of rises that the criterion uses, ``"rise_quantile"`` or ``"mean_rise"``."""
         return self._rule.column
 
     @property
@@ -131,37 +135,37 @@ class Criterion:
 
     @property
     def temperature(self) -> str:
-        """Words that name the deciding temperature, such as "mean of the contact"."""
+        """Words that name the criterion's temperature, such as "mean of the contact"."""
         return self._rule.temperature.format(share=100 * self.share)
 
     @property
     def severe(self) -> str:
         """Words for when wear is severe, such as "any of the contact above".
 
-        The critical temperature is to be written after these words.
+        The caller writes the critical temperature after these words.
         """
         return self._rule.severe.format(share=100 * self.share)
 
     @staticmethod
     def is_severe(rise: Any, limit: Any) -> Any:
-        """True where the deciding rise is above its limit [K]; False where it is NaN."""
+        """True where the criterion's `rise` [K] is above its `limit` [K]; False where it is NaN."""
         return rise > limit
 
     @staticmethod
     def is_mild(rise: Any, limit: Any) -> Any:
-        """True where the deciding rise is at most its limit [K]; False where it is NaN."""
+        """True where the criterion's `rise` is at most its `limit` [K]; False where it is NaN."""
         return rise <= limit
 
     def rise(self, columns: Columns) -> Any:
-        """Rise that decides whether wear is severe [K], found from columns of rises.
+        """Rise that the criterion compares with its limit [K], (...), from columns of rises.
 
         Parameters
         ----------
         columns : mapping
-            Arrays by name: the deciding column, ``rise_quantile`` (..., n_quantile) or
+            Arrays by name: the criterion's `column`, ``rise_quantile`` (..., n_quantile) or
             ``mean_rise`` (...) [K], and ``quantile`` (n_quantile,), the probabilities of the
             quantiles; `tribo.QUANTILES` if left out. If the bulk temperatures of pin and disk
-            differ, the rises must already account for this; see `add_bulk_ratio`.
+            differ, the rises must already account for this, as `add_bulk_ratio` makes them.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
         with law_errors(f"criterion {self.name}"):
@@ -193,11 +197,12 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
 
 
 def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
-    """Convert rises per unit friction [K] from equal to unequal bulk temperatures.
+    """Convert rises per unit friction coefficient [K] from equal to unequal bulk temperatures.
 
     Rises are above the pin's bulk temperature. The bulk ratio is (disk's − pin's bulk
-    temperature)/friction [K]. The mean rise needs the column ``mean_bulk_response``, quantiles need
-    ``bulk_rise_quantile``.
+    temperature)/(friction coefficient) [K]. Returns the columns with new values of
+    ``rise_quantile``, ``max_rise`` and ``mean_rise``, if present; `columns` is not changed.
+    Quantiles need the column ``bulk_rise_quantile``, the mean needs ``mean_bulk_response``.
 
     Examples
     --------

@@ -66,27 +66,31 @@ class Disc:
         return ", ".join(parts)
 
     def rim_response(self, age: Array, diffusivity: float, heat_capacity: float) -> Array:
-        """Warming of the rim at a time after heat was spread over it, per (heat per area)/ρc [1/m].
+        """Impulse response of the temperature of the rim [1/m], one value for each age.
 
-        The temperature of the rim, r = a, at a time t after heat was spread evenly over it, is a
-        sum over the modes of a cylinder or a ring (Carslaw & Jaeger, *Conduction of Heat in
-        Solids*, 2nd ed., 1959, §7.7, §7.9 and §7.10),
+        Heat Q per area [J/m²] that is spread over the rim at once warms the rim, after the time t,
+        by Q/(ρc) times the response. This is a sum over the modes φₙ of a cylinder or a ring
+        (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §7.7, §7.9 and §7.10),
 
-            1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² Fo),  Fo = κt/a²,
+            1/a Σ φₙ(1)²/∫φₙ² x dx exp(−βₙ² κt/a²),   φₙ = J₀(βₙx) + cₙY₀(βₙx).
 
-        φₙ = J₀(βₙx) + cₙY₀(βₙx), from the bore, x = b/a, to 1. Losses h of rim and bore, φ' +
-        (ha/K) φ = 0 outwards, shift the roots βₙ. Without losses one root is 0, and on a disc
-        without a bore J₁(βₙ) = 0. A loss of the faces multiplies the sum by exp(−2ht/ρcB), with the
-        width B. Under a constant flux on a disc without losses, the integral over t is (a/K)(2Fo +
-        1/4 − 2 Σ exp(−βₙ²Fo)/βₙ²). At first the response is 1/√(πκt), as of a half-space, corrected
-        for the curvature of the rim.
+        Here a is the radius of the rim, and x the radius divided by a. The integral goes from the
+        bore to the rim, x = 1. The heat losses h per area at rim and bore determine βₙ and cₙ by
+        φₙ' + (ha/K) φₙ = 0 there, with the outward slope φₙ' and the conductivity K. Without a bore
+        cₙ is 0.
+
+        A loss h of the faces multiplies the sum by exp(−2ht/(ρcB)), with the width B. The shaft
+        takes its heat at the bore, or evenly from a disc without a bore.
+
+        At early times the response is 1/√(πκt), as of a half-space, corrected for the curvature and
+        the loss of the rim.
 
         Parameters
         ----------
         age : ndarray
-            Ages t, above 0 [s].
+            Times t since the heat was spread over the rim, above 0 [s].
         diffusivity, heat_capacity : float
-            κ [m²/s] and ρc [J/(m³ K)].
+            Thermal diffusivity κ [m²/s], and heat capacity per volume ρc [J/(m³ K)].
 
         Examples
         --------
@@ -117,7 +121,7 @@ class Disc:
         return left
 
     def as_dict(self) -> dict[str, float]:
-        """Return the sizes, and the losses that are not 0, by name."""
+        """Return the sizes and losses by name, without those that are 0."""
         return {name: value for name, value in asdict(self).items() if value}
 
 
@@ -125,8 +129,8 @@ class Disc:
 def _modes(inner: float, rim: float, bore: float) -> tuple[Array, Array]:
     """Roots βₙ of a ring from x = `inner` to 1, and the weights φₙ(1)²/∫φₙ² x dx of its modes.
 
-    `rim` and `bore` are the losses at rim and bore as Biot numbers ha/K. The modes φₙ are those of
-    `Disc.rim_response`.
+    x is the radius divided by the rim's radius. `rim` and `bore` are the losses at rim and bore as
+    Biot numbers ha/K. The modes φₙ are those of `Disc.rim_response`.
     """
     j0, j1, y0, y1 = (getattr(scipy.special, name) for name in ("j0", "j1", "y0", "y1"))
 

@@ -1,19 +1,20 @@
 """Heat partition that remembers all heat that has flowed before (Duhamel's principle).
 
-Between stations the flux qᵢ into each body changes linearly with time, so that at time tⁿ
+Between the ends t⁰, t¹, … of time steps the flux qᵢ into body i is linear in time. So at tⁿ its
+surface is warmer by
 
     Tᵢ = Bᵢ⁰ qᵢⁿ + Hᵢ,   Hᵢ = Σ_{m<n} Bᵢᵐ qᵢᵐ,                                            (1)
 
 where Bᵢᵐ is the rise now due to a flux that grew from 0 to 1 before tᵐ and fell to 0 after it,
-and Bᵢ⁰ the rise due to a flux that has grown since the last station. One temperature on the
+and Bᵢ⁰ the rise due to a flux that has grown since the last step. One temperature on the
 contact then replaces Eq. (1) of `partition` by
 
     (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁ + ΔT_b.                                              (2)
 
-Bᵢᵐ depends on the ages of the stations alone. So for steps of equal length it is computed once
+Bᵢᵐ depends only on how long ago each step was. So for steps of equal length it is computed once
 for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
-a few steps only the longest waves of a flux along a periodic axis are left, and nothing of a flux
-that moves. Only what is left is kept.
+a few steps only the longest waves of a flux along a periodic axis still matter, and nothing of a
+flux that moves. Other modes are dropped.
 """
 
 from __future__ import annotations
@@ -45,7 +46,8 @@ class Conductor(NamedTuple):
     velocity : float
         Velocity along x [m/s].
     length : float or "nearest-image"
-        Length along y that is heated [m]; see `ConductingHalfSpace`.
+        Length along y that is heated [m], or the patch and its nearer periodic images; as in
+        `ConductingHalfSpace`.
 
     Examples
     --------
@@ -61,19 +63,19 @@ class Conductor(NamedTuple):
 
 
 SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], Spectrum]
-"""Function that returns the spectrum of the rise.
+"""Function that returns the spectrum of the map from a past heat flux to the present rise.
 
-Arguments: grid, body, ages of a heat flux [s], and its strengths at these ages.
+Arguments: grid, body, ages of the flux [s], and its dimensionless strengths at these ages.
 """
 
 
 def conducted_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise of a body due to a past flux into it [K m²/W].
+    """Spectrum of the map from a past heat flux into a body to its present rise [K m²/W].
 
-    The flux had these `strengths`, dimensionless, at these `ages` before now [s]; see
-    `flux_history_spectrum`.
+    The flux varied as `strengths`, dimensionless, at the `ages` before now [s], and linearly in
+    between. The shape is (mx, c): columns after the first c are 0, and left out.
     """
     return flux_history_spectrum(
         grid, body.material, body.velocity, ages, strengths, length=body.length
@@ -82,14 +84,14 @@ def conducted_spectrum(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HeatHistory:
-    """Heat flux into both bodies up to now. It is linear in time between stations (moments).
+    """Heat flux into both bodies up to now. It is linear in time between the `times`.
 
     Attributes
     ----------
     times : tuple of float
-        Times of the stations [s]. The first is 0, when there was no flux.
+        Ends of the time steps [s]. The first time is 0, when there was no flux.
     pin_flux, disk_flux : tuple of ndarray, shape (mx, n)
-        Fourier transforms of the flux into each body [W/m²], one for each station after the first.
+        Fourier transforms of the flux into each body [W/m²], one for each time after the first.
         There are mx modes along x, and the n lowest modes along y. Higher modes along y are left
         out once they no longer affect the temperature.
 
@@ -130,12 +132,13 @@ def partition_with_history(
     history : HeatHistory
         Heat that has flowed up to an earlier time.
     time : float
-        Present time since the first heat [s].
+        Present time, counted from when the heat began [s].
     heat_flux, contact, method, tolerance, bulk_difference
-        As in `tribo.thermal.partition_heat`.
+        Present friction heat [W/m²], elements that touch, and how to divide the heat; as in
+        `tribo.thermal.partition_heat`.
     spectrum_of : callable, optional
-        Spectrum of the rise due to a flux [K m²/W]. It may be cached: steps of equal length need
-        the same spectra again.
+        Function that returns the spectrum of the map from a past flux to the present rise [K m²/W].
+        It may be cached: steps of equal length need the same spectra again.
 
     Returns
     -------
@@ -197,8 +200,9 @@ def _past_rise(
 ) -> tuple[Array, list[Spectrum]]:
     """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes.
 
-    `times` are the ends of earlier steps [s], and `fluxes` the spectra of the flux into the body at
-    each end. `spectrum_of` computes the spectrum of the rise due to a flux [K m²/W].
+    `times` are 0 and the ends of earlier steps [s], and `fluxes` the spectra of the flux into the
+    body at each end [W/m²]. `spectrum_of` computes the spectrum of the map from a past flux to the
+    present rise [K m²/W].
     """
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)

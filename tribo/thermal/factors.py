@@ -20,7 +20,8 @@ from tribo.types import Array, Spectrum
 class Axis:
     """One axis of the heat kernel: n elements of side `step` [m], transformed over `length` points.
 
-    With `nearest_image` the elements of neighbouring periods act, up to one period away.
+    Along a periodic axis an element acts together with all its periodic images; with
+    `nearest_image` only the image nearest to each point is added to the element itself.
     """
 
     n: int

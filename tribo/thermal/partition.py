@@ -176,7 +176,10 @@ def partition_heat(
 
 @functools.lru_cache(maxsize=2)  # many contacts use the same maps
 def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
-    """The sum of both bodies' thermal maps, and its stencils."""
+    """The sum of both bodies' maps from heat flux to rise, and the stencils of this sum.
+
+    The stencils approximate the sum and its inverse among neighbouring elements.
+    """
     both = pin + disk
     return both, Neighbourhood(both)
 
@@ -229,8 +232,8 @@ def _iterate_flux(
     """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
 
     `both` is the sum of the maps of pin and disk, and `near` has the stencils of this sum. `target`
-    is the temperature that `both` must give for the flux on the nodes [K]. See `partition_heat` for
-    `tolerance` and `max_iterations`.
+    is the temperature that `both` must give for the flux on the nodes [K]. The iteration ends once
+    the residual, relative to `target`, is below `tolerance`, or after `max_iterations`.
     """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))

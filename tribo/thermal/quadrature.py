@@ -84,9 +84,10 @@ def filon_weights(
 ) -> NDArray[np.complex128]:
     """Weights of the Gauss nodes for ∫ g(z) exp(−iωz) dz from low to high, any ω.
 
-    g is expanded in Legendre polynomials, whose integrals against exp(−iθξ) over [−1, 1] are
-    2(−i)^l j_l(θ) (Bakhvalov & Vasil'eva, USSR Comput. Math. 8, 1968). Shape (nodes, *ω.shape).
-    `omega` is ω; `nodes` and `weights` are from Gauss' rule on [−1, 1].
+    g is expanded in Legendre polynomials. The integral of the l-th one against exp(−iθξ) over −1 ≤
+    ξ ≤ 1 is 2(−i)^l j_l(θ), here with θ = ω(high − low)/2 (Bakhvalov & Vasil'eva, USSR Comput.
+    Math. 8, 1968). `omega` is ω; `nodes` and `weights` are from Gauss' rule on [−1, 1]. The shape
+    of the result is (nodes, *ω.shape).
     """
     degrees = np.arange(len(nodes))
     projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]

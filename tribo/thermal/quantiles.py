@@ -1,16 +1,17 @@
 """Quantiles of the temperature over the contact area, which decide between mild and severe wear.
 
 Wear turns severe where more than a given share of the real contact area is hotter than the
-critical temperature. The same thing, but smooth: the quantile of the temperature that this share
-exceeds lies above the critical temperature.
+critical temperature. An equivalent condition, of a smooth quantity, is that the quantile of the
+temperature that this share exceeds lies above the critical temperature.
 
-**Bodies of unequal bulk temperature.** Let a be the rise of the pin's surface at friction 1 and b
-its response to a disk that is 1 K warmer. At friction µ and a difference Δ the rise is µa + Δb,
-that is µ times a + ρb with the bulk ratio ρ = Δ/µ. Its quantiles are not linear in ρ. They are
-stored at several ρ and interpolated linearly: exact at these, in the mean, and wherever b is
-uniform. Along the paper's boundary, where b lies between 0.8 and 0.9, the temperature exceeded by
-10 % of the contact area is found to 0.16 % of the mean rise for |ρ| up to 1000 K (100 K at friction
-0.1), any other quantile to 0.4 %.
+**Bodies of unequal bulk temperature.** Let a be the rise of the pin's surface per unit friction
+coefficient, and b its rise for a disk that is 1 K warmer. At the friction coefficient µ and a
+difference Δ the rise is µa + Δb, that is µ times a + ρb with the bulk ratio ρ = Δ/µ. The quantiles
+of a + ρb are not linear in ρ. They are stored at several ρ and interpolated linearly. This is exact
+at the stored ρ, for the mean, and wherever b is uniform. Along the boundary of Bosman & de Rooij, b
+lies between 0.8 and 0.9. There the temperature exceeded by 10 % of the contact area is wrong by at
+most 0.16 % of the mean rise for |ρ| up to 1000 K (Δ = 100 K at µ = 0.1), any other quantile by
+0.4 %.
 """
 
 from __future__ import annotations
@@ -30,8 +31,8 @@ _RATIOS = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
 BULK_RATIOS: tuple[float, ...] = (*(-ratio for ratio in reversed(_RATIOS)), *_RATIOS)
 """Bulk ratios at which quantiles are stored, together with 0 [K].
 
-A bulk ratio is the disk's less the pin's bulk temperature, over friction. At the outermost ratios
-the frictional rise is next to nothing."""
+A bulk ratio is the disk's less the pin's bulk temperature, over the friction coefficient. At the
+outermost ratios the frictional rise is next to nothing."""
 
 
 def contact_quantiles(rise: Array, contact: Mask) -> Array:
@@ -62,18 +63,20 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
     """Quantiles of rise + ρ·response over the contact [K], (n_ratio, n_quantile).
 
-    ρ takes each value of `BULK_RATIOS`: the disk's minus the pin's bulk temperature, over friction
-    [K]. `response` is the rise for each kelvin of this difference.
+    ρ takes each value of `BULK_RATIOS`: the disk's minus the pin's bulk temperature, over the
+    friction coefficient [K]. `rise` is per unit friction coefficient [K], and `response` is the
+    rise for each kelvin of this difference.
     """
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 
 def combine_bulks(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
-    """Quantiles of the rise per unit friction [K] at the bulk `ratio`, by linear interpolation.
+    """Quantiles of the rise at the bulk `ratio` [K], by linear interpolation.
 
-    A bulk ratio is (disk's − pin's bulk temperature)/friction [K]. `rise_quantiles`, of shape (...,
-    n_quantile), are at the ratio 0. `bulk_rise_quantiles`, of shape (..., n_ratio, n_quantile), are
-    at each of the ratios `BULK_RATIOS`, as `bulk_ratio_quantiles` returns them.
+    Rises are per unit friction coefficient. A bulk ratio is (disk's − pin's bulk
+    temperature)/(friction coefficient) [K]. `rise_quantiles`, of shape (..., n_quantile), are at
+    the ratio 0. `bulk_rise_quantiles`, of shape (..., n_ratio, n_quantile), are at each of the
+    ratios `BULK_RATIOS`, as `bulk_ratio_quantiles` returns them.
 
     Examples
     --------

@@ -22,9 +22,11 @@ class Stem:
     Attributes
     ----------
     resistance : float
-        Thermal resistance in the steady state, L/(K A) for a rod [K/W].
+        Thermal resistance in the steady state [K/W]: for a rod of length L, cross-section A and
+        conductivity K, L/(K A).
     settling_time : float
-        Time of diffusion along the rod, L²/κ [s]; 0 for a resistance without heat capacity.
+        Time of diffusion along the rod, L²/κ with the diffusivity κ [s]; 0 for a resistance
+        without heat capacity.
 
     Examples
     --------
@@ -52,10 +54,10 @@ class Stem:
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
     def resistance_under(self, times: Array, loads: Array) -> float:
-        """Thermal resistance at the last time: warming of the heated end per heat flow then [K/W].
+        """Warming of the heated end at the last time, per heat flow at this time [K/W].
 
         The heat flow is in proportion to the load F, which is linear between the times [s] and 0 at
-        time 0. By Duhamel's theorem the resistance at the last time t is
+        time 0. By Duhamel's theorem this resistance at the last time t is
 
             R/F(t) Σ [F₀S(t − t₀) − F₁S(t − t₁) + (F₁ − F₀)/(t₁ − t₀) (I(t − t₀) − I(t − t₁))],
 

@@ -24,20 +24,20 @@ def track_warming(
     heat_capacity: float,
     disc: Disc | None = None,
 ) -> float:
-    """Warming of the disk's track by earlier passes under the pin, per unit friction [K].
+    """Warming of the disk's track by earlier passes under the pin [K].
 
-    The disk takes all heat. In each pass, under the load F, an element dx of the track gets the
-    heat F dx per unit friction, over the width B of the pin. The heat acts as an instantaneous
-    strip on a half-space. At a time t later the middle of the strip is warmer by (Carslaw & Jaeger,
-    *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
+    The warming is per unit friction coefficient, if the disk takes all heat. In each pass, under
+    the load F, an element dx of the track gets the heat F dx over the width B of the pin. The heat
+    acts as an instantaneous strip on a half-space. At a time t later the middle of the strip is
+    warmer by (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §10.3)
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
     The result is the sum of θ over all earlier passes. The n-th latest pass was the time t = nT
-    ago, with the time T of one round. The length of the contact along the track cancels.
+    ago, with the time T of one revolution. The length of the contact along the track cancels.
 
-    If `disc` gives the disk a finite size, `Disc.rim_response` replaces 1/√(πκt). Both are equal at
-    short times, but heat that has spread through a finite disk stays there. The disk is insulated
+    If `disc` gives the disk a finite size, `Disc.rim_response` replaces 1/√(πκt). The two are equal
+    at first, but heat that has spread through a finite disk stays there. The disk is insulated
     at its sides, and the track is in its middle: mirror images of the strip are added to the last
     factor of θ. This factor is 1 if the disk is as wide as the pin.
 
@@ -46,9 +46,9 @@ def track_warming(
     time : float
         Time since the start of the loading at which the warming is computed [s].
     round_trip : float
-        Time of one round, T [s].
+        Time of one revolution, T [s].
     loads : tuple of ndarray
-        Times [s] and loads [N], linear in between and 0 at time 0.
+        Times, ascending [s], and loads at these times [N], linear in between and 0 at time 0.
     width : float
         Width of the pin across the track, B [m].
     diffusivity, heat_capacity : float
@@ -58,7 +58,7 @@ def track_warming(
 
     Examples
     --------
-    The disk of Bosman & de Rooij at 750 N and 1.25 m/s, with friction 0.1:
+    The disk of Bosman & de Rooij at 750 N and 1.25 m/s, with a friction coefficient of 0.1:
 
     >>> ramp = np.array([5.0]), np.array([750.0])
     >>> warming = track_warming(5.0, 0.34 / 1.25, ramp, 3.4e-3, 1.2275e-5, 3.666e6)
@@ -79,7 +79,7 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Warming of the track, per unit friction, by the pass that was `rounds` rounds ago [K]."""
+        """Warming by the pass `rounds` revolutions ago, per unit friction coefficient [K]."""
         age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
