@@ -19,7 +19,8 @@ from tribo.types import Array
 def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus: float) -> float:
     """Half-width a of the contact between a cylinder and a plane [m].
 
-    a = √(4PR/(πE*)) with the load per length P [N/m] and the radius R [m] (Johnson, Eq. 4.43).
+    a = √(4PR/(πE*)) with the load per length P [N/m], the radius R [m] and the contact modulus E*
+    [Pa] (Johnson, Eq. 4.43).
 
     Examples
     --------
@@ -35,7 +36,8 @@ def hertz_line_peak_pressure(
 ) -> float:
     """Highest pressure p₀ between a cylinder and a plane [Pa].
 
-    p₀ = √(PE*/(πR)) with the load per length P [N/m] and the radius R [m] (Johnson, Eq. 4.45).
+    p₀ = √(PE*/(πR)) with the load per length P [N/m], the radius R [m] and the contact modulus E*
+    [Pa] (Johnson, Eq. 4.45).
 
     Examples
     --------
@@ -53,7 +55,8 @@ def hertz_line_peak_pressure(
 def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float) -> float:
     """Radius a of the contact between a sphere and a plane [m].
 
-    a = (3FR/(4E*))^⅓ with the load F [N] and the sphere's radius R [m] (Johnson, Eq. 4.22).
+    a = (3FR/(4E*))^⅓ with the load F [N], the sphere's radius R [m] and the contact modulus E* [Pa]
+    (Johnson, Eq. 4.22).
 
     Examples
     --------
@@ -67,7 +70,8 @@ def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float
 def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus: float) -> float:
     """Highest pressure p₀ between a sphere and a plane [Pa].
 
-    p₀ = (6FE*²/(π³R²))^⅓ with the load F [N] and the sphere's radius R [m] (Johnson, Eq. 4.24).
+    p₀ = (6FE*²/(π³R²))^⅓ with the load F [N], the sphere's radius R [m] and the contact modulus E*
+    [Pa] (Johnson, Eq. 4.24).
 
     Examples
     --------
@@ -85,7 +89,8 @@ def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus
 def hertz_point_approach(normal_load: float, radius: float, contact_modulus: float) -> float:
     """Approach α of distant points of a sphere and a plane [m].
 
-    α = a²/R = (9F²/(16RE*²))^⅓ with the load F [N] and the radius R [m] (Johnson, Eq. 4.23).
+    α = a²/R = (9F²/(16RE*²))^⅓ with the radius a of the contact, the load F [N], the sphere's
+    radius R [m] and the contact modulus E* [Pa] (Johnson, Eq. 4.23).
 
     Examples
     --------
@@ -120,12 +125,14 @@ def hertz_ellipse(
 ) -> HertzEllipse:
     """Elliptical contact between a body of two principal radii and a plane.
 
-    The semi-axes are a ≥ b, the radii along them R_a and R_b, and κ = b/a. Carlson's integral R_D
-    replaces differences of complete elliptic integrals, which cancel near a circle. Then (Johnson,
-    Eqs. 4.26 to 4.31):
+    The semi-axes a ≥ b, along the radii R_a and R_b, the highest pressure p₀ and the approach α
+    follow from (Johnson, Eqs. 4.26 to 4.31)
 
         1/(2R_a) = p₀b/(3E*a²) R_D(0, κ², 1),   1/(2R_b) = p₀b/(3E*a²) R_D(0, 1, κ²),
-        F = 2πp₀ab/3,   α = p₀b K(e)/E*,   e² = 1 − κ².
+        F = 2πp₀ab/3,   α = p₀b K(e)/E*,   κ = b/a,   e² = 1 − κ²,
+
+    with the complete elliptic integral of the first kind K. Carlson's integral R_D replaces
+    differences of complete elliptic integrals, which cancel near a circle.
 
     Parameters
     ----------
@@ -135,6 +142,11 @@ def hertz_ellipse(
         Radii of curvature along x and y [m]; the longer semi-axis lies along the larger radius.
     contact_modulus : float
         E* [Pa].
+
+    Returns
+    -------
+    HertzEllipse
+        Semi-axes along x and y [m], highest pressure p₀ [Pa] and approach of distant points α [m].
 
     Examples
     --------
@@ -166,10 +178,10 @@ def hertz_ellipse(
 
 
 class HertzContact(NamedTuple):
-    """Elastic contact of a smooth pin and a plane; see `hertz_contact`.
+    """Elastic contact of a smooth pin and a plane, the result of `hertz_contact`.
 
-    It has half the width along x [m], the highest pressure [Pa], and the width along y over the
-    width along x.
+    It has half the width along x [m], the highest pressure [Pa], and the width along y divided by
+    the width along x, which is infinite under a cylinder.
     """
 
     half_width: float  # along x [m]
@@ -186,9 +198,8 @@ def hertz_contact(
 ) -> HertzContact:
     """Hertzian contact of a ball, of a cylinder with `length`, or of a pin with `crown_radius`.
 
-    Sizes are in metres; `radius` lies in the plane x, z, and `crown_radius` in the plane y, z.
-
-    The load is in N, the contact modulus in Pa.
+    The pin is a ball if neither is given. Sizes are in metres; `radius` lies in the plane x, z, and
+    `crown_radius` in the plane y, z. The load is in N, the contact modulus in Pa.
 
     Examples
     --------
@@ -227,7 +238,8 @@ def westergaard_full_contact_pressure(
 ) -> float:
     """Mean pressure p* that just flattens a wave z = Δ(1 − cos(2πx/λ)) [Pa].
 
-    p* = πE*Δ/λ with the amplitude Δ and the wavelength λ [m] (Johnson, §13.2).
+    p* = πE*Δ/λ with the amplitude Δ and the wavelength λ [m], and the contact modulus E* [Pa]
+    (Johnson, §13.2).
 
     Examples
     --------

@@ -74,8 +74,10 @@ def moving_band_rise(
     """Steady temperature rise by a band source on a moving half-space [K], shape of `position`.
 
     ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at V
-    > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). It is computed in
-    closed form: the integral of e^{±u} K₀(u) from 0 to U is U e^{±U} (K₀(U) ± K₁(U)) ∓ 1.
+    > 0 [m/s] along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). q is the
+    flux [W/m²], l half the band's width [m], K the conductivity [W/(m K)], κ the diffusivity [m²/s]
+    and K₀ a Bessel function. The closed form follows from the integral of e^{±u} K₀(u) from 0 to U,
+    which is U e^{±U} (K₀(U) ± K₁(U)) ∓ 1.
 
     Examples
     --------
@@ -120,11 +122,11 @@ def rolling_sliding_rise(
 ) -> float:
     """Highest temperature rise of a line contact of two identical bodies that roll and slide [K].
 
-    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width 2b
-    [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
-    effusivity e = √(Kρc) of each body (Blok 1937). The factor c depends on the shape of the
-    `pressure`. The formula is for high Péclet numbers. There a point loses no heat sideways on its
-    way through the contact, and the heat is shared as √u₁ : √u₂.
+    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the friction coefficient µ, the load per length w
+    [N/m], the contact's width 2b [m], the velocities u₁ and u₂ of the surfaces through the contact
+    in one direction [m/s], and the effusivity e = √(Kρc) of each body (Blok 1937). The factor c
+    depends on the shape of the `pressure`. The formula is for high Péclet numbers. There a point
+    loses no heat sideways on its way through the contact, and the heat is shared as √u₁ : √u₂.
 
     Examples
     --------
@@ -146,9 +148,9 @@ def resting_ellipse_rise(
 ) -> float:
     """Highest steady temperature rise under a flux q₀√(1 − x²/a² − y²/b²) on a body at rest [K].
 
-    θ = q₀ b F(e)/(2K) with the shorter semi-axis b [m], e² = 1 − b²/a², the complete elliptic
-    integral of the first kind F(e) and the conductivity K: steady conduction and elastic
-    displacement obey the same integral (Johnson, Eq. 3.69).
+    θ = q₀ b F(e)/(2K) with the peak flux q₀ [W/m²], the semi-axes a ≥ b [m], e² = 1 − b²/a², the
+    complete elliptic integral of the first kind F(e) and the conductivity K [W/(m K)]. Steady
+    conduction and elastic displacement obey the same integral (Johnson, Eq. 3.69).
 
     Examples
     --------
@@ -169,15 +171,16 @@ def moving_ellipse_rise(
     thermal_conductivity: float,
     thermal_diffusivity: float,
 ) -> float:
-    """Highest steady rise under a flux q₀√(1 − x²/a² − y²/b²) on a body that moves along x [K].
+    """Highest steady temperature rise under an elliptical flux on a body that moves along x [K].
 
-    It is the highest rise on the middle line, y = 0. The rise at a point is a sum of moving point
-    sources (Carslaw & Jaeger, §10.7), here in polar coordinates about this point:
+    The flux is q = q₀√(1 − x²/a² − y²/b²) [W/m²], with the semi-axes a and b along x and y [m]. The
+    result is the highest rise on the middle line, y = 0. The rise at a point is a sum of moving
+    point sources (Carslaw & Jaeger, §10.7), here in polar coordinates r and φ about this point:
 
         θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ,
 
-    with the flux q [W/m²], and φ = 0 upstream. The result is accurate to 1e-4 for ratios of the
-    semi-axes up to 20.
+    with the velocity V [m/s], the conductivity K and the diffusivity κ, and with φ = 0 upstream.
+    The result is accurate to 1e-4 for ratios of the semi-axes up to 20.
 
     Examples
     --------

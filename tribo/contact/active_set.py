@@ -1,7 +1,8 @@
 """Active-set steps: conjugate gradients on the nodes that are free, then back into the bounds.
 
-Polonsky & Keer (Wear 231, 1999) take one iteration of conjugate gradients per step. A few,
-preconditioned by a `stencil`, get farther. Near the solution that is fast, but steps may cycle.
+Polonsky & Keer (Wear 231, 1999) take one iteration of conjugate gradients per step. Several
+iterations, preconditioned by a `stencil`, get farther. Near the solution that is fast, but the
+steps may return to the same sets of free nodes again and again.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """State of the active-set steps.
+    """State of the active-set steps, which each solve for the pressure at the free nodes.
 
     It has the number of iterations that the next step may take, and the free nodes of the last
     step.
@@ -57,8 +58,8 @@ def active_set_step(
 
     `judged` has the free nodes and the gap of the iterate. `active` is the state that the last
     active-set step returned. Conjugate gradients stop once the gap at the free nodes is at most
-    `gap_goal` [m], and after `most` convolutions at the latest. Returns the next iterate, and the
-    state for the next active-set step.
+    `gap_goal` [m] or a fraction of its first value, and after `most` convolutions at the latest.
+    Returns the next iterate, and the state for the next active-set step.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
@@ -91,9 +92,9 @@ def _conjugate_gradients(
     """Find the pressure [Pa] at the free nodes that makes the gap at all of them equal.
 
     The pressure may leave its bounds. Free nodes are `judged.nodes`. The search begins at
-    `pressure`, whose gap is `judged.gap`. `goals` are a fraction of the first residual and a gap
-    [m]; reaching either is enough. Returns the pressure, and the number of iterations, at most
-    `most`.
+    `pressure`, whose gap is `judged.gap`. The residual is the gap's deviation from its mean [m].
+    `goals` are a fraction of the first residual, and a residual [m]; reaching either is enough.
+    Returns the pressure, and the number of iterations, at most `most`.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)
@@ -143,8 +144,9 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
     """Clip the pressure at the free nodes to its bounds [Pa].
 
-    Nodes between the bounds are changed so that the displacement stays about the same. `stencil`
-    applies influences of neighbours at the free nodes; it is from `Neighbourhood.on`.
+    Pressures between the bounds are then changed so that the displacement stays about the same;
+    these may leave the bounds a little. `stencil` is the function from `Neighbourhood.on` for the
+    free nodes: it applies the influence of neighbours, or its inverse.
     """
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)

@@ -1,7 +1,8 @@
 """Correction of a guess whose displacement is known, without a convolution.
 
-An extrapolation is least accurate at nodes that enter or leave the contact. These affect their
-neighbours most, so that the `stencil` alone can correct them.
+A guess that extrapolates earlier pressures is least accurate at nodes that enter or leave the
+contact. These nodes affect their neighbours most. So a stencil, which has the influences between
+neighbours alone, is enough for the correction.
 """
 
 from __future__ import annotations
@@ -18,8 +19,9 @@ _LOCAL_STEPS = 2
 def correct_guess(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
     """Improve a guess of the pressure [Pa] by influences between neighbouring elements alone.
 
-    `guess` causes the `displacement` [m]. It carries the load, but may exceed the bounds; the
-    result does not. `separation` is the distance of the undeformed surfaces [m].
+    `guess` causes the `displacement` [m], and carries the load. It may exceed the bounds, 0 and the
+    hardness; the result carries the load within the bounds. `separation` is the distance of the
+    undeformed surfaces [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

@@ -1,15 +1,16 @@
 """Normal displacement of an elastic half-space under uniform pressure on rectangular elements.
 
-The influence of the element |x| < a, |y| < b at its own level is Love's integral of 1/(πE*r)
-over it (Love 1929; Johnson, *Contact Mechanics*, Eq. 3.25). Written as a sum of Gaussians of all
-widths s, 1/r = 2/√π ∫₀^∞ exp(−r²/s²) ds/s², it separates into functions of x and of y::
+Unit pressure on the element |x| < a, |y| < b displaces the surface by Love's integral of 1/(πE*r)
+over the element (Love 1929; Johnson, *Contact Mechanics*, Eq. 3.25). With 1/r written as a sum of
+Gaussians of all widths s, 1/r = 2/√π ∫₀^∞ exp(−r²/s²) ds/s², the integral separates into functions
+of x and of y::
 
     ∫∫ 1/r = √π/2 ∫₀^∞ E_a(x) E_b(y) ds,   E_a(x) = erf((x + a)/s) − erf((x − a)/s)       (1)
 
-So does its discrete transform, the spectrum that a convolution needs: a sum over s of products
-of one-dimensional transforms, without the cancellation of the closed form. Along a free axis
-they are taken of the values of E at the elements. Along a periodic axis, where the n elements of
-the period repeat, Poisson's formula gives the transform of all images at μ = m/n::
+Its discrete transform, the spectrum that a convolution needs, separates as well: it is a sum over
+s of products of one-dimensional transforms, without the cancellation of the closed form. Along a
+free axis these are transforms of the values of E at the elements. Along a periodic axis, where the
+n elements of the period repeat, Poisson's formula gives the transform of all images at μ = m/n::
 
     Σ_j E_a(2aj) cos(2πjμ) = 2 Σ_p sinc(μ + p) exp(−(π(μ + p)s/2a)²)                      (2)
 
@@ -55,10 +56,10 @@ class ElasticHalfSpace(Convolution):
         Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
         ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
-        periodic axis, say y of length L, and takes ``D(x, |y|) + D(x, L − |y|)``: the DC-FFT with
-        its leakage added (Bosman & de Rooij, Fig. 3). Each point then feels a line contact of
-        length 2L instead of an endless one. That is too stiff: the peak pressure of the cylinder in
-        their Fig. 4 is 1.1 % too high at L = 456 µm.
+        periodic axis, say y of length L. It adds the nearest image alone to the influence D of an
+        element, ``D(x, |y|) + D(x, L − |y|)``, as Bosman & de Rooij do (Fig. 3). Each point then
+        feels a line contact of length 2L instead of an endless one. That is too stiff: the peak
+        pressure of the cylinder in their Fig. 4 is 1.1 % above Hertz's at L = 456 µm.
 
     Attributes
     ----------
@@ -88,9 +89,9 @@ class ElasticHalfSpace(Convolution):
 
 
 def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
-    """Transform of ∫∫ 1/r over one element and its images, shape (mx, my // 2 + 1).
+    """Transform of ∫∫ 1/r over one element and its images [m], shape (mx, my // 2 + 1).
 
-    ``(mx, my)`` is the `padded_shape` of the grid.
+    ``(mx, my)`` are the lengths of the transforms, the `padded_shape` of the grid.
     """
     if kernel not in get_args(ElasticKernel):
         raise InputError(f"kernel is {kernel!r}; allowed are {', '.join(get_args(ElasticKernel))}")
@@ -179,9 +180,10 @@ def _all_images(n: int, s: Array) -> Array:
 
 
 def _line_load(grid: Grid, axis: int) -> Array:
-    """Transform of the influence of a line load across `axis`: −2 ∫ ln(|x|/c) dx over an element.
+    """Transform of the influence of an endless strip across `axis`, as wide as an element [m].
 
-    x runs along the axis, and the length c, which only adds a constant, exceeds all |x|.
+    The influence is −2 ∫ ln(|x|/c) dx over the strip's width, with x along the axis. The length c
+    only adds a constant, and exceeds all |x|.
     """
     step, length = grid.spacing[axis], padded_shape(grid)[axis]
     c = length * step + grid.size[1 - axis]
@@ -193,7 +195,11 @@ def _line_load(grid: Grid, axis: int) -> Array:
 
 
 def _even_transform(values: Array, length: int) -> Array:
-    """Transform of an even kernel that has `values` at the offsets 0, 1, … length // 2."""
+    """Discrete Fourier transform, which is real, of an even kernel of period `length`.
+
+    The last axis of `values` has the kernel at the offsets 0, 1, … length // 2; further values are
+    ignored. The last axis of the result has the modes 0, 1, … length // 2.
+    """
     index = np.arange(length)
     transform: Array = np.fft.rfft(values[..., np.minimum(index, length - index)]).real
     return transform

@@ -15,7 +15,10 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State of the gradient steps: length of the next one, and number of failures in a row."""
+    """State of the gradient steps: length of the next step, and number of failures in a row.
+
+    A step fails if it finds no way to a lower energy.
+    """
 
     length: float  # of the next step [Pa/m]; without unit where rows are soft
     idle: int = 0  # steps in a row that found no way down
@@ -24,7 +27,8 @@ class Gradient(NamedTuple):
 def first_length(problem: Problem) -> float:
     """Length of the first gradient step: 1/(self influence of an element) [Pa/m].
 
-    It is 1 if steps are in the metric for soft rows (`RowMetric`).
+    It is 1, without a unit, if the elements of a row displace each other so much that steps need
+    the metric of `RowMetric`.
     """
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 
@@ -34,9 +38,9 @@ def gradient_step(
 ) -> tuple[Iterate, Gradient]:
     """Move along the projected gradient to the lowest energy; return the iterate and the new state.
 
-    `judged` is the judgement of the iterate, and `gradient` the state of the gradient steps. The
-    displacement is updated along with the pressure, not computed from the pressure. That saves a
-    convolution, but loses digits.
+    `judged` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
+    steps. The displacement is updated along with the pressure, not computed from the pressure. That
+    saves a convolution, but loses digits.
     """
     pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
     metric = problem.metric_on(nodes)

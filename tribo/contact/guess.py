@@ -1,8 +1,8 @@
 """Guesses of a contact's pressure: from coarser grids, and from the loaded part of the grid.
 
-They need not be exact, since the contact is solved, and judged, on the whole grid. Both use the
-solid's own map, restricted to fewer elements, so that they include what was added to it, such as
-wear.
+The guesses need not be exact, since the contact is then solved on the whole grid. Both use the
+solid's own map from pressure to displacement, restricted to fewer elements. So they include what
+was added to this map, such as wear.
 """
 
 from __future__ import annotations
@@ -25,12 +25,13 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 
 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
-    """Guess the pressure [Pa] from the contact of 2 × 2 blocks; return the guess and its cost.
+    """Guess the pressure [Pa] by solving the contact on a grid of blocks of 2 × 2 elements.
 
-    The contact of blocks is itself guessed from a coarser grid. All elements of a block get the
-    block's pressure, so that too many are loaded: the iteration drops surplus elements in fewer
-    steps than it finds missing ones. The cost is a number of convolutions; on a coarser grid each
-    counts as a fraction, by the number of elements.
+    The contact of blocks is itself guessed from a coarser grid; elements of the coarsest grid are
+    taken as independent springs. All elements of a block get the block's pressure, so that too many
+    are loaded: the iteration drops surplus elements in fewer steps than it finds missing ones.
+    Returns the guess and its cost in convolutions. A convolution on a coarser grid counts as a
+    fraction, by the number of elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -78,7 +79,10 @@ def _cropped(solid: ElasticHalfSpace, shape: tuple[int, int]) -> ElasticHalfSpac
 
 
 def _extent(loaded: Mask) -> slice:
-    """Slice of an axis from the first to the last loaded element, with a margin on both sides."""
+    """Slice of an axis from the first to the last loaded element, with a margin on both sides.
+
+    `loaded` is True at loaded elements. If there are none, the slice is the whole axis.
+    """
     places = np.flatnonzero(loaded)
     if not places.size:
         return slice(0, loaded.size)

@@ -3,9 +3,10 @@
 Two kinds of steps take turns. An *active-set step* (`active_set`) is fast near the solution, but
 may cycle. A *projected gradient step* (`gradient`) is slower, but always lowers the energy. It
 starts the iteration where much of the contact is still to change, and takes over for longer each
-time that the active-set steps stop making progress, so that the whole converges from any start.
-Where rows of elements are soft as a whole, both kinds of steps use the metric of `rows`. `problem`
-judges how far an iterate is from the solution, and `rounding` how many digits it has lost.
+time that the active-set steps stop making progress. So the iteration converges from any start.
+Where the elements of a row displace each other much, both kinds of steps use the metric of `rows`.
+`problem` judges how far an iterate is from the solution, and `rounding` how many digits it has
+lost.
 """
 
 from __future__ import annotations
@@ -67,9 +68,11 @@ class StepCounters(NamedTuple):
     without_progress: int = 0  # steps since the residual was lowest
 
     def updated(self, residual: float, has_settled: bool) -> StepCounters:
-        """The counters after one more iterate, whose residual is `residual`.
+        """Return the counters after one more iterate, whose residual is `residual`.
 
-        `has_settled` is True if the iterate has few nodes at a wrong bound (see `Judgement`).
+        The first gradient steps end once `has_settled` is True: few nodes are unloaded where the
+        bodies overlap, or carry the hardness across a gap. After that, gradient steps follow
+        whenever the residual has not fallen by a tenth for three steps, each time twice as many.
         """
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:
@@ -89,9 +92,10 @@ def iterate(
 ) -> IterationResult:
     """Iterate from a guess of the pressure [Pa] until the error is small, or no longer falls.
 
-    `limits` has the tolerance of the error and the most convolutions. `displacement` is caused by
-    the guess [m]. If it is given, the guess has to carry the load, but may exceed the bounds.
-    `spent` is the number of convolutions that the guess took.
+    `limits` has the tolerance of the error and the most convolutions. The last iterate is returned,
+    whether it has converged or not. `displacement` is caused by the guess [m]. If it is given, the
+    guess has to carry the load, but may exceed the bounds. `spent` is the number of convolutions
+    that the guess took.
     """
     state = _first_iterate(problem, guess, displacement, spent)
     counters, progress, change = StepCounters(), LowestResidual(), math.inf

@@ -1,7 +1,8 @@
 """A contact problem, an iterate on the way to its solution, and a judgement of how far it has come.
 
 Find the pressure p with 0 ≤ p ≤ H and Σp = F/dA whose gap g = Dp + z − α is 0 where 0 < p < H,
-≥ 0 where p = 0 and ≤ 0 where p = H.
+≥ 0 where p = 0 and ≤ 0 where p = H. D maps pressure to displacement, z is the separation of the
+undeformed surfaces, α the approach, H the hardness, F the load and dA the area of an element.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ _MOST_COUPLING = 1.0
 class Problem:
     """A contact problem: the solid, the separation of the surfaces, the load and the hardness.
 
-    Derived from the solid are `soft` (its rows), `near` (influence of neighbouring elements) and
-    `fast` (the solid in single precision where possible).
+    Derived from the solid are `soft` (how much elements of a row displace each other), `near`
+    (influence of neighbouring elements) and `fast` (the solid in single precision where possible).
     """
 
     solid: ElasticHalfSpace  # the map D
@@ -67,7 +68,10 @@ class Problem:
         return self.soft.numbers(nodes, self.heights.shape)
 
     def metric_on(self, nodes: Nodes) -> RowMetric | None:
-        """Metric for soft rows (`RowMetric`) on some nodes; None if the solid has no soft rows."""
+        """Metric for pressures at some nodes, which lie in soft rows; None without soft rows.
+
+        Rows are soft if unit pressure on one node displaces its whole row noticeably.
+        """
         if not self.soft.is_needed:
             return None
         return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
@@ -77,10 +81,10 @@ class Problem:
     ) -> Array:
         """Correct a new pressure on `nodes` so that it keeps within bounds and carries the load.
 
-        `changed` is the new pressure on the nodes, `pressure` the old pressure on all elements,
-        which other elements keep. The bounds are 0 and the hardness. With a `metric` for soft rows
-        the result is the nearest pressure in that metric. Without one the load's error is spread
-        evenly. Returns the pressure on the nodes [Pa].
+        `changed` is the new pressure on the nodes. `pressure` is the old pressure on all elements;
+        elements off the nodes keep it. The bounds are 0 and the hardness. With a `metric` for soft
+        rows the result is the nearest pressure in that metric. Without one the load's error is
+        spread evenly. Returns the pressure on the nodes [Pa].
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -96,9 +100,10 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Quantities that a `Problem` derives from its solid; cached.
+    """Return what a `Problem` derives from its solid: soft rows, stencils and a faster solid.
 
-    They are its soft rows, its stencils, and a copy of the solid, in single precision if possible.
+    The faster solid is a copy in single precision. If that is slower or not accurate enough, it is
+    the solid itself. Results are cached.
     """
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
@@ -170,10 +175,11 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def approach_of(gap: Array, loaded: Mask, free: Nodes) -> float:
-    """Approach [m] that makes `gap` [m] 0 on average at the `free` nodes.
+    """Approach of the bodies [m]: the mean of `gap` [m] over nodes between the bounds.
 
-    Without free nodes it is halfway between the widest gap of `loaded` nodes and the narrowest gap
-    of unloaded ones.
+    Subtracted from `gap`, it makes the gap 0 on average at these nodes, whose flat indices are
+    `free`. If there are none, the approach is halfway between the widest gap of `loaded` nodes and
+    the narrowest gap of unloaded ones.
     """
     if free.size:
         return float(gap.take(free).sum()) / free.size

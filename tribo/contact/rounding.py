@@ -44,7 +44,7 @@ def transform_error(rounding: float, displacement: float) -> float:
 def restore_digits(
     problem: Problem, iterate: Iterate, judged: Judgement, slack: float, exhausted: bool
 ) -> Iterate | None:
-    """Repair an iterate whose rounding errors are too large; None if they are small enough.
+    """Return an iterate with smaller rounding errors, or None if they are small enough.
 
     `judged` is the judgement of the iterate. One thing is repaired in each call: the zero level of
     the gap (datum), the load or the displacement. `slack` is the tolerance minus the residual. If
@@ -75,15 +75,16 @@ class LowestResidual(NamedTuple):
     def updated(self, residual: float, convolutions: float) -> LowestResidual:
         """The lowest residual after one more iterate, and the convolutions spent until then.
 
-        `residual` and `convolutions` are those of the iterate. They count if its residual is lower
-        by more than a tenth.
+        `residual` and `convolutions` are those of the new iterate. They replace the old values if
+        the new residual is lower by more than a tenth.
         """
         return LowestResidual(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual of an iterate, judged as `judged`, no longer falls.
+        """True if the residual no longer falls, so that the iteration should end.
 
-        `idle` is the number of gradient steps in a row that failed.
+        `iterate` is the last iterate, and `judged` has its residual. `idle` is the number of
+        gradient steps in a row that failed.
         """
         waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:

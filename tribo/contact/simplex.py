@@ -19,7 +19,9 @@ _NEAR = 2.0
 
 
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
-    """Scale a guess to the sum `total` [Pa]; loaded elements share what exceeds the hardness.
+    """Scale a guess of the pressure to the sum `total` [Pa], within 0 and the hardness.
+
+    What would exceed the hardness is spread evenly over the other loaded elements.
 
     Examples
     --------
@@ -49,7 +51,10 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
 
 
 def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
-    """Clip a pressure to 0 and the hardness, then shift values in between to the sum `total`.
+    """Clip a pressure to 0 and the hardness, then shift the values in between evenly.
+
+    The shift makes the sum `total` [Pa]. If these values cannot make up the sum, all values are
+    shifted.
 
     Examples
     --------
@@ -70,7 +75,9 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
 
 
 def nearest(pressure: Array, total: float, hardness: float) -> Array:
-    """Nearest pressure with the sum `total` and values from 0 to the hardness: clip(p + s) [Pa].
+    """Pressure within 0 and the hardness, with the sum `total`, that is nearest to `pressure` [Pa].
+
+    It is clip(p + s), with the given pressure p and one shift s for all elements.
 
     Examples
     --------

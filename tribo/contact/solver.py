@@ -1,8 +1,9 @@
 """Normal contact of an elastic, perfectly plastic half-space.
 
-Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F.
-Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H. These
-conditions are checked on the pressure that is returned, which has to be within tolerance.
+Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F, with
+the map D from pressure to displacement, the separation z of the undeformed surfaces, the hardness
+H, the load F and the area dA of an element. Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0
+where p = 0 and ≤ 0 where p = H. The pressure returned fulfils these conditions within tolerance.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def solve_contact(
         on fewer. If it is 1e-2 or more, transforms on large grids are in single precision; the
         residual includes their rounding errors.
     initial_pressure : ndarray, shape (nx, ny), optional
-        A guess, which is scaled to the load. A better guess saves iterations.
+        A guess [Pa], which is scaled to the load. A better guess saves iterations.
     max_iterations : int
         Number of convolutions after which to give up.
     criterion : {"gap", "pressure-change"}
@@ -218,9 +219,9 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure [Pa] of a load [N] on the whole patch, and the displacement by it [m].
+    """Mean pressure of a load [N] on the whole patch [Pa], and a displacement [m].
 
-    The displacement is that of one element which carries this pressure alone.
+    The displacement is that of one element if it alone carries this pressure.
     """
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence

@@ -142,7 +142,7 @@ def minimum_point_film(
 
 
 def lubrication_regime(film_parameter: float) -> str:
-    """Name the regime of a film parameter Λ, the minimum film over the roughness Rq.
+    """Name the lubrication regime of a film parameter Λ, minimum film thickness over roughness Rq.
 
     Boundary lubrication below 1, full film from 3 on, mixed between (Hamrock, Schmid & Jacobson,
     *Fundamentals of Fluid Film Lubrication*, 2nd ed., §3.7).

@@ -26,7 +26,10 @@ _MOST_BUFFERS = 4  # most sizes of transforms whose buffers a thread keeps
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
-    """Lengths of the transforms along x and y: at least 2n − 1 along a free axis of n elements."""
+    """Lengths of the transforms along x and y, for axes of n elements.
+
+    They are n along a periodic axis, and at least 2n − 1 along a free one.
+    """
     nx, ny = (
         n if periodic else scipy.fft.next_fast_len(2 * n - 1)
         for n, periodic in zip(grid.shape, grid.periodic, strict=True)
@@ -48,14 +51,14 @@ def wrapped_offsets(grid: Grid, axis: int) -> Array:
 
 
 def _wrapped_indices(grid: Grid, axis: int) -> Indices:
-    """Offsets along `axis` as in `wrapped_offsets`, counted in elements."""
+    """Offsets along `axis` in elements, in the order of the transform: 0, 1, 2, …, −2, −1."""
     n = padded_shape(grid)[axis]
     index = np.arange(n)
     return np.where(index <= (n - 1) // 2, index, index - n)
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel for pairs of elements along `axis`: it maps mean values of pairs to mean values.
+    """Kernel along `axis` for fields that have one mean for each pair of elements.
 
     `kernel` is for single elements, and `offsets` are the distances between pairs, counted in
     pairs.
@@ -108,10 +111,10 @@ class Convolution:
         out: Array | None = None,
         rows: tuple[int, int] | None = None,
     ) -> Array:
-        """Convolve `field`, shape ``grid.shape``.
+        """Return the convolution of `field`, shape ``grid.shape``, written to `out` if given.
 
-        The result goes to `out` if given. With `rows` = (low, high) it takes less time: the field
-        must be 0 outside rows low to high − 1 along x, and other rows of the result are undefined.
+        With `rows` = (low, high) it takes less time. The field must then be 0 outside rows low to
+        high − 1 along x, and the result is undefined outside these rows.
         """
         (nx, ny), (mx, my) = self.grid.shape, self._lengths
         if out is None:
@@ -249,9 +252,11 @@ class _Buffers(threading.local):
         self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
 
     def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
-        """Return uninitialised arrays for Fourier modes (mx, my//2 + 1), and for rows (nx, my).
+        """Return an array for Fourier modes (mx, my//2 + 1), and one for padded rows (nx, my).
 
-        The first are complex, the second real; both are in single precision if `single`.
+        The first is complex, the second real; both are in single precision if `single`. Their
+        content is undefined, and a later call of this thread for the same sizes may return the same
+        arrays.
         """
         key = nx, mx, my, single
         if key in self._kept:

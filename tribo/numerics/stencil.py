@@ -1,9 +1,10 @@
 """Stencils of 3 × 3 elements: the middle of a kernel, and its approximate inverse.
 
-A kernel that falls off like 1/r is worst conditioned for short waves, where an element is moved by
-little but its neighbours. The middle column of the inverse of a block of 3 × 3 elements undoes
-that, on a set of nodes of any shape. Conjugate gradients preconditioned with it need half the
-iterations; applying it takes a tenth to a fifth of a convolution.
+A kernel that falls off like 1/r is worst conditioned for short waves, where only the nearest
+neighbours of an element matter. The stencil of its inverse is the middle column of the inverted
+kernel of a block of 3 × 3 elements. It can be used on a set of nodes of any shape. Conjugate
+gradients preconditioned with it need half the iterations; applying it takes a tenth to a fifth of a
+convolution.
 """
 
 from __future__ import annotations
@@ -28,11 +29,11 @@ class Neighbourhood:
 
     The kernel must be even along y.
 
-    A stencil, shape (3, 2), has the factors of the elements at -1, 0 and 1 along x, and 0 and 1
+    A stencil, shape (3, 2), has the factors of the elements at −1, 0 and 1 along x, and 0 and ±1
     along y. `influence` has the middle values of the kernel. `inverse` inverts `influence` on a
-    block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The coupling is
-    the displacement that elements of a row along the soft axis add to each other at any distance
-    (see `tribo.contact.rows`). Stencils leave the coupling out; `Preconditioner` adds it.
+    block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The `coupling` is
+    the displacement that elements of a row along `soft_axis` add to each other at any distance (see
+    `tribo.contact.rows`). Stencils leave the coupling out; `Preconditioner` adds it.
 
     Examples
     --------
@@ -67,7 +68,7 @@ class Neighbourhood:
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
-        """Return a function that applies a stencil to values at `nodes`, ascending indices.
+        """Return a function that applies a stencil to values at `nodes`, ascending flat indices.
 
         The function takes the stencil and the values, and returns new values at the same nodes.
         """
@@ -127,7 +128,8 @@ class Preconditioner:
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 
-    The direction is then shifted to sum to 0, so that the load stays constant. If the stencil stays
+    where the vector 1 is 1 at all nodes, and 1ᵢ is 1 at the nodes of row i alone. The direction is
+    then shifted to sum to 0, so that the load stays constant. If the stencil stays
     within a row, yᵢ is S1ᵢ, and (1) is the exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ. If the stencil
     reaches into other rows, k must be small; then (1) is nearly symmetric, too.
 
@@ -204,10 +206,10 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Matrices that turn Fourier modes into a kernel's values at offsets 0 to 2.
+    """Matrices that turn Fourier modes into a kernel's values at offsets of 0 to 2 elements.
 
-    In order: cosines along x, sines along x, cosines along y. `mx` and `my` are the lengths of the
-    transform.
+    In order: cosines along x at the offsets 0 to 2, (3, mx); sines along x at 1 and 2, (2, mx);
+    cosines along y at 0 to 2, (3, my//2 + 1). `mx` and `my` are the lengths of the transform.
     """
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my

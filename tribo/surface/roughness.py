@@ -1,4 +1,4 @@
-"""The surface of the disk: its protocol, a random surface and a measured one."""
+"""Surfaces of the disk: the protocol of all surfaces, a random surface and a measured one."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Surface(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SelfAffineRoughness:
-    """A random, self-affine surface; see `tribo.surface.self_affine`.
+    """A random, self-affine surface, which `tribo.surface.self_affine` makes.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class SelfAffineRoughness:
 
 
 def array_digest(array: Array) -> str:
-    """SHA-256 of an array of numbers with its shape."""
+    """SHA-256 of an array's shape and values, as hexadecimal text."""
     numbers = np.ascontiguousarray(array, float)
     return hashlib.sha256(repr(numbers.shape).encode() + numbers.tobytes()).hexdigest()
 
@@ -106,7 +106,7 @@ class MeasuredRoughness:
         return hash(self.digest)
 
     def heights(self, pixels: Grid) -> Array:
-        """Heights [m] above their mean, shape ``pixels.shape``."""
+        """Heights [m] above their mean; `InputError` unless their shape is ``pixels.shape``."""
         if self.array.shape != pixels.shape:
             raise InputError(
                 f"the measured surface has {self.array.shape} pixels, the scene {pixels.shape}"
@@ -116,7 +116,7 @@ class MeasuredRoughness:
 
 
 class UnknownHeights:
-    """Stands for a surface whose heights are unknown: its scene can be read, but not simulated."""
+    """Stands for a surface of unknown heights; a scene with it can be read, but not simulated."""
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:
