@@ -64,12 +64,13 @@ class Mesh:
 def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     """Compute the contact along the path of contact.
 
-    The pinion has torque T and angular velocity ω1. In the transverse section the velocities are ui
-    = ωi ρi. The load normal to the flanks is K T/(rb1 cos βb), with the load factor K. A pair of
-    teeth carries the share `load_share` of this load, on a line of length b/cos βb. The Hertz
-    contact is after Johnson, *Contact Mechanics*, Eqs. 4.43 and 4.45, the flash temperature after
-    `flash_rise`, and the film after `tribo.material.minimum_line_film` (Dowson & Higginson), with
-    the oil at the bulk temperature.
+    The pinion has torque T and angular velocity ω1. In the transverse section the flanks have the
+    velocities ui = ωi ρi, with their radii of curvature ρi. The load normal to the flanks is
+    K T/(rb1 cos βb), with the load factor K, the pinion's base radius rb1 and the base helix angle
+    βb. A pair of teeth carries the share `load_share` of this load, on a line of length b/cos βb,
+    with the face width b. The Hertz contact is after Johnson, *Contact Mechanics*, Eqs. 4.43 and
+    4.45, the flash temperature after Blok (`flash_rise`), and the film after Dowson & Higginson
+    (`tribo.material.minimum_line_film`), with the oil at the bulk temperature.
 
     Parameters
     ----------

@@ -26,13 +26,20 @@ _BEYOND_ALL = 1500.0  # critical temperature [K] so high that nothing is severe
 
 
 def stage_duty(pair: Pair, stage: int) -> Duty:
-    """Duty of FZG's test gears in a load stage, with the bulk temperature of ISO/TR 13989-2."""
+    """Duty of FZG's test gears in a load stage, with the bulk temperature of ISO/TR 13989-2.
+
+    `pair` is the pair whose lubricant factor counts in that temperature.
+    """
     bulk = stage_bulk(stage, pair.file.friction.lubricant_factor)
     return Duty(stage_torque(stage), read_pair(_FZG).duty.speed, bulk)
 
 
 def rig_pair(pair: Pair) -> Pair:
-    """The FZG test gears, with the oil, friction and surface of `pair`."""
+    """The FZG test gears, with the oil, friction and surface of `pair`.
+
+    If `pair` is the test gears, it is returned unchanged; else an `InputError` is raised if `pair`
+    has no oil.
+    """
     rig = read_pair(_FZG)
     if pair.gears == rig.gears:
         return pair

@@ -1,4 +1,4 @@
-"""Margins along a mesh: the rough, worn contact is simulated at places that may be the worst.
+"""Distance from severe wear along a mesh, by simulating the places that may be the worst.
 
 This module is the only one of the gears that uses sweeps and their margins.
 """
@@ -53,7 +53,7 @@ def judge(
     workers : int, optional
         Number of processes; one for each core by default.
     progress : callable, optional
-        See `pipeline.run_sweep`.
+        Called with the progress of the simulations, as in `pipeline.run_sweep`.
 
     Returns
     -------
@@ -117,10 +117,10 @@ def worst_row(table: pd.DataFrame) -> pd.Series[Any]:
 
 
 def decisive_places(one: Mesh) -> Mesh:
-    """Keep the places of a mesh that may be the worst: A to E if they slide, and the hottest.
+    """Copy of a mesh with only the places that may be the worst: A to E, and the hottest.
 
-    The hottest places are local maxima of the temperature of smooth flanks. Rough flanks are hotter
-    by a factor that changes slowly along the path.
+    Places without sliding are left out. The hottest places are local maxima of the temperature of
+    smooth flanks. Rough flanks are hotter by a factor that changes slowly along the path.
     """
     heat = [at.temperature for at in one.places]
     kept = (

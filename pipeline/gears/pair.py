@@ -32,7 +32,8 @@ class Duty:
     torque: float  #: Torque on the pinion [N m].
     speed: float  #: Angular velocity of the pinion [rad/s].
     bulk: float  #: Bulk temperature of the teeth [K].
-    load_factor: float = 1.0  #: Factor on the tooth load: application, dynamics, face load.
+    #: Factor on the tooth load: product of those for application, dynamics and face load.
+    load_factor: float = 1.0
 
     @property
     def turns(self) -> float:

@@ -62,12 +62,12 @@ class Toothing(Declared):
     quality: A[int, Whole(at_least=1, at_most=12), "Flank tolerance class of ISO 1328-1."] = 6
 
 class Load(Declared):
-    """Torque, speed and load factor of the pair."""
+    """Torque and speed of the pinion, and a factor on the load of its teeth."""
 
     torque: A[float, TORQUE, "Torque on the pinion."]
     speed: A[float, SPEED, "Speed of the pinion."]
     load_factor: A[float, LOAD_FACTOR,
-        "Factor of the load: application, dynamics, face load."] = 1.0
+        "Factor on the tooth load: product of those for application, dynamics, face load."] = 1.0
 
 class Temperatures(Declared):
     """Temperatures of teeth, oil and lubricant failure [K]."""

@@ -171,10 +171,10 @@ def warm_duty(
 ) -> Duty:
     """Duty of a pair, with its bulk temperature given or computed.
 
-    With an oil temperature θ the bulk temperature is θ + 0.7 × mean flash temperature (ISO/TR
-    13989-2, Eq. 20). It is found by iteration, as friction depends on the viscosity at the bulk
-    temperature. Without θ the bulk temperature is the pair's, which is right only for the pair's
-    own duty.
+    If `bulk` is None, an oil temperature θ gives the bulk temperature θ + 0.7 × mean flash
+    temperature (ISO/TR 13989-2, Eq. 20). It is found by iteration, as friction depends on the
+    viscosity at the bulk temperature. Without θ the bulk temperature is the pair's, but only for
+    the pair's own duty.
 
     Parameters
     ----------

@@ -114,7 +114,7 @@ def scene_toml(meshes: Sequence[Mesh]) -> str:
 
 
 def _row(number: int, mesh: Mesh, place: MeshPlace) -> dict[str, str | float]:
-    """Row of the scene's table for one place of a mesh.
+    """Row of the scene's table ``[sweep] along`` for one place of a mesh: values by column.
 
     `number` is the number of the mesh's duty, from 1 on, or 0 if there is only one duty. With
     several duties, friction and bulk temperature are columns of the row.

@@ -37,9 +37,10 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
 
 
 def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """Put the log file's name before the number and run of a test, as each log counts from 1.
+    """Copy a test with the log file's name before its ``number`` and ``run``, if it has them.
 
-    `entry` is the scene's table that names the file.
+    So tests and runs of several logs, each counted from 1, have different names. `entry` is the
+    scene's table that names the file.
     """
     return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
 

@@ -1,7 +1,7 @@
 """Export formats of test machines, described by ``exports/NAME.toml``.
 
-A file has a format if at least two of its signs match cells. If several formats match, the one with
-most signs counts.
+The signs of a format are patterns of cells. A file has a format if at least two of the format's
+signs match cells of the file. If several formats match, the one with the most matches is used.
 """
 
 from __future__ import annotations

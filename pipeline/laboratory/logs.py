@@ -35,7 +35,10 @@ _DISTINGUISHING = "number", "run", "friction"  # entries that tell a repeated te
 
 @functools.cache
 def outcome_of(word: str, heading: str) -> str | None:
-    """Outcome, such as "mild", that a word means in a column with a heading; None if unknown."""
+    """Outcome, "mild" or "severe", that a word means in a column headed `heading`; None if unknown.
+
+    Words such as "yes" mean what the heading says, such as "scuffed".
+    """
     listed = vocabulary()
     words = {name: {*listed[name].split()} for name in ("mild", "severe", "yes", "no")}
     if re.search(listed["asks_severe"], heading.lower()):
@@ -88,8 +91,9 @@ class Log:
 def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
     """Read the tests of a log; faults are listed in the sheet of the result.
 
-    `options` are the entries of a scene's log. `key` is the scene's list that needs the tests
-    ("measured" or "tested"); if it is None, the log's columns decide.
+    `options` are entries by name of the scene's table for a log, such as ``columns``. `key` is the
+    scene's list that needs the tests ("measured" or "tested"); if it is None, the log's columns
+    decide.
     """
     read = read_table(path, options)
     if is_one_run(read_table(path, options, OF_TRACE).sheet):
@@ -200,7 +204,7 @@ def _leave_out_copies(sheet: Sheet) -> None:
 
 
 def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
-    """Number the runs of a log.
+    """Add a column with the number of each row's run to the sheet of a log.
 
     A new run begins if the load does not rise, wear was severe before, or the oil changes. `words`
     has the outcome meant by each word.

@@ -46,7 +46,7 @@ class Read(NamedTuple):
 def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
     """Read a table file for the quantities `wanted`, with the options of a scene's log.
 
-    The options are columns, given, skip, where, form, sheet and decimal.
+    `options` may have the keys columns, given, skip, where, form, sheet and decimal.
     """
     units, columns = units_of([*wanted]), options.get("columns") or {}
     tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
@@ -259,7 +259,7 @@ def is_trace(sheet: Sheet) -> bool:
 
 
 def is_one_run(sheet: Sheet) -> bool:
-    """True if the table is a trace of one run: a record of friction whose time never restarts."""
+    """True if the table is a record of friction in one run: time rises in almost all rows."""
     before = len(sheet.faults)
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
     del sheet.faults[before:]  # a log needs no time

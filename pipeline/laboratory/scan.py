@@ -37,17 +37,17 @@ _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
 class Likeness(NamedTuple):
-    """A quantity of a scan, and its mean and scatter over random surfaces like the scan."""
+    """Roughness parameter, such as Rq, of a scan, and of random surfaces fitted to the scan."""
 
-    scan: float
-    mean: float
-    scatter: float  # relative standard deviation between surfaces
+    scan: float  # value of the scan
+    mean: float  # mean over the random surfaces
+    scatter: float  # relative standard deviation between the random surfaces
 
     @property
     def is_like(self) -> bool:
-        """True if the scan's value and the mean over the random surfaces are close.
+        """True if the scan's value is close to the mean over the random surfaces.
 
-        Both differ by at most 15 % of the mean, or twice the scatter if that is larger.
+        It differs by at most 15 % of the mean, or two standard deviations if these are more.
         """
         reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
         return abs(self.scan - self.mean) <= reach

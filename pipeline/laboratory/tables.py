@@ -145,9 +145,10 @@ class WordNames(Names):
 
 
 def derive(sheet: Sheet, needed: Collection[str] = ()) -> dict[str, str]:
-    """Add columns computed from other columns. Return what is missing to compute each quantity.
+    """Add columns to a sheet that follow from other columns, such as velocity from rotation.
 
-    For quantities in `needed` the missing input is also added to the sheet's faults.
+    Returns, by quantity, a message on the input that is missing to compute it. For quantities in
+    `needed` this message is also added to the sheet's faults.
     """
     missing = dict[str, str]()
     for name in [one for one in dict.fromkeys(rule.name for rule in RULES) if one in sheet.units]:

@@ -22,10 +22,9 @@ def choose_accuracy(
     store: PathLike | None = None,
     progress: Report | None = None,
 ) -> Sweep:
-    """Change a sweep to the cheapest fidelity whose error is within `accuracy`.
+    """Return a sweep with the cheapest fidelity that keeps the critical velocity within `accuracy`.
 
-    The error is the relative error of the boundary velocity.
-
+    A fidelity is a set of numerical choices, and `accuracy` a relative error, such as 0.02 or "2%".
     An existing store keeps its fidelity. Raises a `StoreMismatchError` if this fidelity is less
     accurate, or was not chosen for an accuracy.
     """
@@ -49,7 +48,7 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """Measure the error of the boundary velocity that the sweep's fidelity causes.
+    """Measure the relative error of the critical velocity that the sweep's fidelity causes.
 
     Returns a copy of the sweep whose field `selection` has this error. An error that `store`
     already has is used instead of a new measurement.
@@ -62,7 +61,7 @@ def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
 def choose_fidelity(
     sweep: SceneLike, accuracy: float | str | None, progress: Report | None = None
 ) -> Selection:
-    """Find the cheapest fidelity whose measured error of the boundary velocity is within a bound.
+    """Find the cheapest fidelity whose measured error of the critical velocity is within a bound.
 
     The candidates are the presets and the scene's own fidelity, measured by `trade`. If no
     candidate is within the bound, ``reference`` is taken. The scene's heat model is kept.
@@ -72,7 +71,7 @@ def choose_fidelity(
     sweep : Sweep, str or path
         Scene to choose for, or its path or name.
     accuracy : float or str or None
-        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``. None keeps the
+        Largest relative error of the critical velocity, such as 0.02 or ``"2%"``. None keeps the
         scene's own fidelity, and measures its error.
     progress : callable, optional
         Called with a `Progress` before each measurement.

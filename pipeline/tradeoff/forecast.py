@@ -104,7 +104,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _TaskTimes:
-    """Estimates the time of a sweep's tasks, by counting contacts and heat partitions to solve."""
+    """Predicts the time of each task of a sweep, and counts its contacts and heat partitions."""
 
     sweep: Sweep
     contact_time: float  # [s]
@@ -115,10 +115,11 @@ class _TaskTimes:
     _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
-        """Time of a task on a worker [s].
+        """Predict the time of a task on a worker [s].
 
-        `has` records the ramps and contacts that the worker has cached from earlier tasks. Those
-        of this task are added to it.
+        `has` records the ramps and contacts that the worker has cached from earlier tasks. The call
+        adds those of this task to `has`. It also adds the numbers of contacts and heat partitions
+        that the task must solve to `contacts` and `temperatures`.
         """
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
@@ -189,10 +190,10 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 
 
 def _count_steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
-    """Count the steps of the loading up to a load [N], in three numbers.
+    """Count the steps of the loading up to a load [N]; return three numbers.
 
-    The first is the number of steps that are shared with higher loads, the second that of all other
-    steps. The third counts only those other steps at which a temperature is always computed.
+    The first is the number of steps that are shared with higher loads. The second is the number of
+    all other steps, and the third counts those of them at which a temperature is always computed.
     """
     requested = choose_stations(sweep).heat_steps(sweep.scene, load)
     steps = list(sweep.scene.stations(load, requested))

@@ -36,13 +36,16 @@ class Probe(NamedTuple):
     """Processor time of simulating points with a fidelity, and the points' temperature rises."""
 
     fidelity: Fidelity
-    rises: tuple[float, ...]  # decisive rise at friction 1, by point [K]
+    rises: tuple[float, ...]  # of the criterion, per unit friction coefficient, by point [K]
     fewest_nodes: int  # fewest elements in contact at any of the points
     seconds: float  # processor time without making surfaces and kernels [s]
 
 
 def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
-    """Simulate points with another fidelity, and time this; points at one velocity share a ramp."""
+    """Simulate points with another fidelity; return their rises, and the processor time.
+
+    Points at one velocity share the load steps of one ramp.
+    """
     scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
     # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
@@ -62,9 +65,11 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 def _simulated_rise(
     sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
-    """Simulate a point; return its highest rise [K] at full load for friction 1, and the state.
+    """Simulate a point; return its highest rise at full load, and the state with this rise.
 
-    `trunks` are ramps of other points, which the point continues.
+    The rise [K] is the one that the criterion compares with its limit, per unit friction
+    coefficient. `trunks` caches load steps, which points share: steps of earlier points are reused,
+    and those of this point are added.
     """
     under_load = (
         (momentary_rise(sweep.scene, state, sweep.conditions), state)
@@ -100,12 +105,11 @@ def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
 def points_near_boundary(
     sweep: Sweep, places: Sequence[Target]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Points near the boundary, and d ln(rise)/d ln(velocity) at each, by the preset ``standard``.
+    """Find a point near the boundary for each target, and d ln(rise)/d ln(velocity) there.
 
-    There is a point for each target in `places`.
-
-    Velocities from half the lowest to twice the highest are searched. Without a transition the
-    point is at the nearer end.
+    Both are found with the preset ``standard``. `places` are the targets. Velocities from half the
+    sweep's lowest to twice its highest are searched. Without a transition there, the point is at
+    the end where the rise is closer to its limit.
     """
     scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
     points, exponents = [], []
@@ -131,8 +135,9 @@ def critical_velocity(
 ) -> float:
     """Velocity [m/s] at which a rise [K] reaches a limit, between `lowest` and `highest`.
 
-    If the rise reaches it nowhere, the result is the nearer end. The velocity is found by secant
-    steps in logarithms, with bisection if a secant returns to an earlier velocity.
+    The rise grows with velocity. If it stays below the limit, the result is `highest`; if it stays
+    above, `lowest`. The velocity is found by secant steps in logarithms, with bisection if a secant
+    returns to an earlier velocity.
     """
     low, high = math.log(lowest), math.log(highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT

@@ -1,8 +1,9 @@
 """Table of fidelities, each measured on a scene at a few points on the boundary.
 
-The measure is the error of the boundary velocity: the error of ln(rise) divided by the exponent
-with which the rise grows with velocity. `irg trade` prints the table. `--accuracy` takes its
-cheapest row within a bound, `--measure` the row of the scene's own fidelity.
+A fidelity is a set of numerical choices. The measure is the relative error of the critical
+velocity: the error of ln(rise) divided by the exponent with which the rise grows with velocity.
+`irg trade` prints the table. `--accuracy` takes the cheapest row within a bound, `--measure` the
+row of the scene's own fidelity.
 """
 
 from __future__ import annotations
@@ -86,8 +87,8 @@ class Trade:
     def cheapest(self, error: float) -> Choice:
         """Cheapest fidelity that is expected to keep within the relative `error` at every load.
 
-        The error is that of the boundary velocity. The reference is returned if no fidelity
-        keeps within it.
+        The error is that of the critical velocity. The reference is returned if no fidelity keeps
+        within `error`.
         """
         return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
 
@@ -95,8 +96,9 @@ class Trade:
     def table(self) -> pd.DataFrame:
         """Frame with a row for each fidelity: two errors [%], and two times.
 
-        The errors of the boundary velocity are the largest at the points measured, and the one to
-        expect at any load. One time is in seconds, the other relative to the time of ``fine``.
+        The errors are those of the critical velocity: the largest at the points measured, and the
+        error to expect at any load. One time is in seconds, the other is relative to the time of
+        the preset ``fine``.
         """
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
@@ -125,7 +127,7 @@ class Trade:
 def trade(
     sweep: SceneLike, presets: Sequence[str] = USUAL, progress: Report | None = None
 ) -> Trade:
-    """Measure the time of several fidelities, and their errors of a scene's boundary velocity.
+    """Measure the time of several fidelities, and their errors of a scene's critical velocity.
 
     Errors are measured near the boundary, at four loads from the lowest to the highest; with
     several variants, at six pairs of load and variant.
@@ -215,7 +217,7 @@ def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
 
 
 def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Compare a fidelity with the reference: errors of the boundary velocity, and processor time.
+    """Compare a fidelity with the reference: errors of the critical velocity, and processor time.
 
     `name` is the name of the fidelity, which is a set of numerical choices. `measured` has the
     fidelity's rises at some points, and `reference` those of the reference. `exponents` are

@@ -85,13 +85,15 @@ def vary(
         a change of the scene's value, such as ``"+20%"``. If friction depends on velocity or
         temperature, a changed coefficient of friction scales the whole curve.
     preset, overrides, laws : optional
-        See `pipeline.load_scene`.
+        Preset of numerical choices, values that replace entries, and own Python objects, as
+        in `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, in addition to that of the scene's fidelity.
     out : path, optional
         Store of the points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
-        See `pipeline.run_sweep`. A note is reported if the scene has several values of an entry.
+        Number of processes, Dask client, and callback for progress, as in `pipeline.run_sweep`. A
+        note is reported if the scene has several values of an entry.
 
     Raises
     ------

@@ -22,7 +22,11 @@ from tribo.inverse import specific_wear_rate
 
 
 def infer(options: argparse.Namespace) -> Result:
-    """Answer ``irg infer``: infer a critical temperature, a wear rate, or all unknown inputs."""
+    """Answer ``irg infer``: infer from measurements what a rig cannot measure.
+
+    With samples of unknown inputs, these inputs are inferred from the tests. Without samples, a
+    contact width gives the wear rate; otherwise the tests give the critical temperature.
+    """
     store = options.scene
     if not store.is_dir():
         sweep = one_scene_in(options)
@@ -90,7 +94,8 @@ def _bounds_result(
     """Result of ``irg infer`` for tests with an outcome: bounds of the critical temperature.
 
     `at_tests` has the simulated temperature at each test, and `outcomes` is "mild" or "severe" for
-    each test. `frame` is the table to print, with a row for each test.
+    each test. `frame` is the table to print, with a row for each test; it gets their outcomes as a
+    new column.
     """
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
@@ -118,7 +123,11 @@ def _bounds_result(
 
 
 def _transition_frame(inferred: CriticalTemperatures) -> pd.DataFrame:
-    """Data frame of transitions: load, velocity, friction and critical temperature."""
+    """Data frame with a row for each transition: load, velocity, friction, critical temperature.
+
+    With several random surfaces, the temperature is their mean. Further columns have the standard
+    deviation between surfaces, and the temperature on each.
+    """
     seeds = inferred.surfaces if inferred.spreads[0] else ()
     heads = (
         *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
@@ -165,9 +174,10 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
 
 
 def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
-    """Sweep with a hold after the ramp to `load` [N], so that a test lasts `duration` [s].
+    """Sweep in which `load` [N] is held after its ramp, so that a test lasts `duration` [s].
 
-    If `duration` is None, the sweep is returned unchanged.
+    If `duration` is None, the sweep is returned unchanged. Raises an `InputError` if the ramp alone
+    lasts longer, or the load is a record.
     """
     if duration is None:
         return sweep

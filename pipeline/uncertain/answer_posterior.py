@@ -21,7 +21,7 @@ from pipeline.uncertain.weigh import FALSE_ALARMS
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
-    """Answer ``irg infer`` for samples: show inputs before and after the tests, with a figure."""
+    """Answer ``irg infer`` for samples in `store`: inputs before and after the tests, a figure."""
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         ensemble = pipeline.Ensemble.of(
@@ -69,7 +69,7 @@ def _describe_inputs(weighed: Posterior) -> Iterator[str | pd.DataFrame]:
 
 
 def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
-    """Frame of tests, each with the 5, 50 and 95 % quantiles of the critical velocity."""
+    """Frame with a row for each run of tests: 5, 50 and 95 % quantiles of the critical velocity."""
     ends = (f"critical velocity, {100 * share:g} % quantile [m/s]" for share in QUANTILES)
     heads = "test", "oil", "load [N]", "bulk temperature [°C]", "velocity [m/s]", "outcome", *ends
     rows = (
@@ -88,7 +88,7 @@ def _test_quantiles(weighed: Posterior) -> pd.DataFrame:
 
 
 def _describe_contrast(one: Contrast) -> str:
-    """Line of text on `one` difference of a quantity between two oils."""
+    """Describe in a line how a quantity, such as the critical velocity, differs for two oils."""
     size, unit = (1.0, "K") if one.unit == "K" else (0.01, "%")
     mean, sd, low, high = (
         value / size for value in (one.mean, one.sd, one.interval[0], one.interval[-1])

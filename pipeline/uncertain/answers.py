@@ -1,4 +1,4 @@
-"""Critical velocities and loads of draws: where each draw's wear turns severe or mild."""
+"""Critical velocities and loads: where wear turns severe or mild, for draws of unknown inputs."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ STEPS = 41
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
-    """Return `draws` without the columns of inputs that belong to the test rig.
+    """Return `draws` with the columns of the ensemble's unknown inputs only.
 
-    If `draws` is None, the result is draws of the ensemble's prior.
+    Columns for other oils and for the friction of the test rig are removed. If `draws` is None, the
+    result is draws of the ensemble's prior.
     """
     if draws is None:
         return prior(ensemble.unknown, ensemble.design.seed + 1)
@@ -27,11 +28,12 @@ def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
-    """Find where `excess`, ln(rise/limit) (..., m), first rises through 0 along an axis.
+    """Find where wear first turns severe along an axis: where `excess` (..., m) rises through 0.
 
-    The axis (m,) holds velocities [m/s] or loads [N]. Beyond the axis the excess is extrapolated as
-    a power law. Returns ln(velocity or load) of the crossing, the slope of the excess over
-    ln(axis), and the index of the next axis value, each of shape (...).
+    `excess` is ln(rise/limit); the limit is the temperature rise at which wear turns severe. The
+    axis (m,) holds velocities [m/s] or loads [N]. Beyond the axis rise/limit is extrapolated as a
+    power law. Returns ln(velocity or load) of the crossing, the slope of the excess over ln(axis),
+    and the index of the first axis value after the crossing, each of shape (...).
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
     right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)
@@ -59,9 +61,10 @@ def line_turns(x: Array, lines: Array) -> tuple[Array, Array]:
 
 
 def log_boundary(ensemble: Ensemble, inputs: Array, loads: Axis) -> tuple[Array, Array]:
-    """Logarithm of the critical velocity [m/s] and its standard error, each (n, n_load).
+    """Return ln(critical velocity [m/s]) and its standard error, by draw and load.
 
-    `inputs` are draws of the unknown inputs, (n, n_unknown).
+    Both have the shape (n, n_load). The error is that of the logarithm, due to the emulator.
+    `inputs` (n, n_unknown) are draws of the unknown inputs [SI], and `loads` are in N.
     """
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     excess = ensemble.excess(inputs, loads, velocities)

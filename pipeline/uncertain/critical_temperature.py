@@ -71,7 +71,7 @@ class CriticalTemperatures:
         return _spread(self.means)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data."""
+        """Return the criterion, surfaces, transitions and temperatures [K] as plain data."""
         rows = zip(self.transitions, self.temperatures, self.means, self.spreads, strict=True)
         return {
             "criterion": self.criterion.name,
@@ -96,20 +96,21 @@ def critical_temperatures(
 ) -> CriticalTemperatures:
     """Find the critical temperature of a lubricant from measured transitions.
 
-    It is the temperature that the failing share of the contact exceeds at a transition. A good
-    model gives the same temperature at all transitions (Bosman & de Rooij, Table 6). A rig cannot
-    measure it.
+    It is the temperature that the scene's failing share of the contact area exceeds at a
+    transition. A good model gives the same temperature at all transitions (Bosman & de Rooij,
+    Table 6). A rig cannot measure this temperature.
 
     Parameters
     ----------
     sweep : Sweep, str or path
         Scene with measured transitions, or its path or name. Each of its random surfaces is
         simulated. If tests are of several oils, only the first oil counts. A transition without
-        friction, bulk temperature or hold takes the scene's value.
+        friction, bulk temperature or time at full load takes the scene's value.
     out : path, optional
         Store of the simulated points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
-        See `pipeline.run_sweep`. In a script, call this under ``if __name__ == "__main__":``.
+        Number of processes, Dask client, and callback for progress, as in `pipeline.run_sweep`. In
+        a script, call this under ``if __name__ == "__main__":``.
 
     Raises
     ------

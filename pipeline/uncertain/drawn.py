@@ -19,10 +19,10 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Convert `draw`, the plain data of a `Draw`, to a `Sampling`: how samples were drawn.
+    """Convert `draw`, the plain data of a `Draw`, to a `Sampling`: what samples and answers need.
 
-    `Sampling.rows` leaves out correlations, since the samples do not depend on them. Units of the
-    scene file, which are for display only, are left out everywhere.
+    Sweeps with equal `Sampling.rows` have the same samples. The rows leave out correlations, since
+    samples do not depend on them. Units of the scene file are only for display, and left out.
     """
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))
@@ -37,7 +37,7 @@ def _drop_unit(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def fixed_at(draw: Any, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Plain data of a `Draw`, with the inputs named in `values` fixed at these values [SI]."""
+    """Copy the plain data of a `Draw`, with inputs fixed at `values` [SI], by path."""
     return Draw.of(draw).fixed_at(values).as_dict()
 
 
@@ -68,9 +68,9 @@ def drawn_value(draw: Any, path: str, value: float | str) -> float:
 
 
 def describe_samples(data: Any, count: int) -> list[Line]:
-    """Table rows on the unknown inputs, and on `count` samples.
+    """List rows (label, text) on each unknown or fixed input, and on the `count` samples.
 
-    `data` is the plain data of a `Draw`.
+    `data` is the plain data of a `Draw`, the rule that generates the samples.
     """
     draw = Draw.of(data)
     design = draw.design

@@ -5,10 +5,11 @@ mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 
 
     k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
 
-This is a plane, a quadric, a smooth departure, an effect of each contact, and an effect of each
-row. All loads share one kernel. Its constants maximise the likelihood (their Eq. 5.9). In
-cross-validation the constants are fitted without the rows left out. Otherwise the error is
-underestimated, most of all with few contacts.
+with amplitudes a, b, c, s and n, and a length ℓᵢ for each input. The terms are a plane, a quadric,
+a smooth departure, an effect shared by the samples with the same contact, and an effect of each
+sample. The outputs at all loads share one kernel. Its constants maximise the likelihood (their Eq.
+5.9). In cross-validation the constants are fitted without the samples left out. Otherwise the error
+is underestimated, most of all with few contacts.
 """
 
 from __future__ import annotations
@@ -76,8 +77,8 @@ class Emulator:
     def __call__(self, features: Array, between: Array) -> tuple[Array, Array]:
         """Predict sums of outputs weighted by `between`, and their standard errors, both (n, m).
 
-        `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between
-        outputs. The standard errors are for the difference from a simulation.
+        `features` is (n, n_feature). The weights `between` (m, n_output) interpolate between the
+        outputs, such as between loads. The standard errors are against a simulation.
         """
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = (self.mean + smooth @ self.weights) @ between.T
@@ -155,7 +156,7 @@ def _solve_kernel(
 
     `outputs` (n, n_output) belong to the rows of `features` (n, n_feature). `dimensions` has the
     number of the input that each feature belongs to, and `contacts` the number of the contact of
-    each row. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
+    each row. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
     """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
@@ -168,8 +169,8 @@ def features_of(
 ) -> tuple[Array, Groups]:
     """Features (n, n_feature) with a spread of about 1, and the input that each belongs to.
 
-    `columns` has the values (n,) of each input of the design. The feature of a wear rate k is k ×
-    velocity.
+    The first feature is ln(velocity), and belongs to input 0. `columns` has the values (n,) of each
+    further input of `design`. The feature of a wear rate is ln(wear rate × velocity).
     """
     low, high = np.log(design.velocities)
     spread = (high - low) / math.sqrt(12)
@@ -199,7 +200,7 @@ def _kernel(
 
     The terms are for linear, quadratic and further dependence. `one` (n, n_feature) and `other` (m,
     n_feature) are the features. `dimensions` has the number of the input that each feature belongs
-    to. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
+    to. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -214,7 +215,7 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """Covariance (n, n) of training rows: smooth part, random effect of each contact, and noise.
 
     `smooth` is the smooth part, from `_kernel`. `contacts` has the number of the contact of each
-    row. `constants` are logarithms of amplitudes and lengths, as in `Emulator`.
+    row. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
     """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)
@@ -225,7 +226,9 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
     """Fit the kernel's constants: maximum of the posterior density under a weak prior.
 
-    The parameters are those of `fit_emulator`, but `outputs` without their mean.
+    The constants are logarithms of five amplitudes, then of lengths. A row of `features` (n,
+    n_feature) and of `outputs` (n, n_output), less their mean, belongs to a sample. `dimensions`
+    has the number of the input of each feature, and `contacts` that of the contact of each sample.
     """
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
@@ -287,7 +290,8 @@ def _folds(velocities: Array, contacts: Groups) -> tuple[Groups, list[Mask]]:
 
     The rows of a contact are a group; with a single contact, each row is a group. There is a
     mask for each fold of groups, a mask of rows at the lowest velocities, and a mask of rows at the
-    highest velocities. `contacts` has the number of the contact of each row.
+    highest velocities. `contacts` has the number of the contact of each row. `velocities` are
+    ln(velocity), scaled to mean 0 and standard deviation 1 over the range of velocities.
     """
     is_single = (contacts == contacts[0]).all()
     _, groups = np.unique(np.arange(len(contacts)) if is_single else contacts, return_inverse=True)
@@ -332,7 +336,7 @@ def _cross_validate(
 
 
 def _band_factors(scores: Array, count: int) -> Array:
-    """Factors (n_output,) on the standard errors of the outputs; see `band_factor`.
+    """Factors (n_output,) on standard errors that make 90 % bands hold 90 % of new samples.
 
     `scores` (n, n_output) are errors divided by predicted errors, in `count` independent groups.
     """
@@ -355,9 +359,10 @@ _BEND = 0.02  # curvature error of ln(rise) between two loads: ten times that of
 
 
 def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]:
-    """Weights (n_load,) to interpolate ln(rise) to `load` [N], and the error of that ln(rise).
+    """Weights (n_load,) that interpolate ln(rise) to `load` [N], and the interpolation's error.
 
-    `rises` (n, n_load) are the rises of all samples at `loads`.
+    The error is a standard deviation of ln(rise). `rises` (n, n_load) are the temperature rises of
+    all samples at `loads` [N].
     """
     x, place = np.log(loads), math.log(load)
     if len(x) == 1:
@@ -380,8 +385,8 @@ def load_weights(loads: Array, rises: Array, load: float) -> tuple[Array, float]
 def _spread_between_nodes(x: Array, values: Array) -> float:
     """Standard deviation of values (n, n_load) from straight lines between their neighbours.
 
-    It is that of a single value: the part due to the scatter of the neighbours is removed. `x`
-    (n_load,) are the abscissae.
+    The part that is due to the scatter of the neighbours is removed. `x` (n_load,) are the
+    abscissae.
     """
     found = []
     for number in range(1, len(x) - 1):
@@ -437,11 +442,11 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Variables by name (`columns`), in which steps later than `hold` [s] do not count.
+    """Copy results of load steps, without those later than `hold` [s] after the full load.
 
-    The time is counted from full load, and the load of later steps becomes NaN. `loads` are the
-    full loads [N]. Returns None if a `done` point has no step with a temperature at the end of the
-    hold.
+    `columns` has arrays (n_sample, n_load, n_step) by the name of the variable. In the copy, the
+    normal load of the later steps is NaN. `loads` are the full loads [N]. Returns None if a sample
+    that is `done` has no temperature `hold` seconds after full load.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
@@ -456,9 +461,11 @@ def columns_until(
 def decisive_rises(
     columns: Mapping[str, Array], loads: Array, conditions: Sequence[Conditions]
 ) -> Array:
-    """Deciding rises [K] (n_sample, n_load), from variables by name (`columns`).
+    """Temperature rises that the criterion compares with its limit, by sample and load.
 
-    `conditions` has the conditions of each sample.
+    The rises [K] are per unit friction coefficient, (n_sample, n_load). `columns` has results of
+    load steps, (n_sample, n_load, n_step), by the name of the variable. `loads` are the full loads
+    [N], and `conditions` has the criterion and the corrections of each sample.
     """
     rows = [
         worst_rises({name: values[i] for name, values in columns.items()}, loads[:, None], one)

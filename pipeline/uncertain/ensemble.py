@@ -1,11 +1,12 @@
 """Samples of a sweep, and the severity of wear for any values of the inputs: `Ensemble.excess`.
 
-An emulator gives the logarithm of the decisive temperature rise as a function of inputs, velocity
-and wear number (`pipeline.uncertain.emulator`), for all loads at once. Between loads it is
-interpolated. Friction and temperatures enter exactly: with the rise r at friction 1, wear is severe
-where
+The criterion of severe wear compares a temperature rise of the contact with its limit. An emulator
+(`pipeline.uncertain.emulator`) gives the logarithm of this rise as a function of inputs, velocity,
+and wear rate × velocity, for all loads at once. Between loads the logarithm is interpolated.
+Friction and temperatures enter exactly: with the rise r per unit friction coefficient, and the
+friction coefficient µ, wear is severe where
 
-    ln r − ln((critical − bulk)/µ) > 0,
+    ln r − ln((critical − bulk temperature)/µ) > 0.
 
 This excess is the basis of all answers.
 """
@@ -63,14 +64,15 @@ _FEWEST = 12  # samples that an emulator needs
 class Excess(NamedTuple):
     """ln(rise/limit) of n draws by load and velocity; wear is severe above 0.
 
-    The shape is (n, n_load, n_velocity); a single load or velocity has no axis.
+    The limit is the temperature rise at which wear turns severe. The shape is (n, n_load,
+    n_velocity); a single load or velocity has no axis.
     """
 
     values: Array
     error: Array  # standard error against a simulation with the same inputs
 
     def draw_error(self, seed: int) -> Array:
-        """Add a random emulator error to `values`: `error` times a normal number for each draw."""
+        """Return `values` plus a random emulator error: `error` × a normal number for each draw."""
         chance = np.random.default_rng(seed).standard_normal(len(self.values))
         return (self.values.T + chance * self.error.T).T
 
@@ -96,7 +98,8 @@ class Ensemble:
     sample_velocities: Array  #: Velocity of each sample [m/s].
     contacts: Groups  #: Number of each sample's contact; several samples share one.
     loads: Array  #: Normal loads on the whole pin [N].
-    rises: Array  #: Decisive rises at friction 1 [K], shape (n_sample, n_load).
+    #: Rises that the criterion judges, per unit friction coefficient [K], shape (n_sample, n_load).
+    rises: Array
     tests: tuple[dict[str, Any], ...] = ()  #: Measured transitions, and tests with their outcome.
     hold: float = 0.0  #: Duration at the full load [s].
     #: The same rises at shorter holds [s], where tests have them and the samples allow it.
@@ -104,7 +107,7 @@ class Ensemble:
     fixed: tuple[Fixed, ...] = ()  #: Inputs with a value that replaces their distribution.
     missing: int = 0  #: Samples left out because some of their loads are not computed.
     same_rig: bool = True  #: True if tests and scene share their friction: one machine.
-    #: Relative error of boundary velocities due to the samples' fidelity; None if unknown.
+    #: Relative error of critical velocities due to the samples' fidelity; None if unknown.
     velocity_error: float | None = None
     keeper: Keeper | None = None  #: Store where fits are kept.
 
@@ -116,7 +119,7 @@ class Ensemble:
         ----------
         ds : Dataset, str, path or Ensemble
             Dataset of `pipeline.open_sweep` or `pipeline.at`, or the path of a store. An
-            `Ensemble` is returned as it is.
+            `Ensemble` is returned unchanged.
 
         Raises
         ------
@@ -181,10 +184,11 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """The ensemble judged under an operating point's own conditions, such as its friction.
+        """Copy of the ensemble whose wear is judged under conditions of an operating point.
 
-        They replace conditions of the scene and of its samples; see `Conditions.row_conditions`.
-        Raises an `InputError` if the emulated rises depend on them.
+        `own` has ``friction``, ``bulk_temperature`` [K] or ``critical_temperature`` [K]. They
+        replace the scene's conditions, and fix the unknown inputs that they concern. The emulated
+        rises are the same; raises an `InputError` if they depend on `own`.
         """
         if not own:
             return self
@@ -207,7 +211,7 @@ class Ensemble:
             unknown=without(self.unknown, fixed.keys()),
             fixed=tuple((before | fixed).values()),
         )
-        vars(judged)["_rise"] = self._rise  # the emulator is at friction 1, thus the same
+        vars(judged)["_rise"] = self._rise  # per unit friction coefficient, thus the same
         return judged
 
     @property
@@ -216,7 +220,7 @@ class Ensemble:
         return self.design.velocities
 
     def excess(self, draws: Array, load: Axis | float, velocity: Axis | float) -> Excess:
-        """ln(rise/limit) at loads and velocities; wear is severe above 0. See `Excess`.
+        """Return ln(rise/limit) at loads and velocities, with its error; wear is severe above 0.
 
         `draws` (n, n_unknown) are values of the unknown inputs [SI]. Raises an `InputError` at a
         load [N] or velocity [m/s] outside the sweep, or if no critical temperature is known.
@@ -261,7 +265,7 @@ class Ensemble:
     ) -> Array:
         """ln((critical − bulk temperature)/friction [K]) for each draw, shape (n,).
 
-        This is the logarithm of the highest rise per unit of friction at which wear stays mild.
+        It is the logarithm of the highest rise per unit friction coefficient without severe wear.
         `draws` (n, n_unknown) are values of the unknown inputs [SI]. `friction`, `bulk` [K] and
         `critical` [K] replace the values of the draws, if given. A friction that `was_measured`
         already includes the effect of temperature.
@@ -281,9 +285,10 @@ class Ensemble:
 
     @functools.cached_property
     def ensembles_by_hold(self) -> dict[float, Ensemble]:
-        """Ensembles by hold [s]: this ensemble, and one for each shorter hold of a test.
+        """Ensembles by the time [s] for which the full load is held.
 
-        The latter has the rises at the end of that hold.
+        They are this ensemble, and one for each shorter time of a test at which the samples have
+        temperatures. Such an ensemble has the rises at the end of the shorter time.
         """
         return {self.hold: self} | {
             hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
@@ -300,10 +305,11 @@ class Ensemble:
     def _emulate(
         self, draws: Array, load: Axis | float, velocity: Axis | float
     ) -> tuple[Array, Array]:
-        """ln(rise [K]) for friction coefficient 1, and its error, (n, n_load, n_velocity).
+        """Predict ln(rise per unit friction coefficient [K]), and its standard error.
 
-        `draws` are values of the unknown inputs, (n, n_unknown). A single load or velocity has no
-        axis.
+        Both are (n, n_load, n_velocity); a single load or velocity has no axis. `draws` (n,
+        n_unknown) are values of the unknown inputs [SI]. Friction that varies with velocity is
+        divided out of the rise.
         """
         emulator = self._rise
         loads, velocities = np.atleast_1d(load), np.atleast_1d(np.asarray(velocity, float))
@@ -368,9 +374,9 @@ def _row_conditions(
 ) -> list[Conditions]:
     """Conditions of each sample: `conditions` with the values that were drawn for the sample.
 
-    Corrections are taken from the `sweep`, where `rows` are the numbers of the samples' variants.
-    `shares` has a drawn value of `Conditions.failing_share` for each sample. If None, this share
-    was not drawn, and that of `conditions` remains.
+    Corrections of the rise, such as for an oil film, are those of the samples' variants in `sweep`,
+    whose numbers are `rows`. `shares` has a drawn value of `Conditions.failing_share` for each
+    sample. If None, this share was not drawn, and that of `conditions` remains.
     """
     own = (sweep.variant(((VARIANT, row),)).conditions for row in rows)
     of_rows = [replace(conditions, corrections=one.corrections) for one in own]

@@ -37,9 +37,10 @@ _NODES, _FINE = 9, 65  # velocities at which rises are computed; more with a fri
 
 
 class Distances(NamedTuple):
-    """Distance in ln(velocity) of each test from the boundary of each draw (n_test, n).
+    """Distance in ln(velocity) of each test from the computed critical velocity of each draw.
 
-    `signs` is 1 where wear turns severe with velocity at the boundary, −1 where it turns mild.
+    All arrays are (n_test, n). `signs` is 1 where wear turns severe with velocity at the critical
+    velocity, −1 where it turns mild.
     """
 
     #: ln(V/V_c) of the test's velocity V and the nearest change V_c of wear, positive on its
@@ -51,7 +52,7 @@ class Distances(NamedTuple):
 
 
 def require_possible(ensemble: Ensemble) -> None:
-    """Raise an `InputError` if a test is outside the loads, velocities or holds of the samples."""
+    """Raise an `InputError` if a test has a load, velocity or duration that the samples lack."""
     for test in ensemble.tests:
         place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
         try:
@@ -74,10 +75,11 @@ class JointDraws(NamedTuple):
     oils: Mapping[str, Array] = {}  # critical temperatures [K] of oils that have their own, (n,)
 
 
-def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: JointDraws) -> Distances:
-    """Distances of `tests` from the boundary, for draws of all unknown quantities (`truths`).
+def _test_distances(ensemble: Ensemble, tests: Sequence[Test], truths: JointDraws) -> Distances:
+    """Distance in ln(velocity) of each test from the critical velocity of each draw.
 
-    The hold of the tests must be that of the ensemble.
+    The draws (`truths`) are of all unknown quantities. All `tests` must have held the full load for
+    the same time as the samples of the ensemble.
     """
     inputs, rig, oils = truths
     count = _FINE if ensemble.conditions.has_friction_curve else _NODES
@@ -121,7 +123,8 @@ def _distances_at_hold(ensemble: Ensemble, tests: Sequence[Test], truths: JointD
 def _turn_distance(velocities: Array, excess: Array, test: Test) -> tuple[Array, Array]:
     """Distance in ln(velocity) of a test from the nearest change of wear, and the change's sign.
 
-    Both have a value for each draw; see `values` and `signs` of `Distances`. `excess` (n, m) is
+    Both are (n,), with a value for each draw. The distance is positive if the test is on the severe
+    side. The sign is 1 if wear turns severe with velocity, −1 if it turns mild. `excess` (n, m) is
     ln(rise/limit) at `velocities` (m,) [m/s]. For a measured transition only changes to severe wear
     count.
     """
@@ -218,10 +221,10 @@ class JudgedTests(NamedTuple):
     """Tests compared with n draws of the inputs.
 
     A run is the tests of one specimen. `distances` has the distance of each test from the computed
-    boundary in ln(velocity), (n_test, n). `runs` has bounds on the deviation of each run from the
-    model, in standard deviations, (n_run, n, n_scatter). `joint` is ln(likelihood of all runs ×
-    prior of the scatter), (n, n_scatter). The axis n_scatter has possible values of the scatter
-    between runs.
+    critical velocity in ln(velocity), (n_test, n). `runs` has bounds on the deviation of each run
+    from the model, in standard deviations, (n_run, n, n_scatter). `joint` is ln(likelihood of all
+    runs × prior of the scatter), (n, n_scatter). The axis n_scatter has possible values of the
+    scatter between runs.
     """
 
     distances: Distances
@@ -256,7 +259,7 @@ class Joint:
 
     @functools.cached_property
     def tests(self) -> list[Test]:
-        """Tests that add information; see `decisive_tests`."""
+        """Tests whose outcome does not follow from other tests of the same run."""
         return decisive_tests(self.ensemble.tests, self.ensemble.conditions.has_friction_curve)
 
     @functools.cached_property
@@ -268,7 +271,7 @@ class Joint:
         return list(runs.values())
 
     def judge_draws(self, inputs: Array) -> JudgedTests:
-        """Compare draws (n, n_unknown) of all inputs [SI] with the tests; see `JudgedTests`."""
+        """Compare draws (n, n_unknown) of all inputs [SI] with the tests, and find likelihoods."""
         shift, variance = self._specimen_scatter
         distances = self._distances(fix_varying(self.unknown, inputs))
         distances = distances._replace(
@@ -278,9 +281,9 @@ class Joint:
         return JudgedTests(distances, runs, runs.log_likelihoods.sum(axis=0) + _LOG_PRIOR)
 
     def _weigh_runs(self, distances: Distances) -> Runs:
-        """Bounds on each run's deviation from the model, and each run's log likelihood.
+        """Find bounds on each run's deviation from the model, and each run's log likelihood.
 
-        `distances` are those of the tests from the boundary; see `Runs` for the result.
+        `distances` are those of the tests from the critical velocities of n draws.
         """
         shape = len(self.runs), distances.values.shape[1], len(self.scatters)
         low, high, likelihoods = np.full(shape, -np.inf), np.full(shape, np.inf), np.zeros(shape)
@@ -309,9 +312,9 @@ class Joint:
     def _specimen_scatter(self) -> tuple[Array, Array]:
         """Mean and variance of each test's shift, which is due to differences between specimens.
 
-        The shift is the change of a test's distance from the boundary, in ln(velocity), if inputs
-        that vary between specimens depart from their medians. Both arrays are (n_test, 1), or
-        (1, 1) if no input varies.
+        The shift is the change of a test's distance from the critical velocity, in ln(velocity), if
+        inputs that vary between specimens depart from their medians. Both arrays are (n_test, 1),
+        or (1, 1) if no input varies.
         """
         if not any(one.varies for one in self.unknown):
             return np.zeros((1, 1)), np.zeros((1, 1))
@@ -321,9 +324,10 @@ class Joint:
         return apart.mean(axis=1)[:, None], apart.var(axis=1)[:, None]
 
     def _distances(self, inputs: Array) -> Distances:
-        """Distances of the tests in ln(velocity) for draws of the inputs; see `Distances`.
+        """Distance in ln(velocity) of each test from the critical velocity of each draw.
 
-        `inputs` (n, n_all) has the unknown inputs of the scene, then the inputs of oils and rig.
+        The arrays of the result are (n_test, n). `inputs` (n, n_all) has the unknown inputs of the
+        scene [SI], then those of other oils and of the rig.
         """
         truths = JointDraws(
             inputs[:, : len(self.ensemble.unknown)],
@@ -336,13 +340,13 @@ class Joint:
             numbers = [number for number, one in enumerate(holds) if one == hold]
             if numbers:
                 tests = [self.tests[number] for number in numbers]
-                found[:, numbers] = _distances_at_hold(held, tests, truths)
+                found[:, numbers] = _test_distances(held, tests, truths)
         return Distances(*found)
 
     def require_near(self, distances: Distances) -> None:
         """Raise an `InputError` if even the best draw is far from the tests.
 
-        `distances` are those of the tests; see `Distances`.
+        `distances` are those of the tests from the critical velocity of each draw.
         """
         scatter = float(self.scatters[-1])
         z = distances.values / np.sqrt(distances.variance + scatter**2)

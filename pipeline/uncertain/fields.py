@@ -1,4 +1,4 @@
-"""`SampleField`: temperatures and probabilities over the plane, from draws of the inputs."""
+"""`SampleField`: temperatures and probabilities by load and velocity, from draws of the inputs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _FAR = 3.0  # ln(velocity) by which the excess is extrapolated beyond the sample
 class InferredScatter:
     """Scatter between runs in ln(velocity), inferred from the tests together with the inputs.
 
-    It has possible values of the scatter, with weights.
+    It has possible values of the scatter, and the probability of each value for each draw.
     """
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)
@@ -55,9 +55,11 @@ class InferredScatter:
 
 @dataclass(frozen=True, eq=False)
 class SampleField:
-    """Temperatures that decide on mild or severe wear, at any load and velocity, from samples.
+    """Contact temperatures and the probability of severe wear, at any load and velocity.
 
-    This is a `Field` (`pipeline.analysis.field`) whose members are draws of unknown inputs.
+    The samples of a sweep were fitted by an emulator (`ensemble`). The field evaluates it for
+    weighted draws of the unknown inputs, and has a temperature for each draw. It has the interface
+    `Field` of `pipeline.analysis.field`.
     """
 
     ensemble: Ensemble
@@ -131,10 +133,10 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """The field judged under an operating point's own conditions, such as its friction.
+        """Copy of the field whose wear is judged under conditions of an operating point.
 
-        `own` has conditions [SI] by the names in `Conditions.row_conditions`. Raises an
-        `InputError` if the draws have weights from tests.
+        `own` has ``friction``, ``bulk_temperature`` [K] or ``critical_temperature`` [K], which
+        replace the scene's. Raises an `InputError` if the draws have weights from tests.
         """
         if not own:
             return self
@@ -146,9 +148,11 @@ class SampleField:
         return replace(self, ensemble=ensemble, draws=draws_of(ensemble, None))
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Deciding temperatures [K] of n draws at k loads and velocities (n, k); see `Here`.
+        """Contact temperatures [K] that the criterion compares with the critical temperature.
 
-        They include a random emulator error.
+        They are (n, k), for n draws and k pairs of load [N] and velocity [m/s], and include a
+        random emulator error. The result also has the critical temperatures, whether wear is
+        severe, and for each pair without temperatures the reason.
         """
         places = [*zip(*places_of(loads, velocities), strict=True)]
         inputs, reasons = self.draws.inputs, [""] * len(places)
@@ -172,19 +176,22 @@ class SampleField:
         return Here(temperatures, excess > 0, critical, nowhere, nowhere, reasons)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
+        """Relative numerical errors of temperature rises at k pairs of load and velocity, (4, k).
 
-        The first axis has the parts of `RiseError`.
+        The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
+        and temperature-dependent friction. An error is NaN if unknown. Those of interpolation and
+        warnings are 0 here.
         """
         preset, counted = preset_error(self.ensemble.velocity_error), counted_error(self.conditions)
         parts = np.array([0.0, preset, 0.0, counted.item()])
         return np.tile(parts[:, None], len(places_of(loads, velocities)[0]))
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Judge n draws on a line through each of k places: outcome, and where wear turns severe.
+        """Find on a line through each of k operating points whether, and where, wear turns severe.
 
-        A place is a load [N] with a velocity [m/s]. For `axis` "velocity" the lines are at constant
-        load, for "load" at constant velocity. The arrays of the result are (n, k).
+        An operating point is a load [N] and a velocity [m/s]. For `axis` "velocity" the lines are
+        at constant load, for "load" at constant velocity. The arrays of the result are (n, k), for
+        n draws.
         """
         places = zip(*places_of(loads, velocities), strict=True)
         outcome, first = zip(*(self._outcomes_along(axis, *place) for place in places), strict=True)
@@ -216,10 +223,11 @@ class SampleField:
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run at each load and velocity is severe.
+        """Probability (k,) that the next run at each of k pairs of load and velocity is severe.
 
         It is computed from the velocities at which wear changes in each draw. `scatter` is the
-        distribution of a run about the model. `shift` is added to ln(rise).
+        distribution of a run about the model, in ln(velocity). `shift`, one value or (k,), is added
+        to ln(rise).
         """
         loads, velocities, shifts = np.broadcast_arrays(loads, velocities, shift)
         self._cache_lines([load for load in np.unique(loads).tolist() if load not in self._cached])
@@ -259,9 +267,10 @@ class SampleField:
         return np.asarray(np.clip(result, 0.0, 1.0))
 
     def _mixture(self, scatter: Scatter) -> Iterator[tuple[Callable[[Array], Array], Array]]:
-        """Yield distribution functions of a run's scatter, each with the weights of the draws.
+        """Yield pairs (distribution function of a run's deviation, weights of the draws).
 
-        There is one for a given `scatter`, several if the scatter was inferred with the inputs.
+        The deviation is in ln(velocity). There is one pair for a given `scatter`, and a pair for
+        each possible value of a scatter that was inferred with the inputs.
         """
         if not isinstance(scatter, InferredScatter):
             yield scatter.below, self.weights
@@ -272,9 +281,9 @@ class SampleField:
     def _lines(self, load: float, beyond: float = 0.0) -> tuple[Array, Array]:
         """Values of ln(velocity) (m,), and ln(rise/limit) there at a load [N], by draw (n, m).
 
-        ln(rise/limit) has the random parts of `_random_excess`. `beyond` extends the range of
-        ln(velocity) by this much at each end. There the rise at constant friction is extrapolated
-        as a power law of the velocity.
+        ln(rise/limit) includes a random emulator error and the scatter of friction between tests.
+        `beyond` extends the range of ln(velocity) by this much at each end. There the rise at
+        constant friction is extrapolated as a power law of the velocity.
         """
         if load not in self._cached:
             self._cache_lines([load])
@@ -294,15 +303,15 @@ class SampleField:
         return nodes, heat + self._log_factor(nodes)
 
     def _log_factor(self, x: Array) -> Array:
-        """ln(friction factor) at values `x` of ln(velocity)."""
+        """Logarithm of the factor by which velocity changes friction, at ln(velocity) `x`."""
         factor = self.conditions.friction_factor(np.exp(x))
         return np.asarray(np.log(np.maximum(factor, LEAST_FRICTION)))
 
     def _cache_lines(self, loads: Sequence[float]) -> None:
         """Compute ln(rise/limit) along velocity at several loads [N] at once, and cache it.
 
-        This is hardly slower than for one load. If friction depends on velocity, ln(friction
-        factor) is subtracted, because it may be far from linear between the cached velocities.
+        This is hardly slower than for one load. The cached values leave out how friction depends on
+        velocity, because this may be far from linear between the cached velocities.
         """
         if not loads:
             return

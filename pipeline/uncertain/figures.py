@@ -127,7 +127,10 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
 
 @style.house_style
 def draw_posterior(posterior: Posterior) -> Figure:
-    """Draw the distribution of each input before and after the tests, and velocities of tests."""
+    """Draw the distribution of each input before and after the tests.
+
+    If transitions were measured, a further panel compares computed with measured velocities.
+    """
     unknown = posterior.unknown
     transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)
@@ -168,7 +171,7 @@ def draw_posterior(posterior: Posterior) -> Figure:
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
-    """Plot computed against measured velocities of transitions, with 90 % intervals.
+    """Plot computed against measured velocities of `transitions`, with 90 % intervals.
 
     `inferred` is the relative scatter of measured velocities whose scatter is not stated.
     """

@@ -26,14 +26,18 @@ class StatedDistribution(NamedTuple):
 
 @dataclass(frozen=True)
 class Distribution(Kind):
-    """Kind of scene entry: a distribution, as a table in one of several forms, or as a list."""
+    """Kind of scene entry: a distribution, as a table with one of several sets of keys, or a list.
+
+    `forms` are the tables, such as that of a normal distribution; `listed` reads a list of equally
+    likely values.
+    """
 
     forms: tuple[Table, ...]
     listed: Kind
 
     @property
     def leaf_keys(self) -> set[str]:
-        """Keys that the table of a distribution may have, in any form."""
+        """Keys that the table of a distribution may have, whichever distribution it is."""
         return {key for table in self.forms for key in table.keys}
 
     def __str__(self) -> str:

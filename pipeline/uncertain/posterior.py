@@ -56,7 +56,10 @@ class Judged(NamedTuple):
 
     @property
     def test(self) -> Test:
-        """Test that stands for the run, chosen by `shown_test`."""
+        """Test that stands for the run: the severe test of least load × velocity, if any.
+
+        In a run without a severe test it is the mild test of greatest load × velocity.
+        """
         return self.tests[shown_test(self.tests)]
 
     @property
@@ -103,7 +106,7 @@ class Posterior:
 
     @property
     def fits(self) -> bool:
-        """True if the tests as a whole agree with the model, by the criteria of `faults`."""
+        """True if the tests as a whole agree with the model; if not, `draws.faults` says why."""
         return not self.draws.faults
 
     @property
@@ -180,7 +183,10 @@ class Posterior:
 
     @property
     def correlations(self) -> Array:
-        """Correlations of the inputs given the tests, shape (n_unknown, n_unknown)."""
+        """Correlations of the inputs given the tests, shape (n_unknown, n_unknown).
+
+        Logarithms are correlated for inputs whose ratios matter, such as log-normal ones.
+        """
         columns = zip(self.unknown, self.draws.inputs.T, strict=True)
         values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
         covariance = np.cov(values, rowvar=False, aweights=self.draws.weights, ddof=0)
@@ -295,11 +301,11 @@ class Contrast(NamedTuple):
 
 
 def contrasts(posterior: Posterior) -> Iterator[Contrast]:
-    """Yield the differences between two oils, for each pair of oils.
+    """Yield two differences for each pair of oils in the tests.
 
-    A pair has two: the difference in critical temperature [K], then that in ln(critical velocity)
-    at the geometric mean of the sweep's lowest and highest load. Nothing is yielded if the tests
-    are of one oil.
+    The first is the difference in critical temperature [K], the second that in ln(critical
+    velocity) at the geometric mean of the sweep's lowest and highest load. Nothing is yielded if
+    the tests are of one oil.
     """
     ensemble, draws = posterior.ensemble, posterior.draws
     inputs = draws_of(ensemble, draws).inputs

@@ -32,11 +32,11 @@ _LEAST = 0.005  # share of the whole covariance added to each component's
 def sample(
     unknown: Sequence[Unknown], log_likelihood: Callable[[Array], Array], seed: int, count: int
 ) -> tuple[Array, Array]:
-    """Draw `count` values of each unknown input, with weights for prior × likelihood.
+    """Draw the unknown inputs from prior × likelihood, by adaptive importance sampling.
 
-    The draws follow this distribution only if they are weighted. `log_likelihood` returns
-    ln(likelihood) (count,) of draws (count, n_unknown) [SI]. Returns the draws and the logarithms
-    of their weights (count,). The mean of the weights is the evidence.
+    `log_likelihood` returns ln(likelihood) (count,) of draws (count, n_unknown) [SI]. Returns
+    `count` draws, and the logarithms of their weights (count,). Only with these weights do the
+    draws follow prior × likelihood. The mean of the weights is the evidence.
     """
     n, power = len(unknown), 0.0
     scores, mixture = ndtri(sequence(seed, count, n)), None
@@ -89,7 +89,7 @@ class Mixture(NamedTuple):
 
     @classmethod
     def fit(cls, scores: Array, weights: Array, chance: np.random.Generator) -> Mixture:
-        """Fit normal components to weighted scores by expectation maximisation.
+        """Fit components of the mixture to weighted scores, by expectation maximisation.
 
         `scores` are (n, n_unknown), `weights` (n,), and `chance` picks the first centres.
         """
@@ -114,7 +114,9 @@ class Mixture(NamedTuple):
     def draw(self, points: Array) -> Array:
         """Convert uniform points (n, n_unknown + 2) to draws (n, n_unknown) from the mixture.
 
-        The last two coordinates of a point give the width of Student's t and choose the component.
+        A draw is a component's centre plus a normal step × a random factor, which makes the step
+        follow Student's t. The last coordinate of a point chooses the component, the last but one
+        gives the factor, and the others give the normal step.
         """
         part = np.searchsorted(np.cumsum(self.shares)[:-1], points[:, -1])
         wider = np.sqrt(_FREEDOM / 2 / gammaincinv(_FREEDOM / 2, points[:, -2]))

@@ -42,7 +42,7 @@ JUDGED = 32
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a simulated contact; depends on what their inputs affect.
+    """Number of samples that share a simulated contact, given what the unknown inputs affect.
 
     `layers` has the part of a simulation that each input affects. `separable` is True if a contact
     depends on the velocity only by the product of wear rate and velocity. `wears` is True if the
@@ -82,7 +82,7 @@ class Design:
         return max(_FOR_VELOCITY << others, contacts * (1 if is_single else self.per_contact))
 
     def draw(self, count: int) -> tuple[Array, Array]:
-        """Inputs of the samples [SI], shape (count, n_input), and velocities [m/s], (count,).
+        """Generate samples: their inputs [SI], (count, n_input), and velocities [m/s], (count,).
 
         The first samples are the same for any `count`. The velocities come from the first dimension
         of the Sobol' sequence, which is the most even one.
@@ -119,7 +119,7 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Draw:
-    """How samples are drawn: the unknown inputs, and the design that generates the samples.
+    """How samples are drawn: the unknown inputs, and the rule that generates the samples.
 
     `fixed` are inputs that are no longer unknown: a value replaces the distribution of each.
     """
@@ -130,7 +130,7 @@ class Draw:
 
     @classmethod
     def of(cls, data: Any) -> Draw:
-        """Rebuild a draw from the plain data of `as_dict`."""
+        """Rebuild a `Draw` from the plain data of `as_dict`."""
         design = data["design"]
         lists = {"layers": tuple(design["layers"]), "velocities": tuple(design["velocities"])}
         inputs = tuple(map(Unknown.of, design["inputs"]))
@@ -155,7 +155,7 @@ class Draw:
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """Copy of the draw with the inputs in `values` fixed at these values [SI]."""
+        """Copy in which the inputs in `values` are fixed at these values [SI], by path."""
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new

@@ -36,7 +36,7 @@ class Sensitivity:
     loads: tuple[float, ...]  #: Normal loads on the whole pin [N].
     first: Array  #: First indices, shape (n_load, n_unknown).
     first_interval: Array  #: Ends of their 90 % intervals, shape (2, n_load, n_unknown).
-    total: Array  #: Total indices, shape (n_load, n_unknown); NaN if inputs are correlated.
+    total: Array  #: Total indices, (n_load, n_unknown); NaN for correlated inputs or a posterior.
     total_interval: Array  #: Ends of their 90 % intervals, shape (2, n_load, n_unknown).
     #: Standard deviation of the logarithm of the critical velocity, by load.
     spread: tuple[float, ...]

@@ -114,7 +114,7 @@ def _weigh_draws(model: Joint, before: Draws) -> tuple[Draws, JudgedTests]:
 def _left_out_judgements(
     model: Joint, draws: Draws, judgement: JudgedTests, scatter: float, fits: bool
 ) -> Iterator[Judged]:
-    """Yield each run, compared with the prediction from all other runs; see `Judged`.
+    """Yield each run, compared with the prediction from all other runs.
 
     `judgement` has all tests compared with the `draws`. `scatter` is the assumed relative scatter
     of measured velocities. `fits` is True if the model fits all runs together.
