@@ -1,4 +1,4 @@
-"""Extras: folders that no other part imports. Without one of them the rest works."""
+"""Extras: optional parts of the program. If the folder of one is missing, the rest works."""
 
 from __future__ import annotations
 
@@ -37,7 +37,10 @@ def absent() -> frozenset[str]:
 
 
 def modules(name: str) -> Iterator[ModuleType]:
-    """Import the modules `name`, such as ``commands``, of all optional parts and studies."""
+    """Import and yield each module called `name`, such as ``commands``.
+
+    They belong to the optional parts of the program, and to the package of its shipped scenes.
+    """
     studies = next((one for one in STUDIES if _is_there(one)), "pipeline")
     for part in (*(f"pipeline.{one}" for one in present()), studies):
         if find_spec(f"{part}.{name}"):
@@ -45,7 +48,7 @@ def modules(name: str) -> Iterator[ModuleType]:
 
 
 def module(name: str) -> ModuleType:
-    """Import the module `name`, such as ``fields``, from the first optional part that has one.
+    """Import the module `name`, such as ``fields``, of the first optional part that has one.
 
     Raises an `InputError` if no installed part has a module of this name.
     """

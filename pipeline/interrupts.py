@@ -14,7 +14,11 @@ SIGNALS: tuple[int, ...] = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
-    """Set a handler for `SIGNALS`, except ignored ones (nohup); return the former handlers."""
+    """Set a handler for SIGINT, SIGTERM and SIGHUP, and return the former handlers by signal.
+
+    Signals that this process ignores, as under ``nohup``, are left out. Outside the main thread
+    nothing is set.
+    """
     if threading.current_thread() is not threading.main_thread():
         return {}
     before = {number: signal.getsignal(number) for number in SIGNALS}
@@ -26,9 +30,9 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
 
 @contextmanager
 def keyboard_interrupts() -> Iterator[None]:
-    """Context manager: each of `SIGNALS` raises `KeyboardInterrupt`.
+    """Context manager: SIGINT, SIGTERM and SIGHUP raise `KeyboardInterrupt`.
 
-    If the signal causes another error, such as that of an interrupted import, this error is
+    If a signal causes another error, such as that of an interrupted import, this error is
     replaced by `KeyboardInterrupt`.
     """
     came: list[int] = []
@@ -52,5 +56,5 @@ def keyboard_interrupts() -> Iterator[None]:
 
 
 def resend_interrupt() -> None:
-    """Send SIGINT again in 0.1 s, after Python has dropped the exception of the first SIGINT."""
+    """Send SIGINT to this process in 0.1 s, when Python has dropped the error of the first one."""
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

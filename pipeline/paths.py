@@ -48,7 +48,10 @@ def path_hint(path: Path) -> str:
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Text of a file in UTF-8, UTF-16 or Latin-1; and a list of notes, empty unless Latin-1."""
+    """Decode the content of a file as UTF-8 or UTF-16, else as Latin-1.
+
+    Returns the text and a list of notes for the user, which names Latin-1 or is empty.
+    """
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
     with suppress(UnicodeDecodeError):
         return content.decode("utf-16" if is_wide else "utf-8-sig").replace("\0", ""), []

@@ -109,7 +109,10 @@ def si_of(value: float, unit: str) -> float:
 
 
 def as_written(value: Any, unit: str | None) -> Any:
-    """Write a number in SI as a scene file would, with this SI unit; it reads back exactly.
+    """Write a number in SI as an entry of a scene file, which reads back exactly.
+
+    `unit` is the SI unit as CF conventions write it, such as "m s-1". With any other `unit` the
+    result is a plain number, whole if possible.
 
     Examples
     --------

@@ -1,8 +1,9 @@
 """A sweep that chooses its own velocities, to find the boundary with few points.
 
-Between a mild and a severe velocity a straight line in logarithms finds the boundary with an error
-of κh²/8; h is the logarithm of their ratio, κ = |d²ln r/d(ln V)²|/(d ln r/d ln V). All loads share
-an axis of velocities, which is halved where need be.
+Between a mild and a severe velocity a straight line in logarithms finds the critical velocity with
+a relative error of κh²/8. Here h is the logarithm of the ratio of the two velocities, and
+κ = |d²ln r/d(ln V)²|/(d ln r/d ln V) with the rise r and the velocity V. All loads share a grid of
+velocities, whose steps are halved where need be.
 """
 
 from __future__ import annotations
@@ -49,11 +50,12 @@ class _Root(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """Search, at each of several loads, for the velocities at which the rise crosses a limit [K].
+    """Search, at each of several loads, for the velocities at which the rise crosses its limit [K].
 
-    The contact solutions at a velocity v may be those of another variant of the scene at velocity
-    `scale` × v. Without such reuse `scale` is 1. The search chooses v so that `scale` × v has six
-    digits.
+    The rise is the temperature rise per unit friction coefficient that the criterion compares with
+    `limit`. The contact solutions at a velocity v may be those of another variant of the scene at
+    velocity `scale` × v. Without such reuse `scale` is 1. The search chooses v so that `scale` × v
+    has six digits.
     """
 
     loads: Sequence[float]
@@ -69,8 +71,9 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
-        `tolerance` is the relative error allowed in velocity; see the class for `scale`. Raises an
-        `InputError` if the sweep has only one velocity, or no friction.
+        `tolerance` is the relative error allowed in velocity. If contact solutions of another
+        variant are reused, `scale` is its velocity divided by the sweep's. Raises an `InputError`
+        if the sweep has only one velocity, or no friction.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
@@ -119,10 +122,11 @@ class BoundarySearch:
         return np.log(velocities), np.log(values / self.factor(velocities))
 
     def _roots(self, x: Array, y: Array) -> list[_Root]:
-        """Expected crossings of the limit at one load, from its known points.
+        """Velocities at which the rise is expected to cross its limit, at one load.
 
-        `x` is ln(velocity) of these points, and `y` is ln(rise) without the effect of velocity on
-        friction. Between the points y(x) is linear.
+        `x` is ln(velocity) of the points whose rise is known, and `y` is ln(rise/factor) there,
+        where the factor is the one by which velocity changes friction. Between the points y is
+        linear in x, and the factor at each velocity then gives the rise.
         """
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
@@ -161,10 +165,11 @@ class BoundarySearch:
         return first
 
     def _refine(self, root: _Root, curvature: float) -> set[float]:
-        """Velocities [m/s] to compute next beside a crossing; none once it is known well enough.
+        """Velocities [m/s] to compute next beside a crossing; none if it is known within tolerance.
 
         They are nodes of a grid of equal steps of ln(velocity). The steps are halved until a node
-        lies between the known points beside the crossing. `curvature` is κ of `_curvatures`.
+        lies between the known points beside the crossing. `curvature` is the curvature divided by
+        the slope of ln(rise) over ln(velocity), from which the error follows.
         """
         if curvature * (root.high - root.low) ** 2 / 8 <= self.tolerance:
             return set()
@@ -263,7 +268,11 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
-    """Deciding rise per unit friction of each done point of a store [K], and the failed points."""
+    """Rises of the done points of a store by point [K], and the set of its failed points.
+
+    A rise is the temperature rise per unit friction coefficient that the criterion compares with
+    its limit, at the worst step of the point.
+    """
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
     inner = len(store.dims) - store.dims.index(along)  # dimensions after that of loads, and steps

@@ -67,9 +67,10 @@ _OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing
 
 @contextmanager
 def processes(workers: int, dashboard: bool = False) -> Iterator[LocalCluster]:
-    """Context manager: run worker processes on this machine that only this user can reach.
+    """Context manager: start worker processes on this machine, and yield their cluster.
 
-    `dashboard` also serves Dask's page on their progress.
+    The connections of scheduler and workers use keys that no other user has. `dashboard` also
+    serves Dask's page on the progress of the workers.
     """
     forkserver.start()
     with block_interrupts():
@@ -196,7 +197,7 @@ def connected(
 
     Workers that were started here are ended with the block. Raises an `ExecutionError` if they do
     not start. `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
-    `dashboard` also serves Dask's page on their progress.
+    `dashboard` also serves Dask's page on the progress of the workers.
     """
     with ExitStack() as stack:
         cluster = None

@@ -88,7 +88,7 @@ def run_sweep(
     boundary_only : float, optional
         Compute only the boundary, for each surface, to this relative error of the critical
         velocity. The run chooses velocities between the sweep's lowest and highest. The error is in
-        addition to the error of the scene's fidelity. The store then has single points, which a
+        addition to that of the scene's numerical choices. The store then has single points, which a
         store of the whole sweep may take over later by `source`.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for the first worker [s]. Choose it long if
@@ -170,10 +170,11 @@ def _require_cluster(client: Client | None) -> None:
 def _rounds(
     store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
 ) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
-    """Yield sweep, store and queue of pending tasks: once, or for each round of a search.
+    """Yield the sweep, its open store and the queue of its pending tasks.
 
-    `choose_next` returns the sweep with the points of the next round; without new points, the
-    search is over.
+    Without `choose_next` they are yielded once. In a search of the boundary they are yielded again
+    whenever `choose_next` returns the sweep with further points. Without pending tasks nothing is
+    yielded.
     """
     while True:
         if queue := TaskQueue(tasks(store.pending(), sweep)):

@@ -229,7 +229,10 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
-    """Read rows of a file as entries by heading; empty if a row is faulty. Notes all faults."""
+    """Read rows of a file as entries by heading; empty if a row is faulty.
+
+    All faults are added to `faults`.
+    """
     try:
         sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
     except InputError as error:

@@ -229,7 +229,8 @@ class Axis(Either):
 class Table(Kind):
     """Kind of scene entry: a table of fixed keys.
 
-    The function `make` is called with the values of the keys, None for a faulty value.
+    The function `make` is called with the values of the keys, None for a faulty value. `form` is
+    the name of this table where an entry may be one of several tables.
     """
 
     holds = dict

@@ -1,4 +1,4 @@
-"""TOML documents: a scene file, the scene that it extends, and entries that override theirs.
+"""TOML documents: a scene file, the scene that it extends, and entries that override both.
 
 Tables are merged key by key, lists and values replaced; ``without`` leaves entries out.
 """
@@ -119,7 +119,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 
 
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
-    """Set entries of a document to `overrides`, values by key path such as "pin.radius".
+    """Return a document with entries set to `overrides`, values by key path such as "pin.radius".
 
     Entries that `overrides` lists under ``without`` are removed first.
     """
@@ -136,7 +136,10 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
-    """The document without the entries listed in `value`, the list ``without`` of `file`."""
+    """The document without the entries listed in `value`, the list ``without`` of `file`.
+
+    Paths of missing entries are added to `faults`.
+    """
     wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
@@ -150,7 +153,10 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
-    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
+    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`.
+
+    The keys ``step`` and ``count`` of a range replace each other.
+    """
     replaced = {_REPLACED.get(key) for key in upper}
     merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():

@@ -22,8 +22,10 @@ def expect_contacts(
 ) -> dict[str, Array]:
     """Estimate contact and wear at the end of each point, in closed form.
 
-    Returns arrays by name, with names and units as in `Facts` and axes load, or load and velocity.
-    `rms_height` is the Rq of the disk [m].
+    `rms_height` is the Rq of the disk [m]. Returns arrays by name. Of shape (n_load,) are
+    ``hertz_pressure`` [Pa], ``hertz_half_width`` [m] and ``duration`` [s]. Of shape (n_load,
+    n_velocity) are ``contact_width``, ``sliding_distance`` and, if the pin wears, ``wear_depth``,
+    all in metres.
 
     Examples
     --------
@@ -64,7 +66,7 @@ def _course(scene: Scene, load: float) -> tuple[float, float]:
 def _worn_contact(
     scene: Scene, fastest: float, half_widths: Array, worn_volumes: Array
 ) -> tuple[Array, Array]:
-    """Width of the contact of a smooth, worn pin, and greatest wear depth [m].
+    """Width of the contact of a smooth, worn pin [m], and its greatest wear depth [m].
 
     `half_widths` (n_load, 1) are half the widths of the unworn contact [m]. `worn_volumes` [m³] and
     both results have the shape (n_load, n_velocity). `fastest` is the highest sliding velocity

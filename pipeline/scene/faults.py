@@ -113,7 +113,10 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
 
 
 def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Messages on `faults` in rows of tables; rows with the same fault share one message."""
+    """Messages on `faults` in rows of tables.
+
+    Faults of one column that differ only in numbers or quoted texts share a message.
+    """
     alike = dict[tuple[str, str], list[Fault]]()
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)

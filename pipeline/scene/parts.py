@@ -92,8 +92,9 @@ def loading_of(
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
-    `table` is the scene's ``[loading]``, `contents` has the contents of files, and `stops` are
-    times in a hold at which steps end [s]. A line fitted to a record is noted in `faults`.
+    `table` is the scene's ``[loading]``, and `contents` has the contents of files. While the full
+    load is held after a ramp, steps end at the times `stops` [s]. A line fitted to a record is
+    noted in `faults`.
     """
     if isinstance(table, Ramp):
         return tribo.Ramp(**vars(table), stops=tuple(s for s in stops if s < table.hold)), None

@@ -165,7 +165,7 @@ class SceneReader:
         return self.parts.get(made_of)
 
     def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
-        """Fidelity from the table ``[fidelity]``, and the name of its preset or None."""
+        """Numerical choices of the table ``[fidelity]``, and the preset with them, or None."""
         name = (table and table.preset) or USUAL_PRESET
         fidelity = tribo.PRESETS[name]
         listed = (vars(table) if table else {}).items()

@@ -1,4 +1,4 @@
-"""Tests of a scene: runs by stages expanded into tests, and runs that contradict themselves."""
+"""Tests of a scene: runs in load or velocity stages as single tests, and contradictory runs."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ _KINDS = {"load": LOAD, "velocity": VELOCITY}
 def expand_tests(scene: Any, faults: Faults) -> Any:
     """Copy of `scene`, a `SceneFile`, with numbered tests and without runs by stages.
 
-    A run by stages is replaced by a test at its last mild stage and a test at its first severe
-    stage, if the run states these stages. A faulty run is added to `faults`, and left out.
+    In a run by stages the load or the velocity of one specimen rises stage by stage. It is replaced
+    by a test at its last mild stage and a test at its first severe stage, if the run states these
+    stages. A faulty run is added to `faults`, and left out.
     """
     number, expanded = itertools.count(1), dict[str, Any]()
     for key in ("measured", "tested"):
@@ -63,7 +64,7 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 
 
 def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations of hold in the tests of a scene [s], ascending, each once.
+    """Durations for which the tests of a scene held the full load [s], ascending, each once.
 
     `scene` is a `SceneFile`: the tables of a scene file as objects. The result is empty if
     ``sweep.samples`` is not set.

@@ -140,7 +140,8 @@ def _path_overrides(
 ) -> dict[str, Any]:
     """`overrides` and `preset` as entries by full key path.
 
-    Keys that name a field of the fidelity may be given without ``fidelity.``.
+    Keys of numerical choices may be given without ``fidelity.``. Unknown keys are added to
+    `faults`.
     """
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     choices = table_of(Fidelity).listed

@@ -174,10 +174,11 @@ class Sheet:
     def entries(
         self, declared: type, words: Mapping[str, str] | None = None, may_lack: Collection[str] = ()
     ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-        """Convert rows without faults to entries of a scene's table, as written and in SI.
+        """Convert rows without faults to entries of a scene's table.
 
-        `declared` is the class of the table. `words` translates cells into allowed words. An empty
-        cell is a fault, except in the columns `may_lack`.
+        Returns two lists with a dictionary for each row: the entries as written, and their values
+        in SI. `declared` is the class of the table. `words` translates cells into allowed words. An
+        empty cell is a fault, except in the columns `may_lack`. Faults are added to the sheet's.
         """
         row_of = table_of(declared)
         tables, read, faults = [], [], list[Fault]()
@@ -312,8 +313,8 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     """Make a `Sheet` from the table whose headings name the largest number of quantities.
 
     `name` is the name of the file, for messages. `names` are the quantities to look for, and
-    `tables` the rows of each table of the file. `decimal` is the decimal sign, "," or "."; found
-    from the cells if None.
+    `tables` the rows of each table of the file. `decimal` is the decimal mark, "," or "."; with
+    None it is found from the cells.
     """
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
@@ -353,9 +354,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Rewrite numbers with a decimal point in place of the sign `decimal`.
+    """Rewrite the numbers in the cells of a sheet with a decimal point, without thousands marks.
 
-    The sign is found from the cells if None. An ambiguous number becomes a text that says so.
+    `decimal` is the decimal mark in the cells, "," or "."; with None it is found from the cells. A
+    number that may be read in two ways becomes a text that says so.
     """
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]

@@ -339,7 +339,11 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Convert text with a unit, of the dimension of `like`, to SI; return a number unchanged."""
+    """Convert text with a unit to SI; return a number as it is.
+
+    `like` is any quantity of the required dimension. The message of the `InputError` for other text
+    begins with `name`.
+    """
     if not isinstance(value, str):
         return float(value)
     try:

@@ -22,7 +22,10 @@ _FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Convert a value in SI to an entry that its kind would read; None stays None."""
+    """Convert a value in SI to an entry that its kind would read as this value.
+
+    The result is None, for an entry that is left out, if the value is None, infinite or empty.
+    """
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
             return None
@@ -70,9 +73,11 @@ def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None)
 
 
 def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
-    """Entries of a sweep in words, by path, with the conditions by which it is judged.
+    """Texts of the values of a sweep's entries, by path.
 
-    The title is left out. `entries`, if given, are written instead of the sweep's.
+    Conditions that were given instead of the scene's, `Sweep.judged`, stand at the paths of the
+    entries that they replace. The title and entries that differ between samples are left out.
+    `entries`, if given, are written instead of the sweep's.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}

@@ -1,6 +1,6 @@
 """Zarr arrays of a store: their metadata, which follow from the schema, and their chunks by key.
 
-Metadata on the disk are for other programs alone; this program does not read them.
+The metadata on the disk are for other programs; this program opens its arrays without them.
 """
 
 from __future__ import annotations

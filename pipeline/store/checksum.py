@@ -20,7 +20,7 @@ _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
 def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Checksum of a point: hash of its scene, load, velocity, and the CRC of each variable.
+    """Checksum of a point: hash of scene, load, velocity, variant, and the CRC of each variable.
 
     `scene_hash` is of the scene that is simulated at the point (`Sweep.scene_hash`), and `entries`
     are the point's variables by name.

@@ -1,7 +1,7 @@
 """Creation, opening and growth of a store; its root is written last.
 
-It grows at the upper ends of its axes alone. What it cannot take goes into a new store, which takes
-over the points of the old one.
+A store grows only at the upper ends of its axes. Points that it cannot take need a new store, which
+can take over the points of the old one.
 """
 
 from __future__ import annotations
@@ -61,10 +61,11 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
 
 
 def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
-    """Create or open a store, with room for a sweep's points. Errors: see `writing`.
+    """Create or open a store, with room for a sweep's points.
 
     `lock` is the store's lock, which this process must already hold. With None, later writes do
-    not check that the lock is still in its place.
+    not check that the lock is still in its place. Raises a `StoreMismatchError` if the store
+    belongs to another scene, and a `StoreError` if it cannot grow, be read or be written.
     """
     if before := find_root(place):
         require_same_scene(place, before, sweep)

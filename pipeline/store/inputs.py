@@ -26,9 +26,10 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
 
 
 def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
-    """Split the values of the variable `INPUTS` into arrays, by their SHA-256.
+    """Split the values of the variable `INPUTS` into its arrays; return them by their SHA-256.
 
-    `attributes` are those of the variable, with the number of values in each array.
+    `values` and the arrays have one dimension. `attributes` are those of the variable: ``digests``
+    lists the SHA-256 of each array, and ``sizes`` the number of its values, in the same order.
     """
     digests = str(attributes["digests"]).split()
     ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])

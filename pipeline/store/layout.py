@@ -150,10 +150,9 @@ def made_coordinates(
 ) -> dict[str, Array]:
     """Coordinates that are computed from the scene, by name.
 
-    They are time, load and sliding distance at each step, and the scene ids.
-
-    `wanted` has the store's variables. Values are NaN at unused steps before the first step of a
-    point. `ids` are the scene ids of the sweep's variants, in the order of the table.
+    They are time, load and sliding distance at each step, and the scene ids. Values are NaN at
+    unused steps before the first step of a point. `wanted` has the store's variables by name.
+    `ids` are the scene ids of the sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
     by_row = dict(zip(sweep.variants.names, ids, strict=True))

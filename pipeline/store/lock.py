@@ -1,7 +1,7 @@
-"""The lock of a store: one driver writes at a time, whatever path it used for the store.
+"""The lock of a store: one process writes at a time, whatever path it used for the store.
 
-It is a `flock`, which the kernel releases when its process dies. Its file names process and host,
-for machines that share a disk and do not see each other's locks. An object store has no locks.
+It is a `flock`, which the kernel releases when the process dies. The lock file names process and
+host, for machines that share a disk and do not see each other's locks. An object store has none.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class Folder:
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace files (`contents` by key); return once they are on the disk."""
+        """Create or replace files (`contents` by key); return once they are on the disk."""
         files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
@@ -133,7 +133,7 @@ class Bucket:
         return None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace objects (`contents` by key), several at a time."""
+        """Create or replace objects (`contents` by key); several are sent at the same time."""
         system, above = self._opened()
         system.pipe({above + key: content for key, content in contents.items()})
 
@@ -167,7 +167,10 @@ def place_of(path: PathLike) -> StorePlace:
 
 @contextmanager
 def io_errors(place: StorePlace, verb: str = "read") -> Iterator[None]:
-    """Context manager: turn an error of disk or network into a `StoreError`, "cannot be `verb`"."""
+    """Context manager: turn an error of disk or network into a `StoreError`.
+
+    Its message says that the file or `place` cannot be read, or "written" if this is the `verb`.
+    """
     try:
         yield
     except Exception as error:

@@ -133,7 +133,8 @@ def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data.
 
-    `rows` has the number of the stored point at each load and velocity; see `_plane_of_points`.
+    For a store of single points, `rows` has the number of the stored point at each load and
+    velocity, −1 without a point. It is None for a store that has a grid of points.
     """
 
     def __init__(self, store: Store, name: str, rows: Indices | None) -> None:

@@ -192,7 +192,11 @@ def _is_left_over(key: str) -> bool:
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Convert the JSON of a root document; `StoreError` if damaged or by another program."""
+    """Convert the JSON of a root document to a `Root`.
+
+    Raises a `StoreError` if the document is damaged, is of another version of this program or not
+    of a sweep, or if xarray wrote it in a copy.
+    """
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"
     try:

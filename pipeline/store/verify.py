@@ -86,8 +86,9 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
 def mend_store(path: PathLike, sweep: Sweep) -> int:
     """Mark damaged points of a store as pending, and repair files that points share.
 
-    Returns the number of damaged points and files. On an object store nothing is done. See
-    `writing` for errors.
+    Returns the number of damaged points and files. On an object store nothing is done. Raises a
+    `StoreMismatchError` if the store belongs to another scene, and a `StoreError` if another
+    process writes to it, or it cannot be read or written.
     """
     place = place_of(path)
     if isinstance(place, Bucket) or not find_root(place):
@@ -171,7 +172,7 @@ def _note_chunk(store: Store, damage: _Damage, name: str, chunk: Index, block: S
 def _read(store: Store, name: str, block: Any) -> Any:
     """Read a chunk of a variable; fill values if the chunk is missing, None if damaged.
 
-    `block` is the chunk's index in the array.
+    `block` has the slices of the chunk in the array.
     """
     with suppress(DamagedError):
         return store.read(name, block)

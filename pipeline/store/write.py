@@ -103,8 +103,8 @@ class Store:
     def key(self, name: str, chunk: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
 
-        `chunk` has the chunk's indices along the dimensions of points. All values of a point are in
-        one chunk.
+        `chunk` has the chunk's indices along the dimensions of points. Along the other dimensions
+        the index is 0, since one chunk has all values of a point.
         """
         within = [0] * (self.arrays[name].ndim - len(chunk))
         return f"{path_of(name)}/" + ".".join(map(str, ("c", *chunk, *within)))
@@ -117,7 +117,11 @@ class Store:
             return self.arrays[name][key]
 
     def read_steps(self) -> dict[str, Any]:
-        """Read all variables at steps, with time, load and distance, as arrays of equal shape."""
+        """Read, by name, all variables that have a value at each step.
+
+        Time, load and sliding distance at each step are added, with the shape of all points and
+        steps.
+        """
         columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
         wanted, made = self.root.variables, self.root.coordinates()
         sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
@@ -146,7 +150,7 @@ class Store:
         self.write(values, statuses)
 
     def forget(self, points: Iterable[Point]) -> None:
-        """Make points pending again."""
+        """Mark points as pending, so that they are computed again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
     def mark_asked(self, sweep: Sweep) -> None:
@@ -236,7 +240,7 @@ _LONGEST_PAUSE = 10.0  # [s] between commits, however slow the disk or busy the 
 
 
 class Writer:
-    """Writes records to a store about once a second, in a thread.
+    """Writes records to a store in a thread, about once a second, on an object store every 10 s.
 
     Errors of the thread are raised by `written` and `flush`.
     """

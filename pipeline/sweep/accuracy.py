@@ -1,4 +1,4 @@
-"""Error of the boundary velocity of a sweep, by its fidelity."""
+"""Error to expect of a sweep's critical velocity, from its numerical choices."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _OF_FEW_ELEMENTS = {"standard": 0.05}
 Rises of `standard` then err by up to 3.1 % at 99 % of 575 points of 20 scenes, instead of 0.8 %;
 rises of `draft` by 3.2 % (`python -m tests.promises.errors`).
 """
-_FEW = 0.05  # failing share below which the deciding temperature counts as the highest
+_FEW = 0.05  # failing share below which the criterion's temperature counts as the highest
 
 
 def velocity_error(sweep: Sweep) -> float | None:
-    """Largest relative error to expect of a sweep's boundary velocity; None if unknown.
+    """Largest relative error to expect of a sweep's critical velocity; None if unknown.
 
-    The error was measured for the sweep, or else is known for its preset.
+    The error was measured for the sweep, or else is known for its preset of numerical choices.
     """
     if selection := sweep.selection:
         return selection.error
@@ -32,7 +32,7 @@ def velocity_error(sweep: Sweep) -> float | None:
 
 
 def has_unknown_error(sweep: Sweep) -> bool:
-    """True if a sweep has a boundary whose error is not known.
+    """True if a sweep has a boundary of severe wear whose error is not known.
 
     The error is known if it was measured, or if the preset has a known one.
     """
@@ -41,7 +41,7 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
 
 def error_in_words(sweep: Sweep) -> str:
-    """Describe the error of a sweep's boundary velocity, and how it is known."""
+    """Describe the error of a sweep's critical velocity, and how the error is known."""
     if selection := sweep.selection:
         return str(selection)
     error = velocity_error(sweep)
@@ -52,5 +52,8 @@ def error_in_words(sweep: Sweep) -> str:
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Name of a sweep's preset, else of the finest preset that its choices match or exceed."""
+    """Name of a sweep's preset, or of the finest preset that its numerical choices match or exceed.
+
+    The result is None if there is no such preset.
+    """
     return sweep.preset or preset_of(sweep.scene.fidelity)

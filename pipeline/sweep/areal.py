@@ -1,4 +1,4 @@
-"""Roughness of an area of heights by ISO 25178-2: without form, and of measured heights alone."""
+"""Roughness of an area of heights by ISO 25178-2, without form and without missing heights."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ class ArealRoughness:
     slopes : tuple of float
         Slopes of the form along x and y in the middle.
     radii : tuple of float
-        Radii of curvature along x and y [m], positive for a hill. Infinite if the curvature is
-        small beside the roughness, and was not removed.
+        Radii of curvature along x and y [m], positive for a hill. Infinite along an axis if the
+        curvature there is small beside the roughness.
     sal : float
         Sal, the shortest distance over which the autocorrelation falls [m], here to 1/e instead of
         0.2.
     aspect : float
-        Str, the shortest such distance divided by the longest; 0 if the longest is beyond the area.
+        Str, the shortest such distance divided by the longest; 0 if the longest is beyond the area,
+        NaN if the shortest is, too.
     lay : float or None
         Direction of the lay, from x towards y, from −90 to 90 [°]; None without a lay.
     """
@@ -73,13 +74,16 @@ def remove_form(
     tuple of float
         Slopes of the form along x and y in the middle.
     tuple of float
-        Radii of curvature along x and y [m]; infinite if the curvature was not removed.
+        Radii of curvature along x and y [m], positive for a hill; infinite along an axis if the
+        curvature there is not significant.
 
     Notes
     -----
-    The form is z = z₀ + a x + b y + x²/(2 Rx) + c xy + y²/(2 Ry). Its curvature is removed only if,
-    from the middle to an edge, it rises or falls by more than the roughness Rq. So a curvature that
-    is not removed makes up at most 4 % of Rq.
+    The form is z = z₀ + a x + b y − x²/(2 Rx) + c xy − y²/(2 Ry), with constants z₀, a, b, c and
+    radii Rx, Ry fitted to the heights. The curvature along an axis is significant if it raises or
+    lowers the form by more than the roughness Rq from the middle to an edge. If neither axis has a
+    significant curvature, only the plane z₀ + a x + b y is removed. A curvature along one axis that
+    is left raises Rq by at most 4 %.
 
     Raises
     ------
@@ -103,11 +107,11 @@ def remove_form(
     terms = np.stack([np.ones(u.shape), u, v, u * u, u * v, v * v], axis=-1)
 
     def subtract_fit(count: int) -> tuple[Array, Array]:
-        """Fit a sum of `count` terms to the heights of the surface, and subtract the sum.
+        """Fit a sum of terms to the heights given to `remove_form`, and subtract the sum.
 
-        Returns the remaining heights, (nx, ny), and the coefficients of the terms, (count,), all in
-        metres. The terms are the first of 1, u, v, u², uv, v², where u and v are x and y, scaled to
-        the range −1 to 1.
+        The terms are the first `count` of 1, u, v, u², uv, v², where u and v are x and y, scaled to
+        the range −1 to 1. Returns the remaining heights, (nx, ny), and the coefficients of the
+        terms, (count,), all in metres.
         """
         factors, *_ = np.linalg.lstsq(terms[..., :count][measured], heights[measured], rcond=None)
         return heights - terms[..., :count] @ factors, factors

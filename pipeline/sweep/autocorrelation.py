@@ -70,9 +70,10 @@ def autocorrelation_lengths(
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
-    """Autocorrelation at lags up to half a side, with 1 at lag 0; and the index of lag 0.
+    """Autocorrelation of heights at lags up to half a side, divided by its value at lag 0.
 
-    Heights must be 0 where `measured` is False. Such heights are left out of the means.
+    Returns the autocorrelation, a 2-D array over positive and negative lags, and the index of lag 0
+    in this array. Heights must be 0 where `measured` is False. They are left out of the means.
     """
     reach = [n // 2 + 1 for n in heights.shape]
     kept = [np.arange(-far, far + 1) for far in reach]

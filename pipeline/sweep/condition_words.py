@@ -23,7 +23,7 @@ def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """Say in one line when wear is severe under several conditions, without repeats.
+    """Say in one line when wear is severe, for several conditions; equal words appear once.
 
     Values of entries whose paths are in `drawn` are replaced by the words "of each sample".
     """

@@ -89,7 +89,10 @@ class Conditions(Judging):
 
     @property
     def decisive(self) -> Criterion:
-        """Criterion by which wear is judged severe."""
+        """Criterion by which wear is judged severe.
+
+        Raises a `LawError` if a store has only the name of the user's criterion.
+        """
         if isinstance(self.rule, Law):
             raise LawError(
                 f"the store is judged by the criterion {self.criterion}, a Python object, of which "
@@ -123,16 +126,19 @@ class Conditions(Judging):
         return factor
 
     def replace_friction(self, friction: float | None) -> Conditions:
-        """The conditions with a friction measured at one point; unchanged if it is None."""
+        """The conditions with a friction coefficient that was measured at one point.
+
+        It also replaces curves of friction over velocity or temperature. With None nothing changes.
+        """
         if friction is None:
             return self
         corrections = self.corrections and replace(self.corrections, friction=Friction())
         return replace(self, friction=friction, corrections=corrections)
 
     def row_conditions(self, row: Mapping[str, Any]) -> Conditions:
-        """The conditions with values of a table's row in place of their own.
+        """The conditions with some values replaced by those in a row of a table.
 
-        A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies and a
+        A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies [K] and a
         ``critical_temperature`` [K].
         """
         own = self.changed(
@@ -142,7 +148,7 @@ class Conditions(Judging):
         return own.replace_friction(row.get("friction"))
 
     def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
-        """The conditions with the load history of `loading` added to their corrections."""
+        """The conditions with the load history of `loading` added to their corrections, if any."""
         corrections = self.corrections and self.corrections.under(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)
 
@@ -168,7 +174,7 @@ def changes_of(
     share: float | None = None,
     criterion: str | Rule | None = None,
 ) -> dict[str, Any]:
-    """Fields of `Conditions` for those arguments that are not None.
+    """Values of the fields of `Conditions`, by name, for those arguments that are not None.
 
     If a share is given without a criterion, the criterion becomes "share".
     """
@@ -185,7 +191,11 @@ def changes_of(
 
 
 def bulk_entries(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
-    """Fields of `Conditions` for one bulk temperature [K], or for temperatures of pin and disk."""
+    """Bulk temperatures [K] by name of the field of `Conditions`.
+
+    `bulks` is one temperature of both bodies, or a mapping with the keys "pin" and "disk". The
+    field for the disk is None if both bodies have the same temperature.
+    """
     if not isinstance(bulks, Mapping):
         return {"bulk_temperature": bulks, "disk_temperature": None}
     if set(bulks) != {"pin", "disk"}:

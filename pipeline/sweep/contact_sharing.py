@@ -1,4 +1,4 @@
-"""Variants that share contacts: each uses those of the first variant with the same key."""
+"""Variants that share contacts: each reuses the solutions of the first one with these contacts."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     """Scene id of each variant: an int32 hash of everything that affects simulation and verdict.
 
     `choices` has further settings that affect answers: the oil whose tests count, and the scatter
-    by which samples are weighed.
+    of the model, by which samples are weighted.
     """
     table, ids = sweep.variants, list[int]()
     of_part = functools.lru_cache(None, typed=True)(digest)  # rows share large surfaces

@@ -94,7 +94,11 @@ class Law(UnknownHeights):
 
 
 def is_user_law(part: Any) -> bool:
-    """True if a part of a scene was defined by the user, or is the `Law` stored for such a part."""
+    """True if a part of a scene is a Python object of the user's own.
+
+    Such an object is a wear law, surface or pin of the user's own class, or a `Rule`. A `Law`, the
+    stored record of such an object, counts, too.
+    """
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in (*LAWS.values(), *PINS.values()):
@@ -119,7 +123,7 @@ def law_record(law: Any) -> Law:
 
 
 def name_of(law: Any) -> str:
-    """Module and name of the class or function from `code_of`, as in "module:name"."""
+    """Name of a user's law: module and name of its class or function, as in "module:name"."""
     if isinstance(law, Law):
         return law.name
     code = code_of(law)
@@ -137,7 +141,10 @@ def code_of(law: Any) -> Any:
 
 
 def given_laws(scene: Scene) -> list[Any]:
-    """Parts of a scene that were defined by the user: wear law, surface or pin."""
+    """The Python objects that a user gave as wear law, surface or pin of a scene.
+
+    For a scene from a store they are the stored records, `Law`.
+    """
     return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 

@@ -82,11 +82,11 @@ class Sweep:
     sources : tuple of FromLibrary
         Values that were taken from the library of materials and oils.
     selection : Selection or None
-        How the numerical choices were selected for an accuracy; None if they were not.
+        Numerical choices for which the error was measured, and this error; None if not measured.
     chosen : collection of Point or None
         Points to simulate; None for all pairs of loads and velocities.
     stations : Stations or None
-        Moments of the loading that are stored, if the store exists already.
+        Times of the loading whose results an existing store has; None without a store.
     judged : mapping
         Conditions that replace the conditions of all variants, by field of `Conditions`.
     oil : str or None
@@ -191,7 +191,7 @@ class Sweep:
 
     @property
     def preset(self) -> str | None:
-        """Preset with the numerical choices of the fidelity; None if no preset has them."""
+        """Name of the preset that has the scene's numerical choices; None if there is none."""
         return self.parts.preset
 
     @property
@@ -267,12 +267,12 @@ class Sweep:
         return self.variant(point.variant)._scene_hash
 
     def samples_of(self, name: Variant) -> Self:
-        """The sweep of the samples that were drawn for one variant."""
+        """The sweep of the random surfaces or samples of one variant."""
         return replace(self.variant(name), variants=self.variants.samples_of(name))
 
     @cached_property
     def contact_sources(self) -> Mapping[Variant, ContactSource]:
-        """For each variant, the variant whose contact solutions it reuses; see `ContactSource`."""
+        """For each variant, the variant whose contact solutions it reuses, and at which speed."""
         table = self.variants
         if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())
@@ -289,7 +289,10 @@ class Sweep:
         return point[1:] if source is None or velocity is None else (velocity, source.variant)
 
     def require_search(self) -> None:
-        """Raise an `InputError` if no boundary can be found: variants have one velocity each."""
+        """Raise an `InputError` if variants have a load or velocity of their own.
+
+        A search of the boundary is impossible then.
+        """
         if any(map(self.variants.labels, PLACE_UNITS)):
             raise InputError(
                 "each row has its own velocity, as samples have, and answers need all rows; leave "
@@ -297,9 +300,9 @@ class Sweep:
             )
 
     def with_hold(self, duration: float) -> Self:
-        """The sweep with another `duration` of the hold at full load [s].
+        """The sweep with another `duration` for which the full load is held after the ramp [s].
 
-        Raises an `InputError` if the load is recorded.
+        Raises an `InputError` if the load follows a record instead of a ramp.
         """
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
@@ -309,7 +312,10 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
-        """The sweep on only the random surface of a seed; the sweep itself if the seed is None."""
+        """The sweep on only the random surface of a seed; the sweep itself if the seed is None.
+
+        Raises an `InputError` if the scene's surface is not random.
+        """
         if seed is None:
             return self
         if not isinstance(self.scene.roughness, SelfAffineRoughness):

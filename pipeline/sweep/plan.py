@@ -1,8 +1,8 @@
 """The points of a sweep, the tasks that they are computed in, and how a point is computed.
 
 A task is one point, or points of variants that share its contact. It continues a cached ramp with
-the same contact, velocity and increment, from the last increment below its load. A point has the
-same numbers from any ramp, bit for bit.
+the same contact, velocity and increment, from the last increment below its load. Whichever ramp a
+point continues, its results are the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -72,10 +72,11 @@ class PointResult:
     def fields(self) -> dict[str, Array]:
         """Fields at the end of the simulation by name, each (nx, ny).
 
-        They are ``pressure`` [Pa], ``rise`` per unit friction [K] and ``wear_depth`` [m]. With
-        unequal bulk temperatures there is also ``bulk_response`` [K/K]: how much the pin's surface
-        warms for each kelvin by which the disk's bulk is warmer than the pin's. If the point was
-        computed on smaller elements than the scene's, values are means over the scene's elements.
+        They are ``pressure`` [Pa], temperature ``rise`` per unit friction coefficient [K] and
+        ``wear_depth`` [m]. With unequal bulk temperatures there is also ``bulk_response`` [K/K]:
+        how much the pin's surface warms for each kelvin by which the disk's bulk is warmer than the
+        pin's. If the point was computed on smaller elements than the scene's, values are means over
+        the scene's elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)
@@ -108,7 +109,7 @@ class PointResult:
         )
 
     def verdict(self, conditions: Conditions) -> Verdict:
-        """Mild or severe wear at the point's worst moment, under `conditions`."""
+        """Mild or severe wear at the worst step of the point's loading, under `conditions`."""
         is_solved = conditions.solved_friction == self.solved
         coupled = self.coupled if is_solved else UNSOLVED
         return verdict(self.columns, self.point.load, conditions, coupled)
@@ -143,7 +144,10 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities (`axis`) of a variant: a single value of its own, else `usual`."""
+    """Loads or velocities at which to simulate a variant: its own single value, else `usual`.
+
+    `axis` is "load" or "velocity".
+    """
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -185,15 +189,16 @@ def run_points(
 ) -> tuple[PointResult, ...]:
     """Simulate points that share a contact: a single point, or several variants at one load.
 
-    `trunks` are ramps of other points, which these points continue and lengthen. `progress` is
-    called after each step.
+    `trunks` is a cache of load steps that were simulated for other points. These points continue
+    from the cached steps, and their own steps are added to the cache. With None nothing is cached.
+    `progress` is called after each step.
     """
     began = time.perf_counter()
     load, stations = points[0].load, choose_stations(sweep)
     variants = [sweep.variant(point.variant) for point in points]
     first, name_of_source = sweep.contact_of(points[0])
     source = sweep.variant(name_of_source).scene
-    # Rises at friction 1 are the same for all frictions.
+    # Rises per unit friction coefficient are the same for all frictions.
     scenes = [fit_elements(replace(one.scene, solved_friction=None), load) for one in variants]
     places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
     different = tuple(dict.fromkeys(places))
@@ -204,7 +209,7 @@ def run_points(
             different, lambda state: [_increment_values(*place, state) for place in different]
         )
         own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
-    heated: list[list[State]] = []  # by moment and place
+    heated: list[list[State]] = []  # by time, then by scene and velocity
     for contact in contacts(source, load, first, trunks, heat_steps, note):
         if contact.index in own:
             heated.append([_heated(*place, contact) for place in different])
@@ -240,7 +245,7 @@ def run_points(
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
     """Add to a solved contact its temperature at a sliding velocity [m/s].
 
-    The contact may have been solved at another velocity with the same `wear_number`, k|V|.
+    The contact may have been solved at another velocity, if wear rate × velocity is the same.
     """
     warm = contact.heat
     if warm is None and contact.pressure.any():
@@ -252,6 +257,7 @@ def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
     """Values to record after a load increment, by name of the variable in the dataset.
 
     `contact` is the contact on the ramp's coarse grid, and `velocity` the sliding velocity [m/s].
+    Temperatures are NaN if they cannot be computed.
     """
     try:
         return record_at(scene, _heated(scene, velocity, contact))
@@ -260,7 +266,7 @@ def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
 
 
 def record_at(scene: Scene, state: State) -> Moment:
-    """Values to record at one moment of a point, by name of the variable in the dataset."""
+    """Values to record at one time of a point's loading, by name of the variable in the dataset."""
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {
         "own_grid": state.pressure.size >= math.prod(scene.grid.shape),

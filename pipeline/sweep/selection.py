@@ -1,4 +1,4 @@
-"""A fidelity picked for its accuracy, and the reasons, which are stored with the results."""
+"""Numerical choices (`tribo.Fidelity`) picked for an accuracy, with the errors measured."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
 
 PRESET_BOUNDS = {"draft": 0.05, "standard": 0.015, "fine": 0.005, "reference": 0.005}
-"""Relative error of the boundary velocity that each preset promises, see CHOOSING.md.
+"""Relative error of the critical velocity that each preset promises, see CHOOSING.md.
 
 Judged by `make promises`.
 """
@@ -38,7 +38,7 @@ _FINER = {
 
 
 def preset_of(fidelity: Fidelity) -> str | None:
-    """Finest preset that all numerical choices of a fidelity match or exceed; else None."""
+    """Name of the finest preset that all numerical choices match or exceed; None without one."""
     names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
     return next(names, None)
 
@@ -59,7 +59,7 @@ def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
 
 
 def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Fields of a fidelity by name; a 0 of special meaning is replaced by what it stands for."""
+    """Numerical choices by name; a 0 of special meaning is replaced by what it stands for."""
     whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
     return asdict(fidelity) | {
         "hold_increments": fidelity.hold_increments or fidelity.increments,
@@ -69,7 +69,7 @@ def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Measured error and cost of one fidelity, compared with the reference."""
+    """One set of numerical choices: its cost, and its error compared with the reference set."""
 
     name: str  # a preset's, or "the scene's own fidelity"
     fidelity: Fidelity
@@ -82,13 +82,16 @@ class Choice:
 @shown
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """A sweep's fidelity, either chosen for an accuracy or as in its scene, with measured error."""
+    """Numerical choices of a sweep and the error that was measured for them.
 
-    #: Largest relative error of the boundary velocity that was asked for; None: the scene's own.
+    They were chosen for an accuracy, or are those of the scene itself.
+    """
+
+    #: Largest relative error of the critical velocity that was asked for; None: the scene's own.
     accuracy: float | None
     name: str  #: Name of the fidelity, as shown to the user.
     fidelity: Fidelity  #: The numerical choices.
-    error: float  #: Largest relative error of the boundary velocity to expect at any load.
+    error: float  #: Largest relative error of the critical velocity to expect at any load.
     #: Fidelities that were measured, the reference last; a store keeps none.
     choices: tuple[Choice, ...] = field(default=(), compare=False)
 

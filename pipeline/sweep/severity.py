@@ -1,7 +1,8 @@
-"""Severe wear: too hot a contact, bulk + µ r > critical, at the worst moment of a point.
+"""Severe wear: too hot a contact, bulk + µ r > critical, at the worst step of a point's loading.
 
-r is the rise that decides (`tribo.Criterion`), at friction 1. Where the disk's bulk is Δ warmer
-than the pin's, rises count from the colder body, at the ratio Δ/µ, and are never negative.
+r is the temperature rise per unit friction coefficient that the criterion (`tribo.Criterion`)
+compares with its limit. Where the disk's bulk is Δ warmer than the pin's, rises count from the
+colder body, at the ratio Δ/µ, and are never negative.
 """
 
 from __future__ import annotations
@@ -43,13 +44,16 @@ MOLTEN = (
 
 
 def rise_limit(conditions: Conditions) -> float:
-    """Rise per unit friction above which wear is severe [K]; infinite without friction."""
+    """Temperature rise per unit friction coefficient above which wear is severe [K].
+
+    It is infinite if the friction coefficient is 0.
+    """
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)
 
 
 def rise_limits(conditions: Conditions) -> Array:
-    """Rises per unit friction above which wear is severe [K], (n,).
+    """Temperature rises per unit friction coefficient above which wear is severe [K], (n,).
 
     There is one for each of n equally likely errors of the critical temperature. It is negative if
     the critical temperature, with this error, is below the bulk temperature.
@@ -65,26 +69,31 @@ def critical_errors(conditions: Conditions) -> list[float]:
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact area above the critical temperature.
+    """Share of the contact area above the critical temperature, from 0 to 1.
 
-    `rise_quantile` has quantiles of the rise per unit friction [K], at `tribo.QUANTILES`.
+    `rise_quantile` has quantiles of the rise per unit friction coefficient [K], at
+    `tribo.QUANTILES`.
     """
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
 def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
-    """Rise per unit friction that decides on severe wear, at one moment of a simulation [K]."""
+    """Temperature rise per unit friction coefficient at one step of a simulation [K].
+
+    It is the rise that the criterion of `conditions` compares with its limit.
+    """
     moment = state_rises(scene, state, conditions.corrections)
     rises = rises_above_colder(moment, replace(conditions, corrections=None))
     return float(conditions.decisive.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
-    """Rise per unit friction [K] that decides on severe wear, at the worst moment of each point.
+    """Temperature rise per unit friction coefficient at the worst step of each point [K], (...).
 
-    It is NaN for a point without a result. `columns` has the columns from `rises_above_colder`,
-    ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are `tribo.QUANTILES`.
-    `load` [N] has the shape (..., 1).
+    It is the rise that the criterion compares with its limit, NaN for a point without a result.
+    `columns` has the arrays that `rises_above_colder` takes, with the axis of steps after the axes
+    of points, ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are
+    `tribo.QUANTILES`. `load` [N] is the full load of each point, (..., 1).
     """
     rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -98,10 +107,10 @@ def verdict(
     conditions: Conditions,
     coupled: CoupledRise = UNSOLVED,
 ) -> Verdict:
-    """Mild or severe wear at a point, from its columns and load [N].
+    """Mild or severe wear at a point, from its values at each step and its full load [N].
 
-    `coupled` is the rise solved with temperature-dependent friction, if any. See
-    `tribo.simulation.verdict`.
+    `columns` has the arrays that `worst_rises` takes, for one point. `coupled` is the rise solved
+    with temperature-dependent friction, if any.
     """
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
@@ -109,7 +118,7 @@ def verdict(
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:
-    """Relative error of the boundary velocity, if a rise on the boundary is in error.
+    """Relative error of the critical velocity that an error of the `rise` there causes.
 
     `expected` is the right value of the `rise`, and `exponent` is d ln(rise)/d ln(velocity).
     """
@@ -120,8 +129,9 @@ def rises_above_colder(columns: Mapping[str, Any], conditions: Conditions) -> Ma
     """Apply corrections to rises, and convert them to rises above the colder body [K].
 
     `columns` has ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...), which
-    are above the pin's bulk at friction 1 [K], and the columns named by `columns_needed`. The
-    result has the same columns; its rises are still per unit friction (`Conditions.rise_factor`).
+    are rises above the pin's bulk per unit friction coefficient [K], and the columns named by
+    `columns_needed`. The result has the same columns; its rises are also per unit friction
+    coefficient.
     """
     columns = corrected_columns(columns, conditions)
     if conditions.bulk_ratio:

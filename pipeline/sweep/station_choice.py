@@ -1,4 +1,4 @@
-"""Stations of a sweep's points that are stored: as its scene says, or by default."""
+"""Choice of the stations (times of the loading) at which results of a sweep's points are stored."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from tribo import Ramp
 
 
 def choose_stations(sweep: Sweep) -> Stations:
-    """Stations (moments of the loading) to store; an existing store keeps its own."""
+    """Stations (times of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
     tests = sweep.tests
@@ -20,7 +20,8 @@ def choose_stations(sweep: Sweep) -> Stations:
 def _default_steps(sweep: Sweep) -> Steps:
     """Default of ``sweep.steps``: store all steps of points ("course"), or only the "end".
 
-    All steps are stored if the pin wears under a ramp without hold, and no variants share contacts.
+    All steps are stored if the pin wears under a ramp, after which the load is not held, and no
+    variants share contacts.
     """
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)

@@ -1,4 +1,4 @@
-"""Stations of a point: the moments that are stored of it, its end last."""
+"""Stations of a point: the times of its loading whose results are stored, its end last."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from tribo import MeasuredLoad, Scene
 from tribo.loading import Station
 
 Steps = Literal["course", "end"]
-"""Steps that are stored: all of them ("course"), or those that can decide ("end")."""
+"""Steps that are stored: all of them ("course"), or those that verdicts use ("end")."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stations:
-    """Which stations (moments of the loading) of each point are stored."""
+    """Which stations (times of the loading) of each point are stored."""
 
     steps: Steps
     # True if a hold is judged at each step: bodies warm while wear widens the contact.
@@ -26,9 +26,9 @@ class Stations:
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the time steps at which to compute a temperature on the finest grid.
 
-        The steps belong to the loading up to `load` [N] and to the hold at this load. The step that
-        reaches the load, and the last step, may be missing from the set: their temperatures are
-        always computed.
+        The steps belong to the loading up to `load` [N], and to the time for which this load is
+        held. The step that reaches the load, and the last step, may be missing from the set: their
+        temperatures are always computed.
         """
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]

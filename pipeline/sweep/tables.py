@@ -69,7 +69,8 @@ def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
 
     If the coefficient of friction is replaced, the coefficients in the tables
     ``friction.by_velocity`` and ``friction.by_temperature`` change in proportion. A table that is
-    itself in `values` is not scaled.
+    itself in `values` is not scaled. The digest of a file's content is removed if an entry on
+    which the content depends is replaced.
     """
     values = dict(values)
     old, new = entry_at(tables, FRICTION), values.get(FRICTION)

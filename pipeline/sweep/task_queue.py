@@ -1,4 +1,4 @@
-"""Which worker computes which task: one that has its ramp, so that few ramps are repeated."""
+"""Which worker computes a task: if possible one that has cached the task's loading ramp."""
 
 from __future__ import annotations
 
@@ -64,10 +64,10 @@ class TaskQueue:
 def makespan(
     tasks: Iterable[Task], workers: int, cost: Callable[[Task, dict[Any, Any]], float]
 ) -> tuple[float, float]:
-    """Simulate a queue; return the time until all tasks are done, and the sum of task times [s].
+    """Predict the time in which workers compute tasks, and the sum of the task times [s].
 
-    ``cost(task, kept)`` returns the time of a task [s]. `kept` is a dictionary of the worker, which
-    the function may read and change.
+    ``cost(task, kept)`` returns the time of a task [s]. `kept` is a dictionary of the worker that
+    computes the task, in which the function may note what this worker has cached.
     """
     waiting = TaskQueue(tasks)
     has: defaultdict[int, dict[Any, Any]] = defaultdict(dict)

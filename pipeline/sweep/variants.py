@@ -98,7 +98,11 @@ class Variants:
 
     @cached_property
     def by_name(self) -> dict[Variant, Row]:
-        """Rows by name; a name is a tuple of (dimension, label) pairs."""
+        """Rows of the table by the names of variants.
+
+        A name is a tuple of (dimension, label) pairs. Raises an `InputError` if two rows have the
+        same name.
+        """
         dims = [one.name for one in self.columns if not one.along]
         rows = {tuple([(dim, row.labels[dim]) for dim in dims]): row for row in self.rows}
         if len(rows) < len(self.rows):
@@ -127,14 +131,15 @@ class Variants:
 
     @property
     def chosen(self) -> tuple[Column, ...]:
-        """Dimensions whose labels the user chose, not random draws."""
+        """Dimensions whose labels the user chose: all but those of random surfaces and samples."""
         return tuple(one for one in self.columns if not (one.along or one.is_drawn))
 
     @property
     def given(self) -> tuple[Variant, ...]:
         """Names of the variants that the user chose: all combinations of the chosen labels.
 
-        A name is a tuple of (dimension, label) pairs. Dimensions of random draws are left out.
+        A name is a tuple of (dimension, label) pairs. Dimensions of random surfaces and of samples
+        are left out.
         """
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
@@ -155,7 +160,8 @@ class Variants:
     def values(self, name: Variant) -> Mapping[str, Any]:
         """New values of the scene entries that the variant called `name` replaces, by path.
 
-        If `name` lacks the labels of random draws, the result lacks the drawn entries.
+        If `name` lacks the labels of random surfaces or samples, the result lacks the entries that
+        these labels stand for.
         """
         if name in self.by_name:
             labels, values = self.by_name[name]
@@ -171,7 +177,7 @@ class Variants:
 
     @property
     def _drawn_columns(self) -> tuple[Column, ...]:
-        """Columns whose labels are random draws, or are determined by random draws."""
+        """Columns that number random surfaces or samples, or whose values the number determines."""
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
@@ -182,7 +188,7 @@ class Variants:
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
     def samples_of(self, name: Variant) -> Variants:
-        """Table of the rows that were drawn for one variant; a single row if no rows were drawn."""
+        """Table of the random surfaces or samples of one variant; a single row if it has none."""
         columns = self._drawn_columns
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
@@ -194,7 +200,7 @@ class Variants:
         Raises
         ------
         InputError
-            If neither table has some combination of labels.
+            If neither table has a row for some combination of the labels of both tables.
         """
         axes = {dim: in_order([*self.axes[dim], *more]) for dim, more in other.axes.items()}
         names, rows = combinations(axes), self.by_name | other.by_name
@@ -234,7 +240,7 @@ def numbered_rows(
 ) -> Variants:
     """Table of variants numbered from 0, with `columns`.
 
-    `draw` is the rule by which rows were drawn at random, if any.
+    `draw` is the rule by which the rows were drawn at random, if they are samples.
     """
     number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
