@@ -74,7 +74,7 @@ class ConvergenceError(TriboError, RuntimeError):
         self.solution = solution
 
     def __reduce__(self) -> tuple[type[ConvergenceError], tuple[str, Any]]:
-        """Pickle both arguments of the error, as it is sent between processes."""
+        """Pickle both arguments of the error, so that it can be sent between processes."""
         return type(self), (str(self), self.solution)
 
 
@@ -100,9 +100,9 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def law_errors(name: str) -> Iterator[None]:
-    """Context manager: turn any error in a user's own law into an `InputError`.
+    """Context manager: turn an error in a user's own law into an `InputError`.
 
-    `name` names the law in the message.
+    `name` names the law in the message. A `TriboError` is raised unchanged.
     """
     try:
         yield

@@ -25,7 +25,8 @@ class WearRate:
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
         Wear rates at which the width is half an element (one element if both bodies are smooth)
-        below or above the measured width. The precision of the search, 1 %, is added.
+        smaller or larger than the measured width. The search is precise to 1 %: `lowest` may be too
+        low by this, and `highest` too high.
 
     Examples
     --------
@@ -41,7 +42,7 @@ class WearRate:
 def specific_wear_rate(
     scene: Scene, contact_width: float, normal_load: float, velocity: float
 ) -> WearRate:
-    """Specific wear rate of the pin from the width of its contact after a loading.
+    """Find the specific wear rate of a pin from the width of its contact after a loading.
 
     The more the pin has worn, the wider is its contact. Computed widths are whole numbers of
     elements, and grow by two elements at a time if both bodies are smooth. So a range of wear rates
@@ -53,8 +54,8 @@ def specific_wear_rate(
         System in which the pin wore. Its wear rate is not used, but its wear pattern is. Without
         wear the pattern is "swept" on a patch that is periodic along y, else "local".
     contact_width : float
-        Width of the contact along x at the end of the loading [m]. Further sliding at full
-        load is part of the loading, as a hold.
+        Width of the contact along x at the end of the loading [m]. If the pin slid on at full
+        load, the scene's loading must have this as its hold.
     normal_load, velocity : float
         Load on the whole pin at the end [N], and sliding velocity [m/s].
 
@@ -101,7 +102,10 @@ def specific_wear_rate(
 
 
 def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
-    """Two wear rates [m²/N], at most 1 % apart, between which `exceeds` changes to True."""
+    """Two wear rates [m²/N], at most 1 % apart, between which `exceeds` changes to True.
+
+    Below about 1e-20 m²/N the search ends, with two rates that are a factor of 10 apart.
+    """
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10

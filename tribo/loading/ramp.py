@@ -1,14 +1,15 @@
 """The load as a function of time, cut into steps.
 
-One ramp serves many loads. Its trunk advances by a fixed increment, and each load branches off
-the last station of the trunk below it with one shorter step. A load far below the reference load
-would then take few steps, and so has a trunk of smaller increments: halved until the load takes a
-quarter of the steps that the reference load takes. The trunk depends on the load alone, so that no
-point depends on which other loads are computed.
+One ramp serves many loads. The steps that they share, the trunk, have a fixed increment of the
+load. Each load leaves the trunk at the last of these steps below it, and is reached with one
+shorter step. A load far below the reference load would then take few steps. So it has a trunk of
+smaller increments, halved until the load takes at least a quarter of the steps that the reference
+load takes. Which trunk a load has depends on the load alone: no point depends on which other loads
+are computed.
 
-A hold at constant load belongs to its point. Its steps grow with the time since loading began.
-Wear, conduction and warming depend on ratios of times or of impulses, so that each step changes
-them by about as much.
+A hold at constant load is computed for each point by itself. Its steps grow with the time since
+loading began. Wear, conduction and warming depend on ratios of times or of impulses, ∫F dt, so that
+each step changes them by about as much.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _FEWEST_SHARE = 0.25  # least share of the reference load's increments that a lo
 
 @dataclass(frozen=True, slots=True)
 class Station:
-    """A moment at which the contact is solved.
+    """A time of the loading at which the contact is solved: the end of a step.
 
     Attributes
     ----------
@@ -139,11 +140,12 @@ class Ramp:
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
     ) -> Iterator[Station]:
-        """Stations (moments of the loading) up to `normal_load` [N], then the stations of its hold.
+        """Times at which the contact is solved, with their loads: of the ramp, then of the hold.
 
-        `increments` is the number of steps in which a ramp reaches its `reference_load`. Each step
-        of the hold multiplies the impulse since the start (∫F dt) by at most exp(10/n). Here n is
-        `hold_increments`, or `increments` if `hold_increments` is 0.
+        The ramp ends at `normal_load` [N], the load of the hold. `increments` is the number of
+        steps in which a ramp reaches its `reference_load`. Each step of the hold multiplies the
+        impulse since the start (∫F dt) by at most exp(10/n). Here n is `hold_increments`, or
+        `increments` if `hold_increments` is 0.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
@@ -164,7 +166,7 @@ class Ramp:
         """Times since the start of the hold at which its steps end [s].
 
         `before` is the impulse (∫F dt) of the loading before the hold, divided by the full load
-        [s]. Each step multiplies the impulse so far by about exp(10/`increments`).
+        [s]. Each step multiplies the impulse so far by at most exp(10/`increments`).
         """
         begin, before = 0.0, max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
         stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}
@@ -192,13 +194,16 @@ class Ramp:
         yield self._station_at_load(normal_load, False, last + 1)
 
     def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
-        """Station at which the growing load reaches `normal_load` [N]; see `Station`."""
+        """Station at the time at which the growing load reaches `normal_load` [N].
+
+        `on_trunk` and `index` are its fields of these names.
+        """
         time = normal_load / self.rate
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 
 
 def _whole_steps(load: float, step: float) -> int:
-    """Number of whole steps of size `step` up to a load [N]."""
+    """Number of whole steps of size `step` up to a load [N]; `InputError` above `MOST_STEPS`."""
     steps = load / step if step > 0 else math.inf
     if not steps <= MOST_STEPS:
         raise InputError(

@@ -113,9 +113,10 @@ class MeasuredLoad:
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
     ) -> Iterator[Station]:
-        """All stations (moments) of the loading up to `normal_load` [N], from the first row on.
+        """Times at which the contact is solved, with their loads, up to `normal_load` [N].
 
-        A record has no hold, so that `hold_increments` is not used.
+        There are `increments` of them, at the end of each step. Times count from the record's first
+        row. A record has no hold, so that `hold_increments` is not used.
         """
         require_positive(normal_load=normal_load)
         begin, scale = float(self.times[0]), normal_load / self.peak
@@ -129,10 +130,11 @@ class MeasuredLoad:
 
     @property
     def course(self) -> tuple[tuple[float, float], ...]:
-        """Pairs (time since the record's first row [s], load as a share of the last load).
+        """Pairs (time since the record's first row [s], load as a share of the peak).
 
-        There is a pair for each row until the loading ends. If there are more than 500 rows, there
-        is a pair for each of 500 steps instead: the mean load, at the middle of the step.
+        Each row until the loading ends has a pair. If there are more than 500 rows, each of 500
+        steps has a pair instead: the middle of the step, and its mean load. The last pair is the
+        end of the loading, with the share 1.
 
         Examples
         --------

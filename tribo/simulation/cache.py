@@ -1,8 +1,8 @@
 """Caches of simulations: maps, surfaces, kernels and contacts, kept for later points.
 
-This is the one place in which points of a diagram share anything. What is kept does not change
-once it is made, and threads may use it at the same time: a thread waits for a result that
-another thread computes.
+Points of a diagram share nothing but these values and the ramps of `tribo.simulation.trunks`. A
+cached value does not change once it is made, and threads may use it at the same time: a thread
+waits for a value that another thread computes.
 """
 
 from __future__ import annotations
@@ -111,9 +111,10 @@ def elastic_bodies(scene: Scene) -> ElasticBodies:
 def heat_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """Spectrum of the rise due to a past flux into a body [K m²/W], cached.
+    """Spectrum of the map from a flux into a body to the temperature rise now [K m²/W]; cached.
 
-    The flux had these `strengths` at these `ages` before now [s]; see `flux_history_spectrum`.
+    The flux had these relative `strengths` at these `ages` before now [s], and was linear between
+    them.
     """
     return _spectra.get(
         (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
@@ -121,13 +122,13 @@ def heat_spectrum(
 
 
 def heat_map(grid: Grid, body: Conductor, time: float) -> Convolution:
-    """Map from a flux [W/m²] that has acted for a time [s] to the rise of a body [K], cached."""
+    """Map from a flux [W/m²] that has acted for a time [s] to the rise of a body [K]; cached."""
     spectrum = heat_spectrum(grid, body, (0.0, time), (1.0, 1.0))
     return _maps.get((grid, body, time), lambda: Convolution(grid, spectrum))
 
 
 def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
-    """Contact that does not depend on earlier steps, cached under `key`.
+    """State of a contact that does not depend on earlier steps, cached under `key`.
 
     `compute` is called if the contact is not cached yet.
     """

@@ -1,20 +1,20 @@
-"""Contact and wear along a loading: the first of the three layers of a point.
+"""Contact and wear along a loading: the first part of computing a point, before heat and verdict.
 
 Contact and wear depend on the load, the surface, the elastic constants and the hardness. They
 depend on the sliding velocity V only through how fast it wears the pin. A step of the duration t
-wears by
+wears to the depth
 
     h = k V t p = w t p,   w = kV,                                                            (1)
 
-k the specific wear rate, p the pressure. So two systems with the same wear number w have the same
-contacts at every load, whatever their velocities and thermal constants, and these are solved once
-for all of them. `heat` is computed from contacts, and verdicts from heat. `inseparable` says where
-that does not hold.
+where k is the specific wear rate and p the pressure. So two systems with the same wear number w
+have the same contacts at every load, whatever their velocities and thermal constants, and these are
+solved once for all of them. `heat` is computed from contacts, and verdicts from heat. `inseparable`
+says where that does not hold.
 
 Where nothing wears, w is 0 at every velocity, and the contact at a load is cached.
 
-No choice here depends on a temperature: neither larger elements before the last step, nor a step's
-short end. The size of elements is chosen before, see `element_size`.
+No choice here depends on a temperature: neither larger elements before the last step, nor the short
+implicit step that may end a step. The size of elements is chosen before, see `element_size`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ from tribo.wear import Wear
 
 
 def wear_number(scene: Scene, velocity: float) -> float:
-    """Wear of the pin per pressure and time, ``w = k |V|`` [m/(Pa s)]; Eq. (1) of this module.
+    """Depth worn per pressure and time, ``w = k |V|`` [m/(Pa s)]; Eq. (1) of this module.
+
+    k is the specific wear rate; 1 m²/N if the wear follows a law, whose rate is not constant.
 
     Examples
     --------
@@ -60,10 +62,10 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
 
 def mechanics(scene: Scene) -> Scene:
-    """Scene with wear rate and thermal constants set to 1, and without friction.
+    """Copy of a scene with wear rate and thermal constants set to 1, and without `solved_friction`.
 
-    If two scenes give the same result here, they have the same contacts at equal load and
-    `wear_number`.
+    If two scenes have equal copies, they have the same contacts at equal load and equal
+    `wear_number`, specific wear rate times velocity.
 
     Examples
     --------
@@ -85,6 +87,9 @@ def mechanics(scene: Scene) -> Scene:
 
 def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     """Reason why contacts of equal `wear_number` still depend on velocity; None if they do not.
+
+    The wear number is the specific wear rate times the velocity. `velocities` are those of all
+    points [m/s].
 
     Examples
     --------
@@ -118,12 +123,20 @@ def contacts(
     The states have temperatures only if these depend on the heat of earlier steps. Otherwise `heat`
     computes the temperature of the states with `State.is_requested`.
 
-    Apart from `State.sliding_distance`, the states depend on the velocity only through
-    `wear_number`, unless `inseparable` gives a reason. See `tribo.simulate` for further parameters
-    and for errors.
+    Apart from `State.sliding_distance`, the states depend on the velocity only through the wear
+    number, specific wear rate times velocity, unless `inseparable` gives a reason.
 
     Parameters
     ----------
+    scene : Scene
+        System to simulate.
+    normal_load, velocity : float
+        Load on the whole pin at the end [N], and sliding velocity [m/s].
+    trunks : Trunks, optional
+        Cache of the ramps of other points. Steps found there are not repeated, and new steps below
+        `normal_load` are added to it.
+    requested : container of int, optional
+        Indices of further steps, `Station.index`, whose states shall have `State.is_requested`.
     note : Note, optional
         Value to record after each increment of the ramp below `normal_load`. States with
         `State.is_requested` have the values recorded so far as `State.course`.
@@ -132,6 +145,11 @@ def contacts(
     ------
     State
         State after every step that `trunks` did not have yet.
+
+    Raises
+    ------
+    InputError, ConvergenceError
+        If load or velocity is not allowed, or a contact does not reach its tolerance.
 
     Examples
     --------
@@ -195,7 +213,7 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a station of the shared ramp (trunk), one step after the state `before`.
+    """State at a `station` (end of a step) of the shared ramp, one step after the state `before`.
 
     `levels` has the scene on ever finer grids. The step is computed on the coarsest, `levels[0]`.
     """
@@ -247,7 +265,7 @@ def _independent_state(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at a station on the way to `normal_load` [N], computed without the steps before.
+    """State at `station`, a step on the way to `normal_load` [N], computed without earlier steps.
 
     The scene must be one in which states do not depend on earlier steps: without wear, and without
     the heat model "history". `levels` has that scene on ever finer grids. The contact is cached for

@@ -1,14 +1,14 @@
 """Physics beside the two half-spaces, which acts after the simulation.
 
-Friction by velocity multiplies the rise at friction 1. Friction by temperature acts where a
-temperature is computed from that rise. The other parts stand in series with the half-spaces in one
-thermal circuit, `tribo.thermal.circuit_rise`, in proportion to friction: a film on the disk, the
-stem that holds the pin, the heat of earlier turns in the tracks of both bodies, and a bulk behind
-them that warms. All of them follow from what a simulation records, and need no new simulation.
+Friction by velocity multiplies the rise per unit friction coefficient. Friction by temperature acts
+where a temperature is computed from that rise. The other effects are in series with the half-spaces
+in one thermal circuit, `tribo.thermal.circuit_rise`, in proportion to friction: a film on the disk,
+the stem that holds the pin, the heat of earlier turns in the tracks of both bodies, and a bulk
+behind them that warms. All effects follow from what a simulation records, and need no new one.
 
-A track that has kept heat of earlier turns is warmer by w s, where s is its body's share of the
-heat. That share is taken as constant in time, so that the track is one more resistance, w over the
-heat.
+A track that has kept heat of earlier turns is warmer by w·s. Here w is its warming if all heat went
+into its body, and s is the body's share of the heat. That share is taken as constant in time, so
+that the track is one more thermal resistance: w divided by the heat flow of the contact.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ NEEDED = (
     "time", "normal_load", "sliding_distance", "mean_pressure", "contact_width", "pin_heat_share",
     "mean_rise",
 )  # fmt: skip
-"""Columns of a step that corrections need."""
+"""Names of the variables of a step that corrections need."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +112,8 @@ class Corrections:
     Attributes
     ----------
     friction : Friction
-        Friction by velocity and temperature, as factors on the coefficient of the conditions.
+        Dependence of friction on velocity and temperature, as factors on the coefficient of
+        `Conditions.friction`.
     track, pin_track : Track or None
         Tracks of disk and pin, which earlier turns have warmed. The track of a body at rest stays
         cold.
@@ -126,7 +127,8 @@ class Corrections:
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
-        Course of a recorded load, `tribo.MeasuredLoad.course`; empty for a ramp.
+        Pairs of time [s] and load, as a share of the last load, of a recorded load; empty for a
+        ramp.
     rate : float or None
         Rate at which a ramp reaches its load [N/s]; the load is then held. Without a rate and a
         course, the load is linear between recorded steps.
@@ -212,10 +214,10 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Rise per unit friction [K] that is due to stem, film, tracks and bulk warming.
+        """Rise per unit friction coefficient [K] due to stem, film, tracks and bulk warming.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
-        time. The result is NaN where the temperature was not computed.
+        time. The result has their shape, and is 0 or NaN where no temperature was computed.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -252,8 +254,9 @@ class Corrections:
     ) -> Array:
         """Warming of the bulk of pin and disk at the last steps of histories [K], (2, n_history).
 
-        `velocities` are sliding velocities [m/s], `to_bodies` the conductances from the contact to
-        pin and disk at these steps [W/K].
+        The result is zeros (2, 1) if no bulk has a heat capacity. `velocities` are sliding
+        velocities [m/s], `to_bodies` the conductances from the contact to pin and disk at these
+        steps [W/K].
         """
         bulks = self.pin_bulk, self.disk_bulk
         if not any(bulk and bulk.capacity for bulk in bulks):
@@ -268,10 +271,12 @@ class Corrections:
         ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Correct the rises in `columns`, which are per unit friction [K].
+        """Return `columns` with corrected rises per unit friction coefficient [K].
 
-        `columns` has variables by name: those of `NEEDED`, and the rises, including rises for
-        unequal bulk temperatures. All other columns are returned unchanged.
+        Each rise gets the added rise, and is multiplied by the friction factor at its velocity.
+        `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise``,
+        ``rise_quantile`` and, for unequal bulk temperatures, ``bulk_rise_quantile``. All other
+        columns are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -294,9 +299,10 @@ _RISES: dict[str, Any] = {
 
 
 def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
-    """Temperature rises of a state by column [K], corrected if corrections are given.
+    """Temperature rises of a state per unit friction coefficient [K], by name of their variable.
 
-    The state must have a temperature. Earlier loads are taken from the scene's loading.
+    They are corrected if corrections are given, and then come with all `measures` of the state. The
+    state must have a temperature. Earlier loads are taken from the scene's loading.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
@@ -362,7 +368,7 @@ def _stem_resistance(stem: Stem | None, histories: Sequence[_History]) -> Array 
 def _turn_resistance(
     track: Track | None, histories: Sequence[_History], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns, divided by the contact's heat [K/W].
+    """Warming of a track by earlier turns, divided by the heat flow of the contact [K/W].
 
     There is a value for the last step of each load history; without a track it is 0. `speeds` are
     speeds of the track through the contact at these steps [m/s].
@@ -378,10 +384,10 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, history: _History, speed: float) -> float:
-    """Warming of a track by earlier turns per unit friction, if all heat goes into its body [K].
+    """Warming of a track by earlier turns [K], if all heat goes into its body.
 
-    `history` has the loads until the step, and `speed` is the track's speed through the contact
-    [m/s].
+    The warming is per unit friction coefficient. `history` has the loads until the step, and
+    `speed` is the track's speed through the contact [m/s].
     """
     width = track.width or track.aspect * history.contact_width
     return track_warming(

@@ -2,21 +2,22 @@
 
 Each element of the contact C has the friction of its own temperature,
 
-    T = T_b + A q + r µ̄,   q(x) = µ(V, T(x)) V p(x)   on C,                               (1)
+    T = T_b + A q + r µ̄,   q(x) = µ(V, T(x)) V p(x)   on C.                               (1)
 
-with A the partition of heat between the bodies (`tribo.thermal.partition_heat`), which is linear,
-and r the rise at friction 1 that warm bodies, a stem and a film add evenly, at the mean friction
-µ̄ = Σq/ΣVp.
+T is the temperature, T_b the bulk temperature, q the friction heat per area, µ the friction
+coefficient, V the sliding velocity, p the pressure. A is the partition of heat between the bodies
+(`tribo.thermal.partition_heat`), which is linear. Warm bodies, a stem and a film add the rise r per
+unit friction coefficient evenly, at the mean friction µ̄ = Σq/ΣVp.
 
 The iteration starts from cold: its first heat has the friction of the bulk temperature, and each
 further partition adds the change of heat by the last temperature. So where friction rises,
 temperatures only rise on the way, and reach the lowest solution, as a contact that warms up does.
 
 Near a steep rise of friction there may be no solution close to the cold one: the contact ignites.
-That is the outcome if its rise has grown by a quarter, and a round adds more than the one before.
-Where friction rises more slowly than T − T_b to the power of 0.7 that cannot happen, and where it
-falls the plain iteration would oscillate: there the last few rounds are combined (Anderson, J. ACM
-12, 1965).
+That is the outcome if the mean rise has grown by a quarter, and an iteration adds more than the
+iteration before. It cannot happen where friction rises more slowly than T − T_b to the power of
+0.7. Where friction falls, the plain iteration would oscillate: there the last few iterations are
+combined (Anderson, J. ACM 12, 1965).
 """
 
 from __future__ import annotations
@@ -51,11 +52,12 @@ _KEPT = 4  # rounds that Anderson mixing combines
 class CoupledRise(NamedTuple):
     """Temperature rise of a contact whose friction depends on temperature.
 
-    Rises are divided by the coefficient of friction [K]. `rise` is NaN without a solution, and
-    infinite if the contact "ignites": friction heats the contact ever faster (thermal runaway).
+    Rises are divided by the coefficient of friction [K]. `rise` is infinite if the contact
+    "ignites": friction heats it ever faster (thermal runaway). `rise` is NaN if the iteration did
+    not converge, or if there was no iteration.
     """
 
-    rise: float  # the rise by which wear is judged mild or severe
+    rise: float  # the rise that the criterion compares with its limit
     outcome: Outcome | None = None  # how the iteration ended; None if none was needed
     rise_quantile: Array | None = None  # over the contact area, where it is solved [K]
 
@@ -66,6 +68,8 @@ UNSOLVED = CoupledRise(math.nan)
 @dataclass(frozen=True, slots=True, eq=False)
 class CoupledHeat:
     """Temperature rise of a contact in which each element's friction depends on its temperature.
+
+    Rises are for the friction as it is, not per unit friction coefficient.
 
     Attributes
     ----------
@@ -210,9 +214,9 @@ def _solve_rise(
 ) -> tuple[Array, Outcome, int]:
     """Iterate to the rise of each element [K]; return rise, outcome and number of iterations.
 
-    `heat` is the elements' friction heat at friction 1 [W/m²]. Each iteration adds the rise due to
-    the change of the heat since the last iteration. ``rise_by(change, total)`` returns this rise
-    [K], to a tolerance relative to ``total``, the present heat.
+    `heat` is the elements' friction heat per unit friction coefficient [W/m²]. Each iteration adds
+    the rise due to the change of the heat since the last iteration. ``rise_by(change, total)``
+    returns this rise [K], to a tolerance relative to ``total``, the present heat.
     """
     flux = frictions(np.zeros(heat.size)) * heat
     rise = guess = rise_by(flux, flux)

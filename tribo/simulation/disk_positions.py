@@ -64,7 +64,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """Number of parts into which a step is cut; in each part the disk has another position.
 
     The deeper the imprint that the disk's roughness would wear into the pin over the `distance`
-    [m] slid in the whole step, the more parts there are, up to a limit; see `imprint_of`.
+    [m] slid in the whole step, the more parts there are, up to a limit.
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)
@@ -76,8 +76,8 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
 
     For a wave of the roughness the ratio is kS/λ, with the specific wear rate k of `wear` [m²/N],
     the sliding `distance` S [m] and the compliance λ of the half-space to this wave [m/Pa]. The
-    result is a mean over all waves. It is 0 if the disk is smooth, or if `elastic_bodies` has no
-    heights for this scene.
+    result is a mean over all waves. It is 0 if the disk is smooth, or if the scene uses neither
+    shifted disks nor the fidelity's `imprint`.
     """
     heights, elastic_sum = elastic_bodies(scene).heights, elastic_bodies(scene).elastic_sum
     if heights is None or not elastic_sum > 0:
@@ -145,8 +145,9 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]:
     """Shifts of the disk over which a temperature is averaged, in addition to no shift.
 
-    The shifts are in elements. They are multiples of `_SHIFT` pixels where the window allows it, so
-    that all fidelities average over the same positions.
+    The shifts are in elements along x and y; none if one position is enough. They are multiples of
+    `_SHIFT` pixels where the window allows it, so that all fidelities average over the same
+    positions.
     """
     if not scene.sweeps_over:
         return []
@@ -156,7 +157,7 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
 
 
 def position_count(scene: Scene, normal_load: float) -> int:
-    """Number of positions of the disk over which the temperature at a load is averaged."""
+    """Number of positions of the disk over which the temperature at a load [N] is averaged."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5
     touching = normal_load / scene.pin.patches(scene.grid) / mean_pressure

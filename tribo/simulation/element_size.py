@@ -1,16 +1,16 @@
 """Elements as large as the summits of a surface, and their number in a contact, allow.
 
 Large elements falsify the temperature of summits that are one element wide, and of a contact of few
-summits. Both are known before a contact is solved. The width of summits follows from the heights,
-as the mean length of runs of pixels among the highest tenth. The area that touches follows from the
-load in closed form, F/p with the mean pressure of a rough contact
+summits. Width and number are known before a contact is solved. The width of summits follows from
+the heights, as the mean length of runs of pixels among the highest tenth. The area that touches
+follows from the load F in closed form, F/p with the mean pressure of a rough contact
 
     p = min(H, E* h′/√(2π)),                                                              (1)
 
-h′ the root mean square slope (Bush, Gibson & Thomas, Wear 35, 1975, for light loads), up to the
-nominal area after Hertz; where Eq. (1) gives twice that, the contact is as that of smooth bodies.
-Steps before the last act through the wear alone, and so have larger elements, as long as enough of
-them touch.
+with the hardness H, the contact modulus E* and the root mean square slope h′ (Bush, Gibson &
+Thomas, Wear 35, 1975, for light loads). The area is at most the nominal area after Hertz. If Eq.
+(1) gives twice the nominal area, the contact is treated as that of smooth bodies. Steps before the
+last act through the wear alone, and so have larger elements, as long as enough of them touch.
 
 The elements of a point depend on no other point: loads that share a ramp have the elements that
 the lowest of them needs.
@@ -54,7 +54,7 @@ class _ExpectedContact(NamedTuple):
     """A contact as expected at the lowest load of a ramp; lengths are in pixels."""
 
     across: float  # width of the smooth contact along x
-    touching: float  # elements; squared for a plane scene, as if y were divided like x
+    touching: float  # pixels; squared for a plane scene, as if y were divided like x
     is_smooth: bool  # all of the nominal area touches
 
 
@@ -64,7 +64,9 @@ SMOOTH = Summits((math.inf, math.inf), 0.0)
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
     """Scene with elements small enough for its surface, at a load [N] and at all steps before.
 
-    The fidelity's ``elements_per_summit`` and numbers of summits and elements decide the size.
+    The size follows from ``elements_per_summit``, ``fewest_summits`` and ``fewest_elements`` of the
+    fidelity. If few elements will touch, the contact tolerance and ``imprint`` are made smaller,
+    too. The scene is returned unchanged if ``elements_per_summit`` is 0.
 
     Examples
     --------
@@ -124,7 +126,10 @@ def summit_width(scene: Scene) -> float:
 
 
 def _lowest_load(scene: Scene, normal_load: float) -> float:
-    """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N]."""
+    """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N].
+
+    A recorded load shares no steps, so that it is `normal_load`.
+    """
     loading = scene.loading
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load
 

@@ -27,8 +27,9 @@ class Fidelity:
     history_coarsening : int
         Largest factor by which the sides of elements are lengthened in the steps of a point. The
         last step is then repeated on the scene's own grid. Earlier steps affect it only by the
-        wear. Coarse elements resolve the wear if it is swept and many of them touch. With local
-        wear, which follows the roughness, the grid is not coarsened.
+        worn depth. Coarse elements resolve that depth if the wear pattern is "swept" and many of
+        them touch. With the pattern "local", wear follows the roughness, and the grid is not
+        coarsened.
     elements_per_summit : float
         Least width of the surface's summits, in elements. If it is above 0, elements are made small
         enough for this, down to the pixels; see `tribo.simulation.element_size`.
@@ -49,29 +50,34 @@ class Fidelity:
         divided by the height of the roughness. Steps are cut into as many parts as this takes, at
         most 4; 0 for no parts. Local wear and ridges along y leave such imprints.
     kernel : {"periodic", "nearest-image"}
-        Influence of the images of a periodic patch. See `tribo.contact.ElasticHalfSpace`.
+        Periodic images of the pressure that deform the patch: all images, or of each element only
+        the nearer one. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. With
-        local wear a larger value than 0.03 is replaced by 0.03, because the error of each contact
-        stays in the worn shape.
+        the wear pattern "local" a larger value than 0.03 is replaced by 0.03, because the error of
+        each contact stays in the worn shape.
     contact_criterion : {"gap", "pressure-change"}
-        Measure of the contact's error. See `tribo.contact.solve_contact`.
+        What the tolerance bounds: the residual of the gaps, or the change of the pressure in the
+        last iteration. See `tribo.contact.solve_contact`.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
-        Scheme by which wear advances over a step. See `tribo.wear.WEAR_SCHEMES`.
+        Time integration of the wear: backward Euler, the explicit scheme of Bosman & de Rooij, or
+        an implicit Runge-Kutta scheme of second order. See `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
         Every step then needs its temperature. With ``"elapsed"`` the rise of a growing contact is
-        too high: in the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % at 1.25, 0.1, 0.01 and
-        0.001 m/s.
+        too high: in the system of Bosman & de Rooij at 600 N by 0.2, 0.8, 1.5 and 2.4 % at 1.25,
+        0.1, 0.01 and 0.001 m/s.
     heat_kernel : {"pin", "endless", "nearest-image"}
         Length of the heated contact along a periodic y, for the heat in both bodies.
-        ``"pin"``: as long as the pin, with the patch in its middle, where it is hottest; the mean
-        rise over the paper's pin is 0.8 to 1.4 % lower. ``"endless"``: without ends, which is 1.4
-        to 2.8 % too warm there. ``"nearest-image"``: the patch and the nearer image of each
-        element, as Bosman & de Rooij compensate for leakage.
+        ``"pin"``: as long as the pin, with the patch in the pin's middle, which is its hottest
+        part. For the pin of Bosman & de Rooij, the mean rise along the pin is 0.8 to 1.4 % lower
+        than this rise. ``"endless"``: without ends. For their pin the rise is then 1.4 to 2.8 %
+        higher than with "pin". ``"nearest-image"``: the patch, and for each element its nearer
+        periodic image, as Bosman & de Rooij assume.
     partition : {"local", "uniform"}
-        Division of friction heat between the bodies. See `tribo.thermal.partition_heat`.
+        Division of friction heat between the bodies: each element for itself, or one share for the
+        whole contact. See `tribo.thermal.partition_heat`.
     heat_tolerance : float
         Relative residual of the heat partition at which its solver stops.
 

@@ -4,16 +4,17 @@ Where friction depends on temperature, each part of the contact has the friction
 
     T = T_b + µ(T) r,                                                                    (1)
 
-where r is the rise of that part at friction 1. Of several solutions T is the lowest, which a
-contact that warms up reaches first. So T exceeds T_c where r exceeds (T_c − T_b)/µ(T_c).
-Where friction rises so steeply that the temperature runs away before, the limit of r is the highest
-(T − T_b)/µ(T) below T_c. From there on r is taken to grow by the power of 0.3 of T − T_b, so that
-each rise has a temperature: where friction may ignite a contact, (1) decides nothing by itself.
+where T_b is the bulk temperature, and r the rise of that part per unit friction coefficient. Of
+several solutions T is the lowest, which a contact that warms up reaches first. So T exceeds a
+critical temperature T_c where r exceeds (T_c − T_b)/µ(T_c). Where friction rises so steeply that
+the temperature runs away before T_c, the limit of r is the highest (T − T_b)/µ(T) below T_c. From
+there on r is taken to grow as T − T_b to the power of 0.3, so that each rise has a temperature.
+This is a convention: where friction may ignite a contact, Eq. (1) alone decides no verdict.
 
-Neighbours heat a part with the friction of their own temperatures, for which (1) takes that of the
-part. Compared with Eq. (1) of `coupled_friction`, which solves for all elements at once, the rise
-exceeded on a tenth of the contact is 3 % less to 7 % more, for friction that changes by 0.2 %/K
-either way. A verdict that depends on this difference takes that equation.
+Neighbours heat a part with the friction of their own temperatures. Eq. (1) takes the friction of
+the part instead. Compared with Eq. (1) of `coupled_friction`, which solves for all elements at
+once, the rise exceeded on a tenth of the contact is 3 % less to 7 % more, for friction that changes
+by 0.2 %/K either way. If a verdict depends on this difference, it is found by that equation.
 """
 
 from __future__ import annotations
@@ -31,11 +32,11 @@ from tribo.types import Array
 
 STEEP = 0.7
 """Least exponent d ln µ/d ln(T − T_b) at which the temperature may run away (ignition)."""
-_LEAST = 1 - STEEP  # the rise at friction 1 grows at least as T − T_b to this power
+_LEAST = 1 - STEEP  # the rise per unit friction grows at least as T − T_b to this power
 _FARTHEST = 1e60  # bound on a ratio of rises, so that the ratio to the power 1/0.3 is finite
 
 Curve = tuple[tuple[float, float], ...]
-"""Velocities or temperatures, ascending, each with the factor there."""
+"""Velocities or temperatures, ascending, each with the factor on friction there."""
 
 
 def _velocity_factor(curve: Curve, velocity: Any, _: Any) -> Any:
@@ -59,7 +60,7 @@ FRICTIONS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "by_velocity": _velocity_factor,
     "by_temperature": _temperature_factor,
 }
-"""Factor for each field of `Friction`, as a function of the field, velocity and temperature."""
+"""Factor for each field of `Friction`: a function of the field's value, velocity, temperature."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +124,7 @@ class Friction:
         """Temperature T of the contact [K], the lowest solution of T = bulk + µ(T)·rise.
 
         `rise` is per unit friction [K], and already includes the friction's dependence on velocity.
-        Where µ rises too steeply for this equation, T grows by a power of `rise`; see the module.
+        Where µ rises too steeply for a solution, T − bulk grows as rise^(1/0.3) instead.
 
         Examples
         --------
@@ -149,7 +150,10 @@ class Friction:
         return bulk + np.where(is_steep, steep, own)
 
     def limit(self, temperature: Any, bulk: float) -> Any:
-        """Rise above `bulk` per unit friction at which the contact reaches a `temperature` [K]."""
+        """Rise above `bulk` per unit friction at which the contact reaches a `temperature` [K].
+
+        It is infinite if the coefficient is 0.
+        """
         if self.coefficient == 0:
             return np.full(np.shape(temperature), np.inf)[()]
         if not self.by_temperature:
@@ -199,13 +203,17 @@ class Friction:
         return float(np.ptp(logs))
 
     def hottest(self, rise: Any, bulk: float) -> Any:
-        """Upper bound of a contact temperature [K], from the rise above `bulk` at friction 1."""
+        """Upper bound of the contact temperature [K]: `bulk` + the highest friction · `rise`.
+
+        `rise` is above `bulk` and per unit friction coefficient [K].
+        """
         return bulk + self.highest(bulk) * rise
 
     def _rises_at_nodes(self, bulk: float) -> tuple[Array, Array]:
         """Temperatures of the friction curve from `bulk` on, and rises per unit friction [K].
 
-        Each rise is the one at which the contact reaches the temperature.
+        Each rise is the one at which the contact reaches the temperature. A last temperature, twice
+        the highest of the curve, is added.
         """
         table = [node for node, _ in self.by_temperature if node > bulk]
         last = max(bulk, *table) if table else bulk

@@ -1,7 +1,7 @@
 """A step repeated with a short implicit end, where the wear scheme gets its last pressure wrong.
 
 Where whole rows of elements come into contact at a time, as under heavy wear of smooth bodies, the
-rise at the end of a point would be off by up to 4 %, however many steps there are.
+rise at the end of the loading would be off by up to 4 %, however many steps there are.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _NEW, _RIM = 0.01, 0.75
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the end of a step by the implicit wear scheme, if much new area came into contact.
+    """Repeat the last sixth of a step by the implicit wear scheme, if much new area touches.
 
     The step leads from the state `before` to the state `after`, at `station`, on one grid. Returns
     the new state at the station, or `after` if nothing was repeated.
@@ -51,8 +51,8 @@ def end_implicitly(
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
     """True if elements that were unloaded before a step carry much of the load after it.
 
-    `before` and `after` are the states at both ends of the step. Schemes of a single stage, and
-    pins that roll, give False.
+    `before` and `after` are the states at both ends of the step. Always False without wear, for a
+    wear scheme of a single stage, for a pin that rolls, and if `Scene.sweeps_over`.
     """
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.

@@ -112,9 +112,10 @@ def check_heat(
 ) -> None:
     """Check heat balance and common temperature of a contact.
 
-    `heat_flux` is the frictional heat [W/m²], and `split` its partition. `tolerance` is for
-    `HeatPartition.residual`; infinite if the partition does not make the temperatures equal.
-    Raises an `InvariantError` if a check fails.
+    `heat_flux` is the frictional heat [W/m²], and `split` its partition. `tolerance` is the largest
+    `HeatPartition.residual` allowed, the relative difference of both surfaces' temperatures. Use
+    infinity for a partition that does not make these temperatures equal. Raises an `InvariantError`
+    if a check fails.
     """
     _require_finite("rise", float(split.rise.sum()), split.rise)
     made = float(heat_flux.sum())

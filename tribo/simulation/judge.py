@@ -1,4 +1,4 @@
-"""One point simulated and judged, with its friction by temperature solved where that decides."""
+"""One point simulated and judged; solves friction by temperature if the verdict depends on it."""
 
 from __future__ import annotations
 
@@ -37,11 +37,12 @@ def solve_friction(
     load: float,
     conditions: Judging,
 ) -> CoupledRise:
-    """Solve for the rise at a point's worst moment, if friction depends on temperature.
+    """Solve for the rise at a point's worst time, if friction depends on temperature.
 
-    It is solved only if the solution may change the verdict: if the rise in `columns` is within
-    30 % of its limit, if the critical temperature is not known, or if a mild contact may heat
-    itself until wear is severe (`Judging.may_ignite`). Otherwise `UNSOLVED` is returned.
+    The worst time is the step with the highest rise. The rise is solved only if the solution may
+    change the verdict: if the rise in `columns` is within 30 % of its limit, if the critical
+    temperature is not known, or if a mild contact may heat itself until wear is severe
+    (`Judging.may_ignite`). Otherwise `UNSOLVED` is returned.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def solve_friction(
     states : sequence of State
         States of the last steps, including those at full load.
     columns : mapping
-        Variables of all steps by name, as for `verdict`.
+        Variables of all steps by name: arrays with a step on the first axis; see `verdict`.
     load : float
         Load of the point [N].
     conditions : Judging
@@ -103,18 +104,21 @@ def judge(
     conditions : Conditions
         Friction, temperatures and criterion.
     trunks : Trunks, optional
-        Ramps of other points, which this point continues.
+        Cached ramps of other points. Their steps are not repeated, and new ones are added.
 
     Returns
     -------
     Verdict
-        Mild or severe at the worst moment once the load is reached. The worst moment is sought at
-        the beginning and the end of a hold, or at all its steps if bodies keep heat.
+        Mild or severe at the worst time, when the rise is highest, once the load is reached. This
+        time is sought at the beginning and the end of a hold, or at all its steps if bodies keep
+        heat.
 
     Raises
     ------
-    InputError, ConvergenceError
-        As `tribo.simulate` does.
+    InputError
+        If a value is not allowed, or nothing is in contact at `load`.
+    ConvergenceError
+        If a contact or a heat partition does not reach its tolerance.
 
     Examples
     --------

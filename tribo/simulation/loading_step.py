@@ -20,7 +20,7 @@ _FARTHEST = 2.0  # largest step of the load, over the last step, for which conta
 
 
 def start(scene: Scene) -> State:
-    """The unloaded, unworn state.
+    """Unloaded, unworn state from which all ramps of a scene begin, on its coarsest grid.
 
     Examples
     --------
@@ -134,7 +134,7 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Volume that the whole pin has lost from the start to a station [m³].
+    """Volume that the whole pin has lost from the start to `station`, the end of a step [m³].
 
     `wear` is for the step from `state`, and `element_area` is the area of the whole pin that one
     element represents [m²].

@@ -4,15 +4,16 @@ Both surfaces move along x past the contact, which stays where it is: the disk a
 which rolls, at u₁. They slide on each other at V = |u₂ − u₁|, and the lubricant is entrained at
 ū = (u₁ + u₂)/2. The slide-roll ratio is s = (u₂ − u₁)/ū.
 
-**Wear.** In a time t a point of the pin comes through the contact N = u₁t/L times, L the length of
-the track around the pin. In each pass it slides V·2b/u₁ on a contact that is 2b wide, and wears by
-kV/u₁ ∫p dx. So all points of the track wear by the same depth
+**Wear.** In a time t a point of the pin comes through the contact u₁t/L times, where L is the
+length of the track around the pin. In each pass it slides V·2b/u₁ on a contact that is 2b wide. It
+wears by kV/u₁ ∫p dx, with the specific wear rate k and the pressure p. So all points of the track
+wear by the same depth
 
     h(y) = k S/L ∫ p(x, y) dx,   S = Vt,                                                     (1)
 
 however slowly the pin rolls, as long as it turns many times; the volume on the whole track is
-k∫F dS, as for a pin at rest. Its profile along x stays round, so that a cylinder does not get a
-flat, nor a wider contact.
+k∫F dS, as for a pin at rest. The pin's profile along x stays round, so that a cylinder does not get
+a flat, nor a wider contact.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Velocities(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """Motion of both bodies at a sliding velocity.
+    """Motion of both bodies, from which their velocities follow at each sliding velocity.
 
     Exactly one of `slide_roll_ratio` and `entrainment_velocity` is given.
 
@@ -90,7 +91,7 @@ class Motion:
             require_positive(track_length=self.track_length)
 
     def velocities(self, sliding: float) -> Velocities:
-        """Velocities of pin and disk [m/s], whose difference is the sliding velocity.
+        """Velocities of pin and disk [m/s]; disk minus pin is the sliding velocity.
 
         Parameters
         ----------

@@ -1,9 +1,9 @@
 """Steps cut into parts, where each would leave too deep an imprint of the roughness in the pin.
 
-A pin that wears point by point becomes the negative of the patch that it faces. A pin that ridges
-of the disk sweep along becomes the negative of the ridges. Most of this happens within a few steps.
-The depth of a step's imprint depends on the wear rate and the velocity alone. So all loads have the
-same parts of their common ramp.
+A pin that wears point by point becomes the negative of the patch that it faces. A pin that wears by
+mean pressures along y becomes the negative of ridges of the disk along y. Most of this happens
+within a few steps. The depth of a step's imprint depends on the wear rate and the velocity alone.
+So loads that share a ramp have the same parts of its steps.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
-    """Cut a step into parts of equal duration; yield the station (moment) at the end of each part.
+    """Cut a step into parts of equal duration; yield time and load at the end of each part.
 
-    The step leads from the state `before` to `station`, the last one yielded. It has so many parts,
-    at most 4, that in each the roughness wears only a shallow imprint into the pin.
+    The step leads from the state `before` to `station`, which is yielded last. The step has so many
+    parts, at most 4, that in each the roughness wears only a shallow imprint into the pin.
     """
     count = _part_count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
@@ -45,7 +45,7 @@ def _part_count(scene: Scene, distance: float, velocity: float) -> int:
 
 
 def between(before: State, station: Station, share: float) -> Station:
-    """Station after a share of a step's time, if the load changes linearly within the step.
+    """Time and load after a `share` of a step's duration, if the load changes linearly within it.
 
     The step leads from the state `before` to `station`.
     """

@@ -1,7 +1,7 @@
 """Shapes of the pin: a cylinder, a ball, or a body of two radii.
 
-To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. A scene file gives
-a new size by an entry of its own (`pipeline.scene.format`).
+To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. If it has a size
+that no other shape has, add an entry for this size to the scene file (`pipeline.scene.format`).
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class WornContact(NamedTuple):
 
 
 class OilEntry(NamedTuple):
-    """Oil at the inlet of a contact.
+    """Oil at the inlet of a contact: the data from which the thickness of its film follows.
 
-    It has the mean speed of both surfaces [m/s], the viscosity [Pa s] and the pressure-viscosity
+    These are the mean speed of both surfaces [m/s], the viscosity [Pa s] and the pressure-viscosity
     coefficient [1/Pa].
     """
 
@@ -85,7 +85,11 @@ class Pin(Protocol):
         """Contact of a pin at rest after it lost `volume` [m³]; `half_width` is before wear [m]."""
 
     def film_thickness(self, oil: OilEntry, normal_load: float, contact_modulus: float) -> float:
-        """Minimum thickness of the oil film between the smooth, unworn bodies [m]."""
+        """Minimum thickness of the oil film between the smooth, unworn bodies [m].
+
+        `oil` has the mean speed of both surfaces and the oil's viscosity at the inlet. The load is
+        in N, the contact modulus in Pa.
+        """
 
 
 @dataclass(frozen=True, slots=True)

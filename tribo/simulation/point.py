@@ -1,9 +1,9 @@
 """One point of the diagram: its contacts, and the temperatures of the requested steps.
 
-To be read downwards: `contacts` of `contact_ramp` goes along the stations of a loading; `advance`
-of `loading_step` is one of its steps, with the contacts that `disk_positions` and the stages of
-`tribo.wear` lay out; `finer_grids` repeats the last one on the scene's own grid; `heat` of
-`temperature` computes the temperature.
+These functions do the work, from the outermost inwards. `contacts` in `contact_ramp` goes through
+the steps of a loading. `advance` in `loading_step` computes one step. It solves the contacts that
+`disk_positions` and the stages of `tribo.wear` ask for. `finer_grids` repeats the last step on the
+scene's own grid. `heat` in `temperature` computes the temperature.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ def simulate(
     velocity : float
         Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
     trunks : Trunks, optional
-        Ramps of other points, which this point continues and lengthens. The result is bit for bit
-        the same as without them.
+        Cached ramps of other points. Their steps are not repeated, and new ones are added. The
+        result is bit for bit the same as without them.
     requested : container of int, optional
-        Indices of further stations whose temperature is computed; see `Station`.
+        Indices of further steps at whose end the temperature is computed, counted from 1.
 
     Yields
     ------

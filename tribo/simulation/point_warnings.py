@@ -44,7 +44,7 @@ WIDEST = 0.3  # half-width in radii up to which a pin is about a parabola and a 
 _TOO_WARM = 0.01  # relative error of the rise above which heat model "elapsed" gets a warning
 _NARROW = 0.7  # elements across a summit, below which the rise was up to 16 % too low
 SLOWEST = 0.3
-"""Least exponent of the rise as a power of the velocity for which presets keep their promise."""
+"""Least exponent of the rise as a power of velocity at which presets keep their stated accuracy."""
 SLOW = (
     "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
     "velocity errs two to three times as much as the preset promises; ask for an accuracy"
@@ -55,6 +55,34 @@ _FEWEST_STEPS = 3
 
 class WarningKind(IntFlag):
     """Kinds of warnings; each is a bit, so that one number holds all kinds of a point.
+
+    Attributes
+    ----------
+    UNSTABLE_WEAR
+        Steps are too long for the explicit wear scheme.
+    CONTACT_AT_EDGE
+        The contact reaches an edge of the window.
+    FEW_NODES
+        Few elements touch, so that the temperature is uncertain.
+    FEW_STEPS
+        Too few steps lead to the load to resolve the shape of the wear.
+    PRESENT_HEAT
+        The heat model "elapsed" makes the rise too high by 1 % or more.
+    COARSE_PIXELS
+        Elements are too large for the contact or its summits, or pixels for the roughness.
+    BEYOND_SHAPE
+        The contact is too wide, or the wear too deep, for a pin taken as a parabola.
+    FEW_TURNS
+        A rolling pin turns fewer than 10 times, or stands still at this velocity alone.
+    SLOW_RISE
+        The rise hardly grows with velocity. Found from neighbouring points of a sweep; for a worn
+        ball at a single point, too.
+    MOLTEN
+        The contact is so hot that steel would melt. Found in a sweep only.
+    IGNITION
+        Friction that rises with temperature heats the contact ever faster.
+    UNSOLVED_FRICTION
+        Friction that depends on temperature was not solved.
 
     Examples
     --------
@@ -71,7 +99,6 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE = 64
     FEW_TURNS = 128
     SLOW_RISE = 256
-    """The rise hardly grows with velocity. Found in a sweep; for a ball at a single point, too."""
     MOLTEN = 512
     IGNITION = 1024
     UNSOLVED_FRICTION = 2048

@@ -2,14 +2,15 @@
 
 Old heat has spread so far that only its amount counts. Along a heated length L of a body that moves
 at U, a unit of heat per length and time still warms the middle by
-erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. Where the load has grown, there was less heat
-than the model has; the difference is integrated over τ along the loading. As both bodies have one
-temperature, each counts with the square of its share of the heat. How wide the contact was then
-does not matter.
+erf(L/4√(κτ)) exp(−U²τ/4κ) / 2πKτ after a time τ. K is the thermal conductivity of the body, κ its
+diffusivity. Where the load has grown, there was less heat than the model assumes; the difference is
+integrated over τ along the loading. As both bodies have one temperature, each counts with the
+square of its share of the heat. How wide the contact was at that time does not matter.
 
 The error depends on how long the loading lasts. With `workflows/first_try.toml` at 400 N and
-0.1 m/s the rise is too warm by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
-and 21 % in 1 ms; at 3 m/s by under a third of that. A load that jumps late makes it 3 to 5 %.
+0.1 m/s the rise is too high by 0.7 % in a ramp of 5 s, 1.5 % in 1 s, 4 % in 0.1 s, 11 % in 10 ms
+and 21 % in 1 ms; at 3 m/s by under a third of that. With a load that jumps late it is 3 to 5 % too
+high.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
 
 
 def stations_so_far(scene: Scene, state: State) -> list[Station]:
-    """Stations (moments) of the loading up to a state."""
+    """Ends of the steps of the loading up to a state, with their times and loads."""
     stations = scene.all_stations(state.normal_load)
     return [station for station in stations if station.time <= state.time * (1 + 1e-12)]
 
@@ -94,9 +95,10 @@ def _excess_warming(
 ) -> float:
     """How much too high a rise is if the present heat is taken to have acted since time 0.
 
-    The result is divided by the heat per length across the motion [W/m], so in m K/W. `ages` and
-    `lacking` are the results of `_missing_load`. The body moves at `velocity` [m/s], and the heat
-    acts on a `length` across the motion [m].
+    The result is divided by the heat per length across the motion [W/m], so in m K/W. `ages` are
+    times before the present [s], and `lacking` is the share of the present load that was missing at
+    each of these times. The body moves at `velocity` [m/s], and the heat acts on a `length` across
+    the motion [m].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -262,7 +262,10 @@ class Scene:
 
     @property
     def heated_length(self) -> HeatedLength:
-        """Length along y that is heated [m], for `tribo.thermal.ConductingHalfSpace`."""
+        """Length along y that is heated [m]; infinite without ends, or "nearest-image".
+
+        With "nearest-image", the patch and for each element its nearer periodic image are heated.
+        """
         if self.fidelity.heat_kernel == "nearest-image":
             return "nearest-image"
         if self.pin.length is not None and self.fidelity.heat_kernel == "pin":
@@ -295,10 +298,11 @@ class Scene:
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
     def stations(self, normal_load: float, requested: Container[int] = ()) -> Iterator[Station]:
-        """Stations (moments) of the loading up to a load [N] and in its hold that must be solved.
+        """Times at which the contact must be solved, with loads, up to a load [N] and in its hold.
 
-        If a state depends on earlier states, all stations must be solved. Otherwise only these: the
-        last station, the station at which a hold begins, and stations with an index in `requested`.
+        Each is the end of a step. If a state depends on earlier states, all steps are yielded.
+        Otherwise only the last step, the step in which a ramp reaches the load, and steps with an
+        index in `requested`.
         """
         stations = self.all_stations(normal_load)
         if self.remembers_steps:
@@ -315,12 +319,15 @@ class Scene:
             yield replace(station, on_trunk=False)
 
     def all_stations(self, normal_load: float) -> Iterator[Station]:
-        """Stations (moments) of the loading up to a load [N], then the stations of its hold."""
+        """Ends of all steps of the loading up to a load [N] and of its hold: times and loads."""
         fidelity = self.fidelity
         return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def ramp_increment(self, normal_load: float) -> float:
-        """Increment [N] of the ramp to a load [N]; loads with equal increments share a ramp."""
+        """Increment [N] of the ramp to a load [N]; 0 for a recorded load.
+
+        Loads with equal increments share a ramp.
+        """
         if isinstance(self.loading, MeasuredLoad):
             return 0.0
         return self.loading.increment(normal_load, self.fidelity.increments)

@@ -1,4 +1,4 @@
-"""The contact at one moment of a simulation."""
+"""The contact at one time of a simulation."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Heat:
-    """Temperature of the contact, per unit friction coefficient.
+    """Temperature rises of the contact, per unit friction coefficient.
 
-    If a ball or crowned pin touches on few elements, all values except the fields are means over
-    positions of the disk.
+    If a ball or crowned pin touches on few elements, all values except the arrays of shape (nx, ny)
+    are means over positions of the disk.
 
     Attributes
     ----------
     rise : ndarray, shape (nx, ny)
         Temperature rise of the pin's surface above bulk [K].
     rise_quantile : ndarray, shape (len(QUANTILES),)
-        Quantiles of the rise over the contact area [K].
+        Quantiles of the rise over the contact area [K], for the probabilities `tribo.QUANTILES`.
     max_rise, mean_rise : float
         Largest and mean rise over the contact area [K].
     pin_heat_share : float
@@ -71,7 +71,7 @@ class Heat:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """The contact at one moment of the loading.
+    """The contact at one time of the loading.
 
     Attributes
     ----------
@@ -90,23 +90,24 @@ class State:
     on_trunk : bool
         True if the simulation of a higher load passes through this state.
     index : int
-        Number of steps of the loading up to this state.
+        Number of steps of the loading from the unloaded state up to this one.
     iterations : int
         Number of convolutions to solve the contact, on all grids.
     residual : float
-        Residual of the contact, see `ContactSolution`.
+        Largest relative violation of the conditions on the gap, among the contacts solved in the
+        last step; see `tribo.contact.ContactSolution`.
     previous_pressure : ndarray, shape (nx, ny)
-        Contact pressure one station earlier [Pa], from which the next pressure is extrapolated.
+        Contact pressure one step earlier [Pa], from which the next pressure is extrapolated.
     previous_load : float
-        The load at that station [N].
+        Load on the whole pin one step earlier [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
-        Elastic displacement due to each of the two pressures [m]; None if it is not known.
+        Elastic displacement due to `pressure` and to `previous_pressure` [m]; None if not known.
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
         Temperature of the contact, if it was requested.
     history : State or None
-        State from which the ramp continues, at the same moment but on a coarse grid or without an
+        State from which the ramp continues, at the same time but on a coarse grid or without an
         implicit end (see `tribo.simulation.implicit_end`). None if the ramp continues from this
         state.
     heat_history : HeatHistory or None
@@ -117,7 +118,8 @@ class State:
         Contact pressures with the disk at other positions [Pa], to average the temperature over;
         see `tribo.simulation.disk_positions`.
     course : tuple
-        Values that a `Note` recorded on the ramp to this state, if its temperature is requested.
+        Values that a `tribo.simulation.trunks.Note` recorded at the shared steps of the ramp before
+        this state; empty unless `is_requested`.
 
     Examples
     --------

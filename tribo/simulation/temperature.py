@@ -28,7 +28,7 @@ from tribo.types import Array, Mask
 
 @guard_range("the temperature of a contact")
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature of a state, at friction coefficient 1.
+    """Temperature rises of a state, per unit friction coefficient.
 
     The rise is computed for equal bulk temperatures of pin and disk. If `Scene.unequal_bulks` is
     True, the result also has `Heat.bulk_response`: how much the pin's surface warms for each kelvin
@@ -37,7 +37,6 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
     The temperature depends on pressure and time of the contact, but not on the wear before. So
     thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
-    See `contacts`.
 
     Examples
     --------
@@ -88,7 +87,7 @@ def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
 
 
 def refined_scene(scene: Scene, state: State) -> Scene:
-    """Scene with the elements of a state, which may be smaller than the scene's own."""
+    """Scene with the elements of a state, which may differ in size from the scene's own."""
     block = scene.pixels.shape[0] // len(state.pressure)
     if block == scene.fidelity.pixels_per_element:
         return scene
@@ -97,9 +96,9 @@ def refined_scene(scene: Scene, state: State) -> Scene:
 
 
 def add_temperature(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Add to a state its temperature, due to all heat since the start.
+    """Return `state` with its temperature due to all heat since the start, and with this heat.
 
-    `before` is the state one step earlier, with the histories of the heat.
+    `before` is the state one step earlier, with the histories of the heat until then.
     """
     contact = state.pressure > 0
 
@@ -192,7 +191,10 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
 
 
 def friction_heat(scene: Scene, state: State, velocity: float) -> Array:
-    """Heat made at friction coefficient 1 [W/m²]; 0 in a scene without friction heat."""
+    """Friction heat of each element per unit friction coefficient [W/m²], shape (nx, ny).
+
+    It is |velocity| times pressure, or 0 in a scene without friction heat.
+    """
     return abs(velocity) * state.pressure * scene.friction_heat
 
 
@@ -212,7 +214,7 @@ def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
 
 
 def bodies_at(scene: Scene, state: State, velocity: float) -> tuple[Convolution, Convolution]:
-    """Maps from heat flux to temperature rise, of pin and disk, for heat since time 0."""
+    """Maps from heat flux to temperature rise of pin and disk, for a flux constant since time 0."""
     pin, disk = _bodies(scene, velocity)
     return _conductor(scene.grid, pin, state.time), _conductor(scene.grid, disk, state.time)
 

@@ -1,9 +1,8 @@
-"""Ramps cached at their increments, for the points that branch off them.
+"""States along ramps of the load, cached for the points that continue these ramps.
 
-The ramp to a load passes through the increments of all higher loads of one trunk, see
-`tribo.loading.ramp`. So a point begins at the last cached increment below its load, and the
-increments that it adds are cached for the next point. A point has the same numbers from any trunk,
-bit for bit.
+Points at several loads share the first steps of one ramp, its trunk; see `tribo.loading.ramp`. So a
+point begins at the last cached step below its load, and the steps that it adds are cached for the
+next point. The numbers of a point are the same with any cached steps, bit for bit.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from tribo.simulation.state import State
 from tribo.types import Array, Spectrum
 
 MOST_BYTES = 2**28
-"""Default limit of the states in a cache [B]."""
+"""Default limit of the total size of the states in a cache [B]."""
 
 
 class Note(NamedTuple):
@@ -45,16 +44,16 @@ class _Trunk:
         return self.count - len(self.states)
 
     def clear_if_dropped(self, increments: int, recorded: int) -> None:
-        """Clear the ramp if it has dropped a state that is needed to extend it to `increments`.
+        """Forget all states and recorded values if a state that the caller needs was dropped.
 
-        Values are already recorded for the first `recorded` increments. So the earliest state
-        needed is the state after min(`increments`, `recorded` + 1) increments.
+        The caller needs the state after `increments` steps. If values are recorded for fewer steps,
+        `recorded`, it needs the states after all later steps, too.
         """
         if increments and self.dropped >= min(increments, recorded + 1):
             self.states, self.count, self.nbytes, self.notes = [], 0, 0, {}
 
     def add(self, state: State, limit: int) -> None:
-        """Keep the state of the next increment; drop older states if memory exceeds a limit [B]."""
+        """Keep the state after the next step; drop older states if memory exceeds `limit` [B]."""
         self.nbytes += sum(array.nbytes for array in _arrays(state))
         self.states.append(state)
         self.count += 1
@@ -103,11 +102,12 @@ class Trunks:
         advance: Callable[[State, Station], State],
         note: Note | None = None,
     ) -> Generator[State, None, tuple[State, tuple[Any, ...]]]:
-        """Continue a cached ramp up to the last of the stations, and yield the new states.
+        """Continue a cached ramp up to the last of its `stations`, and yield the new states.
 
-        The ramp starts from the state `begin`, and is cached by `key`; `advance` computes a state
-        from the one before. Returns the state at the last station, and for each station the value
-        that `note` records.
+        The ramp starts from the state `begin`, and is cached by `key`. `stations` are the ends of
+        its steps: times with their loads. `advance` computes a state from the state one step
+        earlier. Returns the state at the last station, and a tuple of the value that `note`
+        recorded at each station; the tuple is empty without a `note`.
         """
         with self._lock:
             trunk = self._trunks.setdefault(key, _Trunk())

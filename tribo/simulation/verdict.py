@@ -1,8 +1,10 @@
 """The verdict on one point: wear is severe if the contact is too hot, bulk + µ r > critical.
 
-r is the rise that decides (`tribo.Criterion`), at friction 1, at the worst moment of a point. Where
-the disk's bulk is Δ warmer than the pin's, rises count from the colder body, at the ratio Δ/µ, and
-are never negative.
+r is the temperature rise of the contact that the criterion compares with its limit
+(`tribo.Criterion`), such as the rise exceeded on a tenth of the contact. It is per unit friction
+coefficient, at the time at which it is highest; µ is the friction coefficient. If the disk's bulk
+is warmer than the pin's by Δ, rises are computed for the ratio Δ/µ. They count from the colder
+body, so that they are never negative.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from tribo.thermal import BULK_RATIOS, Criterion, add_bulk_ratio, failed_share
 from tribo.types import Array, Indices
 
 RISES = ("max_rise", "mean_rise", "rise_quantile")
-"""Columns that depend on the bulk temperatures where these differ."""
+"""Names of the rises that change if the bulk temperatures of pin and disk differ."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,20 +200,24 @@ class Conditions(Judging):
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Mild or severe wear at a point, at its worst moment.
+    """Mild or severe wear at a point, at its worst time, when the contact is hottest.
 
     Attributes
     ----------
     is_severe : bool or None
-        True if the decisive temperature is above the critical one; None if the latter is unknown.
+        True if `decisive_temperature` is above the critical temperature; None if the critical
+        temperature is unknown.
     time : float
-        Worst moment, from the start of the loading [s].
-    decisive_temperature, max_temperature : float
-        Temperature that decides, and highest temperature of the contact [K].
+        Worst time, from the start of the loading [s].
+    decisive_temperature : float
+        Temperature of the contact that the criterion compares with the critical temperature, such
+        as the temperature exceeded on a tenth of the contact [K].
+    max_temperature : float
+        Highest temperature of the contact [K].
     failed_fraction : float or None
-        Share of the contact area above the critical temperature; None without such a temperature.
+        Share of the contact area above the critical temperature; None if that is unknown.
     bulk_temperature : float
-        First part of the decisive temperature: the bulk temperature of the colder body [K].
+        First part of `decisive_temperature`: the bulk temperature of the colder body [K].
     contact_rise : float
         Second part: the rise between two half-spaces [K].
     added_rise : float
@@ -240,9 +246,9 @@ class Verdict:
 
 
 def rise_limit(conditions: Judging) -> float:
-    """Limit of the deciding rise per unit friction [K]: above it wear is severe.
+    """Temperature rise per unit friction coefficient [K] above which wear is severe.
 
-    It is infinite without friction.
+    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal.
     """
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")
@@ -297,9 +303,11 @@ def verdict(
 ) -> Verdict:
     """Mild or severe wear at a point, from its columns and its load [N].
 
-    Columns, by name, are ``rise_quantile`` (n_step, n_quantile), ``mean_rise`` and ``max_rise``
-    (n_step) above the pin's bulk at friction 1 [K], and those that corrections need. `coupled` is
-    the result of `solve_friction`.
+    `columns` has arrays by name, with a step on the first axis: ``time`` [s], ``normal_load`` [N],
+    and the rises above the pin's bulk per unit friction coefficient [K] ``mean_rise`` and
+    ``rise_quantile`` (n_step, n_quantile). Corrections also need the variables in
+    `tribo.simulation.corrections.NEEDED`. Unequal bulk temperatures also need
+    ``mean_bulk_response`` and ``bulk_rise_quantile``. `coupled` is the result of `solve_friction`.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)

@@ -1,10 +1,11 @@
-"""Archard's wear of the pin, dh = k p dS, in steps of the sliding distance.
+"""Archard's wear of the pin, dh = k p dS, in steps of the sliding distance S.
 
-The pressure p follows at once from the worn depth h and the load, and wear relaxes it: a wave of
-h that the half-space flattens with the compliance λ, an eigenvalue of the elastic map D, decays
-as exp(−kS/λ). So the shortest waves make the equation stiff. A scheme that takes the pressure at
-the end of a step solves the contact with D + k·dS, not D, which only adds a constant to
-some entries of the spectrum. The worn volume is k∫F dS in every scheme.
+h is the worn depth, k the specific wear rate. The pressure p follows at once from h and the load F,
+and wear relaxes it: a wave of h decays as exp(−kS/λ). Here λ is the compliance of the half-space to
+a pressure of this wave, an eigenvalue of the elastic map D from pressure to displacement. So the
+shortest waves make the equation stiff. A scheme that takes the pressure at the end of a step solves
+the contact with D + k·dS instead of D, which only adds a constant to some entries of the spectrum.
+The worn volume is k∫F dS in every scheme.
 """
 
 from __future__ import annotations
@@ -66,7 +67,8 @@ class RungeKutta:
     ) -> Iterator[Stage]:
         """Yield the contacts to solve in a step, in order; the last contact is at the step's end.
 
-        `loads` are the loads at both ends of the step, `mean_load` is the mean over the step [N].
+        `loads` are the loads at the step's begin and end, `mean_load` is the mean over the step
+        [N]. `distance` is slid in the step [m].
 
         Examples
         --------
@@ -100,8 +102,8 @@ WEAR_SCHEMES: dict[WearScheme, RungeKutta] = {
 ``"implicit"``, backward Euler: of first order, stable for any step. ``"explicit"``, the loop of
 Bosman & de Rooij (Fig. 2): of first order, stable while k·dS is below `EXPLICIT_LIMIT` times the
 smallest compliance. ``"sdirk2"`` (Alexander, SIAM J. Numer. Anal. 14, 1977): of second order,
-stable for any step, at twice the cost. Where much area comes into contact within a step, a short
-implicit step has to end it; see `tribo.simulation.implicit_end`.
+stable for any step, at twice the cost of the others. Where much area comes into contact within a
+step, this scheme needs a short implicit step at its end; see `tribo.simulation.implicit_end`.
 """
 
 
@@ -142,12 +144,15 @@ class Wear:
             )
 
     def depth(self, pressure: Array, distance: float) -> Array:
-        """Depth that the pin loses over a sliding distance [m], shape of `pressure`."""
+        """Depth [m] that a `pressure` [Pa] wears over a sliding distance [m], the same shape."""
         source = pressure.mean(axis=1, keepdims=True) if self.pattern == "swept" else pressure
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
-        """Half-space whose displacement includes the wear over a sliding distance [m]."""
+        """Return a copy of `solid` whose displacement includes the wear by the same pressure.
+
+        The pressure wears over the sliding `distance` [m].
+        """
         compliance = self.specific_wear_rate * distance
         if self.pattern == "swept" and not solid.grid.periodic[1]:
             raise InputError(
@@ -185,11 +190,12 @@ class Wear:
 
 @dataclass(frozen=True, slots=True)
 class RollingWear(Wear):
-    """Wear of a pin that rolls: the depth is the same along x, everywhere on the track.
+    """Wear of a pin that rolls: its depth is the same all along the track around the pin.
 
-    See `tribo.simulation.motion`, Eq. (1). Along y the pin wears by the pattern. `window_share` is
-    the length of the window along x divided by the length of the track around the pin, above 0 and
-    at most 1.
+    With the `pattern` "local", the depth at each y is in proportion to the mean pressure along x at
+    this y; with "swept", to the mean pressure on the whole window. `window_share` is the length of
+    the window along x divided by the length of the track, above 0 and at most 1. The equation is
+    Eq. (1) of `tribo.simulation.motion`.
 
     Examples
     --------
@@ -211,13 +217,16 @@ class RollingWear(Wear):
             )
 
     def depth(self, pressure: Array, distance: float) -> Array:
-        """Depth that the pin loses over a sliding distance [m], shape of `pressure`."""
+        """Depth [m] that a `pressure` [Pa] wears over a sliding distance [m], the same shape."""
         axes = (0, 1) if self.pattern == "swept" else (0,)
         source = pressure.mean(axis=axes, keepdims=True) * self.window_share
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
-        """Half-space whose displacement includes the wear over a sliding distance [m]."""
+        """Return a copy of `solid` whose displacement includes the wear by the same pressure.
+
+        The pressure wears over the sliding `distance` [m].
+        """
         spectrum = solid.spectrum.copy()
         waves = slice(1) if self.pattern == "swept" else slice(None)
         spectrum[0, waves] += self._wear_compliance(solid, distance)
@@ -226,10 +235,10 @@ class RollingWear(Wear):
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
         """Stiffness (dimensionless) of the wear equation over a sliding distance [m].
 
-        The stiffness is defined as in `Wear.stiffness`. But here only shapes that vary along y
-        alone count, since a rolling pin wears evenly along x. The stiffness is 0 for the pattern
-        "swept", since the pin then wears evenly along y, too. It is also 0 if the grid has a single
-        element along y.
+        It is the depth worn per mean pressure along x, divided by the smallest compliance of
+        `solid` [m/Pa]. Only the compliances for shapes that vary along y alone count, since a
+        rolling pin wears evenly along x. The stiffness is 0 for the pattern "swept", since the pin
+        then wears evenly along y, too. It is also 0 if the grid has a single element along y.
         """
         waves = solid.spectrum[0, 1:]
         if self.pattern == "swept" or not (waves > 0).any():

@@ -1,7 +1,8 @@
 """Wear laws whose rate depends on the distance slid: their protocol, and the law that ships.
 
-A law is any object with the attributes of `WearLaw`. If its wear is no `tribo.Wear`, that is an
-`InvariantError`. The laws of this package are frozen dataclasses here, named in `LAWS`.
+A law is any object with the attributes of `WearLaw`. If its method `over` returns anything but a
+`tribo.Wear`, `wear_over` raises an `InvariantError`. The laws of this package are frozen
+dataclasses in this module, named in `LAWS`.
 """
 
 from __future__ import annotations
@@ -26,10 +27,14 @@ class WearLaw(Protocol):
 
     @property
     def pattern(self) -> WearPattern:
-        """Pattern of the wear, ``"local"`` or ``"swept"``; see `tribo.Wear`."""
+        """Pattern of the wear, see `tribo.Wear`.
+
+        ``"local"``: each point of the pin wears by the pressure on it. ``"swept"``: by a mean
+        pressure, as the disk's roughness moves past the pin.
+        """
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear at the mean rate between the sliding distances `begin` and `end` [m]."""
+        """Wear at the law's mean rate between the sliding distances `begin` and `end` [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +53,10 @@ class RunningIn:
     final_rate : float
         Specific wear rate k∞ after running in [m²/N].
     distance : float
-        Sliding distance L over which the rate falls [m].
+        Sliding distance L over which the excess of the rate, k − k∞, falls by a factor of e [m].
     pattern : {"local", "swept"}
-        Pattern of the wear, as in `tribo.Wear`.
+        Whether each point of the pin wears by the pressure on it, or by a mean pressure; see
+        `tribo.Wear`.
 
     Examples
     --------
@@ -84,7 +90,15 @@ LAWS: dict[str, type[WearLaw]] = {"running-in": RunningIn}
 
 
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
-    """Wear between the sliding distances `begin` and `end` [m], by a `Wear` or a wear law.
+    """Wear at the mean rate between the sliding distances `begin` and `end` [m].
+
+    `wear` is a law over the sliding distance, or a `Wear`, which has a constant rate and is
+    returned unchanged. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
+
+    Raises
+    ------
+    InputError, InvariantError
+        If the law fails, or if it returns no `Wear`.
 
     Examples
     --------
@@ -106,7 +120,7 @@ def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
 
 
 def require_wear(wear: object) -> None:
-    """Raise `InputError` unless `wear` is None, a `Wear` or an object like a `WearLaw`."""
+    """Raise `InputError` unless `wear` is None, a `Wear` or has the attributes of a `WearLaw`."""
     if wear is None or isinstance(wear, Wear):
         return
     if lacks := ", ".join(name for name in ("pattern", "over") if not hasattr(wear, name)):
