@@ -1,4 +1,4 @@
-"""Answers as methods of ``ds.irg`` on the dataset of a sweep, with the names of `pipeline`."""
+"""Answers as methods of ``ds.irg`` on the dataset of a sweep, named as functions of `pipeline`."""
 
 from __future__ import annotations
 

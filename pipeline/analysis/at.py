@@ -1,7 +1,7 @@
 """Judge a stored sweep under other conditions or values, without a new simulation.
 
 Conditions that act after the simulation are replaced. Values of entries that vary in the sweep
-select its rows. Unknown inputs of samples are fixed. The dataset carries these values with it.
+select its rows. Unknown inputs are fixed. The dataset carries these values with it.
 """
 
 from __future__ import annotations
@@ -85,22 +85,24 @@ def at(
         Temperature above which the lubricant fails, as a number in K or text with a unit.
     share : float or str, optional
         Wear is severe if more than this share of the contact is above the critical temperature,
-        such as 0.1 or ``"10%"``. 0 is Blok's criterion: the maximum temperature decides.
+        such as 0.1 or ``"10%"``. 0 is Blok's criterion: wear is severe if the maximum is above.
     criterion : str or tribo.Rule, optional
-        Temperature that decides: ``"highest"``, ``"mean"``, or ``"share"``, the temperature that
-        `share` of the contact exceeds. In Python also a rule of your own. See `tribo.CRITERIA`.
+        Contact temperature that is compared with the critical temperature: ``"highest"``,
+        ``"mean"``, or ``"share"``, the temperature that `share` of the contact exceeds. In Python
+        also a rule of your own, like those in `tribo.CRITERIA`.
     given_measured : bool
-        Weigh the unknown inputs of samples by the transitions and tests of their scene.
+        True to weigh draws of the unknown inputs by the measured transitions and tests of the
+        scene, for a sweep with samples.
     scatter : float, optional
         Relative standard deviation of measured velocities whose scatter the scene does not
-        give. See `pipeline.posterior`.
+        give, as for `pipeline.posterior`.
     oil : str, optional
-        Name of the oil whose tests count. It is needed if the tests are of several oils, and none
-        is of the scene's own oil. The critical temperature must be the one of this oil.
+        Name of the oil whose tests count. It is needed if the tests are of several oils, and each
+        test names its oil. The critical temperature must be the one of this oil.
     **entries
         Values by the path of an entry, in SI or as text with a unit. An entry with several values
-        in the sweep (``[sweep] over``) is restricted to the given values. An unknown input of
-        samples is fixed at the value. A condition is replaced, as by the arguments above.
+        in the sweep (``[sweep] over``) is restricted to the given values. An unknown input is fixed
+        at the value. A condition is replaced, as by the arguments above.
 
     Returns
     -------
@@ -161,11 +163,11 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Copy of a dataset of samples, set to weigh the samples by laboratory tests.
+    """Copy of a dataset with samples, whose unknown inputs are to be weighed by laboratory tests.
 
     `scatter` is the relative scatter of measured velocities; None for the default. Raises an
     `InputError` if the user did not ask for the weighing (`given_measured`), or the dataset has no
-    samples. Of the conditions `others` that the user changes, only the criterion is allowed.
+    samples. `others` are names of conditions that the user changes; only "criterion" is allowed.
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
@@ -233,7 +235,10 @@ def oil_temperature(name: str, value: float | str) -> float:
 
 
 def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """Record `values` in the dataset's attributes; drop the coordinates that the values replace."""
+    """Copy of a dataset with `values` [SI], by path of their entry, recorded in its attributes.
+
+    Coordinates of conditions that the values replace are dropped.
+    """
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
@@ -252,7 +257,7 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
 
 
 def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
-    """Paths of the samples' unknown inputs that `at` can fix at a value."""
+    """Paths of the unknown inputs that `at` can fix at a value; empty without samples."""
     return whole_sweep(ds).variants.rule.movable
 
 

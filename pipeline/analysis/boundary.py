@@ -56,7 +56,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           Too few points may be done. Or wear is severe at some point and mild at a higher one.
         - ``words``: the outcome in words, with the ranges of severe wear if there are several.
         - ``turns(load, turn)``: all loads or velocities at which wear changes.
-        - ``film_parameter`` at the crossing, if the scene gives an oil.
+        - ``film_parameter`` at the critical velocity or load, if the scene gives an oil.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, the
         size of the model's own error and its basis; ``caveats``, limits of the answer;
@@ -71,8 +71,9 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           is NaN. The pin scuffs before the median velocity: the hottest patch under it scuffs
           first.
 
-        Samples have only the error band and ``critical_velocity_quantile``: the lowest velocities
-        at which the next run is severe with a probability of 5, 50 and 95 %.
+        A sweep with samples of unknown inputs has only the error band and
+        ``critical_velocity_quantile``: the lowest velocities at which the next run is severe with a
+        probability of 5, 50 and 95 %.
 
     Raises
     ------
@@ -109,7 +110,11 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """Boundary of one scene, with a point at every pair of loads and velocities."""
+    """Critical velocities by load, and critical loads by velocity, of one scene.
+
+    Returns the dataset that `boundary` describes. The points must be a grid of loads and
+    velocities.
+    """
     data.require_lists(*PLANE)
     found = point_field(data)
     data = found.source
@@ -161,7 +166,8 @@ _TURNS = 64  # most changes of wear stored for a line; more are artefacts of int
 def _transitions(field: PointField, axis: str, line: str) -> dict[str, Any]:
     """Variables of a boundary that describe transitions along `axis`, by name.
 
-    They have a value for each value of the other axis, `line`.
+    `axis` is "velocity" or "load". The variables have a value for each value of the other axis,
+    `line`.
     """
     places, others = (field.loads, field.velocities[-1:]), field.loads
     if line == "velocity":
@@ -206,9 +212,10 @@ _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is 
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
-    """Add to a boundary the ends of its error band by load; return it.
+    """Add the ends of the error band by load to `boundaries`, and return it with more attributes.
 
-    The model's own error and the caveats are added as attributes.
+    The attributes are the model's own error, the caveats, and why tests contradict the model, if
+    they do.
     """
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities
@@ -257,7 +264,7 @@ def _quantiles(line: Line) -> Array:
 
     Returns an array (3, k) of the three quantiles in `BAND`. `line` has a curve for each of m
     surfaces and k loads or velocities. Quantiles are interpolated between ranked surfaces. They are
-    NaN next to a surface whose critical value is infinite or only bounded.
+    NaN next to a surface whose critical value is infinite, or outside the computed points.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

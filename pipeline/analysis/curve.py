@@ -2,11 +2,12 @@
 
 Between points the logarithm of the rise is interpolated over that of velocity or load by a monotone
 cubic (PCHIP). It is exact for a power law, and adds no crossings. On ramps of the IRG scene, every
-0.25 m/s from 0.5 to 4 m/s, it found a velocity halfway between points to 0.11 % (root mean square),
-below 1 m/s to 0.16 %; the same cubic in y over x to 0.23 %, straight lines to 0.76 %.
+0.25 m/s from 0.5 to 4 m/s, the velocity of a rise halfway between points was found with an error of
+0.11 % (root mean square), and of 0.16 % below 1 m/s. The same cubic without logarithms had 0.23 %,
+straight lines 0.76 %.
 
 SciPy's cubic needs the same abscissae for all rows. Here each row has its own, as rows lack
-different points, and as a line through a place includes that place.
+different points, and as a curve through an operating point includes that point.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ LEAST_SLOPE = 0.05
 
 
 class Curve:
-    """Monotone cubic curve through each row of points, in logarithms if they are all positive.
+    """Monotone cubic curve through each row of points; in logarithms if all are positive.
 
     Abscissae ascend; ordinates that are not finite are unknown. Both have the shape (..., n), with
     a curve for each row, or (n,) for a single curve. Rows may share abscissae.
@@ -70,10 +71,11 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae u and ordinates of the points, and the cubic in each interval.
+        """Abscissae u and ordinates of the points, and the cubic in each interval, as five arrays.
 
-        Abscissae and ordinates are logarithms if `is_log`. The cubic is given by its coefficients
-        of Δu, Δu² and Δu³.
+        Abscissae and ordinates (..., n) are logarithms if `is_log`. The other three arrays
+        (..., n - 1) are the cubic's coefficients of Δu, Δu² and Δu³, where Δu is the distance from
+        the beginning of the interval.
         """
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)

@@ -41,7 +41,7 @@ from tribo import InputError, Rule
 RULES: dict[str, Rule] = {}
 """The user's own criteria from `pipeline.at`, by the value of the attribute ``rule``."""
 GIVEN_MEASURED = "given_measured"
-"""Key in `judged_values` of the scatter of tests that weigh the samples."""
+"""Key in `judged_values` of the scatter of tests that weigh draws of the unknown inputs."""
 OIL = "oil"
 """Key in `judged_values` of the oil whose tests count."""
 
@@ -272,7 +272,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
 
 
 class Kind(Enum):
-    """Arrangement of a sweep's points: a grid of loads and velocities, single rows, or samples."""
+    """Arrangement of a sweep's points: a grid of loads and velocities, listed pairs, or samples."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
@@ -280,7 +280,7 @@ class Kind(Enum):
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
-    """Arrangement of a sweep's points: grid, single rows or samples; see `Kind`."""
+    """Arrangement of a sweep's points: grid of loads and velocities, listed pairs, or samples."""
     draw = scene_sweep(ds).variants.draw
     if draw and (draw["unknown"] or draw["fixed"]):
         return Kind.SAMPLES
@@ -316,7 +316,11 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the axes of a dataset; put the points of a search on a grid of loads and velocities."""
+    """Sort the axes of a dataset; put points that are stored as a list on a grid.
+
+    A run that computes only the boundary stores a list of points. The grid has the axes load and
+    velocity.
+    """
     if POINT in ds.dims:
         axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
         without_point = {"status": 0, "asked": 0, "warning_flags": 0, "own_grid": False}

@@ -44,10 +44,12 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     Dataset
         ``max_temperature`` and ``mean_temperature`` of the contact [K]; ``temperature_quantile``,
         the temperature [K] that a share ``cooler_share`` of the contact stays below; and, with a
-        critical temperature, ``failed_fraction``, the share of the contact area above it. If
-        friction depends on temperature, each temperature T is computed as if the whole contact had
-        the friction at T. The run itself gave each element the friction of its own temperature, but
-        solved this only for the deciding temperature; that solution is not used here.
+        critical temperature, ``failed_fraction``, the share of the contact area above it.
+
+        If friction depends on temperature, each temperature T is computed as if the whole contact
+        had the friction at T. Verdicts use the run's own solution instead, in which each element
+        has the friction at its own temperature. A run solves this only for the temperature that the
+        criterion compares with the critical temperature.
 
     Examples
     --------
@@ -106,7 +108,10 @@ def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
 
 
 def _shaped(like: xr.DataArray, dims: Sequence[str], values: Array) -> xr.DataArray:
-    """Copy of `like` with new `values`, whose dimensions are `dims`."""
+    """Array with the dimensions and coordinates of `like`, and new `values`.
+
+    `dims` are the dimensions of `values`. Of dimensions that `like` lacks, the first value is used.
+    """
     whole = xr.Variable(dims, values)
     cut = whole.isel({name: 0 for name in dims if name not in like.dims})
     return like.drop_attrs().copy(data=cut.transpose(*like.dims).values)

@@ -1,8 +1,9 @@
 """The field ln(rise/limit) of one scene over load and velocity, from which every answer follows.
 
-The rise is the decisive one at friction 1; its limit is (critical − bulk)/friction. A field has
-members, each with a weight: surfaces of a sweep, one row of its table, or draws of unknown inputs.
-Here is the field of computed points; the field of samples is in `pipeline.uncertain`.
+The rise is that of the contact temperature which the criterion compares with the critical
+temperature, per unit friction coefficient. Its limit is (critical − bulk temperature)/friction
+coefficient. A field has a rise for each surface of a sweep, or for each weighted draw of unknown
+inputs. The field of computed points is here; that of draws is in `pipeline.uncertain`.
 """
 
 from __future__ import annotations
@@ -36,15 +37,16 @@ _POINTS = 2_000_000  # most points of lines in memory
 
 
 Places = Array | float
-"""Loads [N] or velocities [m/s] of places (k,), or a single one for all places."""
+"""Loads [N] or velocities [m/s] of k operating points (k,), or a single one for all of them."""
 
 
 class Field(Protocol):
-    """Interface to the deciding temperature rise, and to wear, at any load and velocity.
+    """Interface: contact temperature and wear at any load and velocity, on surfaces or for draws.
 
-    Methods take k loads [N] and k velocities [m/s], or one value for all k places. Arrays have a
-    value for each of m members (m,), or for each member and place (m, k). A member is a surface, or
-    a draw of unknown inputs.
+    The temperature is the one that the criterion compares with the critical temperature. Methods
+    take k pairs of load [N] and velocity [m/s], as two arrays (k,) or as one value for all pairs.
+    Results have a value for each of m surfaces, or of m draws of unknown inputs (m,), or for each
+    of these at each pair (m, k).
     """
 
     @property
@@ -57,7 +59,7 @@ class Field(Protocol):
 
     @property
     def source(self) -> Results:
-        """Results that the field is made from: of a scene, or of one row of a table."""
+        """Results that the field is made from: of one scene, or one pair of load and velocity."""
 
     @property
     def ends(self) -> Mapping[str, tuple[float, float]]:
@@ -65,7 +67,7 @@ class Field(Protocol):
 
     @property
     def counts_inputs(self) -> bool:
-        """True if the members are draws of unknown inputs, not surfaces."""
+        """True if the field is made of draws of unknown inputs; False if of surfaces."""
 
     @property
     def at_once(self) -> int:
@@ -80,26 +82,27 @@ class Field(Protocol):
         """Lines of text on the unknown inputs and tests behind the answers; empty if none."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field judged under an operating point's own conditions, such as its friction.
+        """The field judged under conditions of one operating point.
 
-        See `Conditions.row_conditions`.
+        `own` has them by name: "friction", "bulk_temperature" [K] and "critical_temperature" [K],
+        or some of these.
         """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures that decide on wear at k loads and velocities; see `Here`."""
+        """Contact temperatures, and whether wear is severe, at k pairs of load and velocity."""
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
+        """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
         The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
         and temperature-dependent friction. The errors are of the surface or draw with the largest
-        error.
+        error. They are NaN if unknown.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Whether and where wear turns severe on the line along `axis` through each of k places.
+        """Whether and where wear turns severe along `axis`, through each of k operating points.
 
-        `axis` is "load" or "velocity".
+        `axis` is "load" or "velocity". The other one is held at its value at the point.
         """
 
     def probability(
@@ -107,27 +110,27 @@ class Field(Protocol):
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        `scatter` is the distribution of the model's own error. `shift` is added to ln(rise); it has
-        one value, or a value for each pair.
+        `scatter` is the distribution of the model's own error. `shift` is added to ln(rise): one
+        value, a value for each pair (k,), or n of them (n, k), which makes the result (n, k).
         """
 
 
 class Here(NamedTuple):
-    """Contact temperatures that decide on wear at loads and velocities, or why they are unknown.
+    """Contact temperatures at k pairs of load and velocity, and whether wear is severe there.
 
-    There are m members, which are surfaces or draws of unknown inputs, and k places, which are
-    pairs of load and velocity.
+    The temperature is the one that the criterion compares with the critical temperature. Each of m
+    surfaces, or of m draws of unknown inputs, has its own.
     """
 
-    values: Array  # deciding temperatures [K] (m, k); NaN if unknown
-    is_severe: Mask  # (m, k)
+    values: Array  # contact temperatures [K] (m, k); NaN if unknown
+    is_severe: Mask  # True if wear is severe (m, k)
     critical: Array  # critical temperatures [K] (m, k)
-    is_computed: Mask  # True if the place is a computed point (k,)
+    is_computed: Mask  # True if the pair is a computed point (k,)
     is_continued: Mask  # True if extrapolated beyond the computed points (k,)
-    reasons: Sequence[str]  # why the place is unknown; empty if it is known
+    reasons: Sequence[str]  # why the temperature at each pair is unknown; "" if it is known
 
     def require_known(self) -> None:
-        """Raise an `InputError` that says why if a temperature is unknown."""
+        """Raise an `InputError` with the reason if a temperature is unknown."""
         for reason in filter(None, self.reasons):
             raise InputError(reason)
 
@@ -140,9 +143,9 @@ class PointField:
     are those of `Field`.
     """
 
-    planes: tuple[RisePlane, ...]  # one for each surface, without friction by velocity
+    planes: tuple[RisePlane, ...]  # one for each surface, without the effect of V on friction
     conditions: Conditions
-    promised: float | None  # relative error of boundary velocities due to the preset
+    promised: float | None  # relative error of critical velocities due to the preset
     ends: Mapping[str, tuple[float, float]]  # range of loads [N] and velocities [m/s] of the sweep
     source: Results  # results that the rises are from
     from_rest: bool = False  # True if the sweep also has velocity 0
@@ -163,25 +166,22 @@ class PointField:
 
     @property
     def limit(self) -> float:
-        """Rise [K] at friction coefficient 1 above which wear is severe."""
+        """Limit of the rise per unit friction coefficient [K]; wear is severe above it."""
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """The field judged under an operating point's own conditions; see `Field.judged_by`."""
+        """The field judged under conditions of one operating point, such as its "friction"."""
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions, from the same simulated points."""
         names = "bulk_ratio", "solved_friction"
         if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
-            return replace(self, conditions=conditions)  # rises at friction 1 do not change
+            return replace(self, conditions=conditions)  # the same rises per unit friction
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures that decide on wear, interpolated at k loads and velocities.
-
-        See `Here`.
-        """
+        """Contact temperatures at k pairs of load and velocity, interpolated between points."""
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
@@ -223,16 +223,16 @@ class PointField:
         )
 
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
-        """Rises [K] at k loads and velocities on m surfaces (m, k), and a mask of the same shape.
+        """Rises [K] at k pairs of load and velocity on m surfaces, and a mask; both (m, k).
 
-        The mask is False where a rise is extrapolated.
+        The rises are per unit friction coefficient. The mask is False where a rise is extrapolated.
         """
         rises, marks, _ = self._rises_and_marks(velocities)
         rise, mark = (Curve(self.loads, part)(loads[:, None])[..., 0] for part in (rises, marks))
         return rise, mark == 1
 
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K] at k velocities and all loads on m surfaces, and two marks of each rise.
+        """Rises [K] at k velocities and all loads on m surfaces, and two yes-or-no marks of each.
 
         Returns three arrays (m, k, n_load):
 
@@ -302,14 +302,16 @@ class PointField:
         """Three `Curve` objects over load, on each surface and at each velocity of the points.
 
         The first has the rise [K]. The second is 1 where this rise is interpolated over velocity,
-        and the third is 1 where mild or severe wear is certain; see `_rises_and_marks`.
+        not extrapolated. The third is 1 where it is certain whether wear is mild or severe.
         """
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k loads and velocities (4, k); NaN if unknown.
+        """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
-        The first axis has the parts of `RiseError`.
+        The first axis has the parts of `RiseError`: interpolation, preset, warnings, and film and
+        friction counted after the run. They are of the surface with the largest error, and NaN if
+        unknown.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -326,9 +328,9 @@ class PointField:
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Whether and where wear turns severe on the line along `axis` through each of k places.
+        """Whether and where wear turns severe along `axis`, through each of k operating points.
 
-        `axis` is "load" or "velocity".
+        `axis` is "load" or "velocity". The other one is held at its value at the point.
         """
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
@@ -337,8 +339,8 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is the mean over surfaces. `scatter` is the distribution of the model's own error, and
-        `shift` is added to ln(rise).
+        It is the mean over surfaces. `scatter` is the distribution of the model's own error.
+        `shift` is added to ln(rise); if it has the shape (n, k), so has the result.
         """
         loads, velocities = places_of(loads, velocities)
         # Places at a load of the sweep share its line.
@@ -355,15 +357,15 @@ class PointField:
         return np.asarray(np.mean(shares, axis=(0, -2)))
 
     def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
-        """Lines of the rise along `axis` ("load" or "velocity"), through k places on m surfaces.
+        """Curves of the rise [K] along "load" or "velocity" (`axis`), through k operating points.
 
-        A place is a pair of a load [N] and a velocity [m/s], both (k,). The returned `Line` has
-        curves (m, k): one for each surface and place.
+        `loads` and `velocities` (k,) are those of the operating points. The returned `Line` has
+        curves (m, k): one on each of m surfaces through each point.
 
-        A line at a load or velocity of the sweep uses only the points at that value. Any other line
-        is interpolated between the two neighbouring lines of points, where the outcome on both is
-        known. `Line.continued` goes further: its rises are estimated from neighbouring lines, or by
-        power laws.
+        A curve at a load or velocity of the sweep uses only the sweep's points at that value. Any
+        other curve is interpolated between the two neighbouring curves, as far as mild or severe
+        wear is certain on each of the two. `Line.continued` goes further: its rises are estimated
+        from neighbouring curves, or by power laws.
         """
         factor, limit = self.conditions.friction_factor, self.limit
         parts = [rises * factor(self.velocities) for rises in (self._rises, self._filled)]

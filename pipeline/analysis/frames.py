@@ -25,7 +25,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     """Data frame of a boundary, with a row for each scene and each value of `axis`.
 
     `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
-    velocity. Samples have no critical loads: their `axis` is always "load".
+    velocity. It is always "load" for samples of unknown inputs, which have no critical loads.
     """
     axis = axis if "critical_velocity" in boundaries else "load"
     name = "critical_velocity" if axis == "load" else "critical_load"
@@ -67,8 +67,8 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     """Yield pairs (heading, column) of a boundary over several surfaces.
 
     The columns are the median and the outer quantiles of the critical value, and the number of
-    surfaces with each outcome. For samples they are the velocities at which severe wear has a
-    certain probability.
+    surfaces with each outcome. For samples of unknown inputs they are the velocities at which
+    severe wear has a certain probability.
 
     `name` is the variable of the critical value in the boundary, and `axis` the axis of the rows.
     """

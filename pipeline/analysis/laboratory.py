@@ -78,7 +78,7 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 def model_error(data: Results, field: Field) -> Scatter:
     """Distribution of the model's own error in ln(critical velocity), from tests and a prior.
 
-    For samples weighted by tests, it is the distribution that was inferred along with the weights.
+    If tests weigh draws of the unknown inputs, it is the distribution inferred with the weights.
     """
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
@@ -180,7 +180,8 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
 def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
     """Yield a description of each test near a load [N] and velocity [m/s], with its conditions.
 
-    Tests with a bulk temperature above the critical temperature are left out.
+    A test is near if its load and its velocity differ by at most 10 %. Tests with a bulk
+    temperature above the critical temperature are left out.
     """
     for test in laboratory_tests(data):
         pairs = (test.normal_load, load), (test.velocity, velocity)
@@ -197,8 +198,9 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
 def compared(data: Results) -> pd.DataFrame | None:
     """Data frame of tests compared with the model under their own conditions; None without tests.
 
-    Friction and bulk temperature are taken from the test, or from the stored scene. If the sweep is
-    judged at several critical temperatures or shares, the first one counts.
+    It is also None unless the sweep's points are a grid of loads and velocities. Friction and bulk
+    temperature are taken from the test, or from the stored scene. If the sweep is judged at several
+    critical temperatures or shares, the first one counts.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
     if not laboratory_tests(data) or data.kind is not Kind.PLANE:
@@ -220,7 +222,7 @@ def agreement(frame: pd.DataFrame) -> str:
 def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     """Yield parts of a report on tests: how many agree with the model, a table, and notes.
 
-    `frame` has a row for each test; see `compared`.
+    `frame` is the result of `compared`, with a row for each test.
     """
     yield agreement(frame)
     yield short(frame, ["notes"])
@@ -233,7 +235,7 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
 
 
 def _test_rows(scene: Results) -> Iterator[tuple[Any, ...]]:
-    """Yield rows of the table of tests, one for each test of a scene."""
+    """Yield the values of each test of a scene, in the order of the columns `_HEADS` [SI]."""
     field = point_field(scene)
     under = functools.cache(field.under)
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)
@@ -255,12 +257,14 @@ def _test_rows(scene: Results) -> Iterator[tuple[Any, ...]]:
 
 
 def _test_answer(test: Measurement, field: PointField, found: Comparison) -> tuple[str, float, str]:
-    """Computed outcome in words, deciding temperature [K], and agreement with the test in words.
+    """Computed outcome in words, contact temperature [K], and agreement with the test in words.
 
-    Agreement is "yes", "no", "not decided" or "not known". `found` compares the test with `field`.
-    A transition agrees if the computed velocity is within two standard deviations of the measured
-    one. A single outcome is not decided if the numerical error might change the computed one. The
-    model's own error is not allowed for, as it is inferred from the tests.
+    The temperature is the one that the criterion compares with the critical temperature; it is the
+    median over surfaces. Agreement is "yes", "no", "not decided" or "not known". `found` compares
+    the test with `field`. A transition agrees if the computed velocity is within two standard
+    deviations of the measured one. A single outcome is not decided if the numerical error might
+    change the computed one. The model's own error is not allowed for, as it is inferred from the
+    tests.
     """
     here, error = found.here, totals(field.errors(*found.place)).item()
     values, critical = (part[:, 0] for part in (here.values, here.critical))

@@ -1,10 +1,10 @@
 """Verdict on an operating point: probability of severe wear, distance from it, and errors.
 
-The error has three parts. The numerical error (`pipeline.analysis.rise_error`) shifts all rises.
-Uncertain inputs are the members of the field. The model's own error
-(`pipeline.analysis.model_error`) shifts the velocity of the next run. Wear is mild if the next run
-is severe with a probability of at most 5 % at the worst numerical error, severe if at least 95 %,
-and else not decided.
+Three errors count. The numerical error (`pipeline.analysis.rise_error`) shifts all rises. Surfaces,
+or draws of uncertain inputs, have rises that differ. The model's own error
+(`pipeline.analysis.model_error`) shifts the velocity of the next run. The verdict is mild if the
+next run is severe with a probability of at most 5 % at the worst numerical error. It is severe if
+this probability is at least 95 %. Otherwise it is not decided.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ NOT_DECIDED = "not decided"
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: up to the first the verdict is mild, from the last on severe."""
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
-"""Caveat on a place that is mild, but severe at lower loads."""
+"""Caveat on an operating point where wear is mild, but severe at lower loads."""
 _LEAST = 1e-4  # least probability that is stated as a number: the tails are not known better
 
 
@@ -39,11 +39,11 @@ _LEAST = 1e-4  # least probability that is stated as a number: the tails are not
 class Margin:
     """The verdict on an operating point, and its distances from severe wear.
 
-    The distances are critical minus deciding temperature (``distance``), critical velocity over
-    velocity (``velocity_factor``), and critical load over load (``load_factor``). With several
-    surfaces or samples, temperatures and critical values are medians, and ``intervals`` has their 5
-    and 95 % quantiles. Beyond the computed velocities the temperature rise is extrapolated as a
-    power of the velocity.
+    The distances are the critical temperature minus the contact temperature that the criterion
+    compares with it (``distance``), critical velocity over velocity (``velocity_factor``), and
+    critical load over load (``load_factor``). With several surfaces, or draws of unknown inputs,
+    temperatures and critical values are medians, and ``intervals`` has their 5 and 95 % quantiles.
+    Beyond the computed velocities the temperature rise is extrapolated as a power of the velocity.
 
     Examples
     --------
@@ -58,11 +58,12 @@ class Margin:
     probability: float  #: Probability that the next run is severe.
     lowest: float  #: This probability if the numerical error makes contacts colder.
     highest: float  #: This probability if the numerical error makes contacts hotter.
-    decisive_temperature: float  #: Temperature of the contact that decides [K].
-    error: RiseError  #: Numerical error of that temperature by its parts [K].
+    #: Contact temperature that the criterion compares with the critical temperature [K].
+    decisive_temperature: float
+    error: RiseError  #: Numerical error of `decisive_temperature` by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
     critical_sd: float | None  #: Standard deviation of the critical temperature [K]; None if exact.
-    distance: float  #: Critical minus deciding temperature [K]; negative if wear is severe.
+    distance: float  #: Critical temperature minus `decisive_temperature` [K]; < 0 if severe.
     model_error: str  #: The model's own error and its basis, in words.
     #: Lowest velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
     #: if wear is severe at the lowest velocity.
@@ -70,14 +71,14 @@ class Margin:
     critical_load: float  #: Lowest load at this velocity at which wear turns severe [N], or NaN.
     velocity_outcome: str  #: Why there is no critical velocity, or ranges of severe wear.
     load_outcome: str  #: Why there is no critical load, or ranges of severe wear.
-    is_computed: bool  #: True if this point is done, so that nothing is interpolated.
+    is_computed: bool  #: True if the sweep has computed this point, so nothing is interpolated.
     is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
     members: int  #: Number of surfaces, or of draws of unknown inputs.
-    counts_inputs: bool  #: True if the members are draws of unknown inputs, not surfaces.
-    #: 5 and 95 % quantiles over the members, by the name of a number; empty for a single member.
-    #: Critical values of members that are severe or mild throughout count as 0 or infinite.
+    counts_inputs: bool  #: True if `members` counts draws of unknown inputs, not surfaces.
+    #: 5 and 95 % quantiles over surfaces or draws, by attribute such as ``distance``; empty for a
+    #: single surface. A critical value is 0 where wear is severe throughout, infinite where mild.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    tested: tuple[str, ...] = ()  #: Tests of the scene at or near the place, in words.
+    tested: tuple[str, ...] = ()  #: Tests of the scene at or near the operating point, in words.
     misfit: str = ""  #: Why the tests contradict the model, so that nothing is decided; or empty.
     caveats: tuple[str, ...] = ()  #: Limits of the verdict, one line each.
     #: Values of entries that vary in the sweep, by path [SI].
@@ -90,7 +91,7 @@ class Margin:
 
     @property
     def temperature_error(self) -> float | None:
-        """Numerical error of the deciding temperature [K]; None if a part is unknown."""
+        """Numerical error of `decisive_temperature` [K]; None if a part is unknown."""
         return self.error.total
 
     @property
@@ -186,10 +187,10 @@ def answers(
 def _margin_columns(
     field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
-    """Attributes of `Margin` by name, with values for the k places at which `is_known` is True.
+    """Attributes of `Margin` by name, each with k values, for the points where `is_known` is True.
 
-    `loads` and `velocities` belong to the k places. `here` has the temperatures at all places,
-    known or not. `scatter` is the model's own error.
+    `loads` and `velocities` are those of these k operating points. `here` has the temperatures at
+    all operating points, known or not. `scatter` is the model's own error.
     """
     weights, errors = field.weights, field.errors(loads, velocities)
     values, critical = here.values[:, is_known], here.critical[:, is_known]
@@ -230,7 +231,8 @@ def probabilities(
     """Probabilities of severe wear (k,): lowest, as computed, and highest within numerical error.
 
     `scatter` is the model's own error. `errors` are relative numerical errors of the rise, one for
-    each place (k,) or one for all. Where one is NaN, unknown, the lowest is 0 and the highest 1.
+    each pair of load and velocity (k,) or one for all. Where an error is NaN (unknown), the lowest
+    probability is 0 and the highest 1.
     """
     is_known = np.isfinite(errors)
     shift = np.where(is_known, np.log1p(errors), 0.0)
@@ -244,8 +246,8 @@ def verdict_plane(
 ) -> tuple[Array, Array]:
     """Lowest and highest probability that the next run is severe, two arrays (load, velocity).
 
-    The arrays differ because of the numerical error. `scatter` is the model's own error. Loads and
-    velocities may be outside the sweep.
+    The arrays differ because of the numerical error. They are 0 and 1 if the tests contradict the
+    model. `scatter` is the model's own error. Loads and velocities may be outside the sweep.
     """
     rows, step = [], max(1, field.at_once // len(velocities))
     for begin in range(0, len(loads), step):
@@ -275,9 +277,9 @@ def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) 
 
 
 def _first_exceeding(chances: Array, velocities: Array, never: float) -> float:
-    """Velocity at which `chances` of severe wear, one for each velocity, first exceed 5 %.
+    """Velocity at which `chances`, probabilities at each of `velocities`, first exceed 5 %.
 
-    It is `never` if they stay below, NaN if the first is above.
+    The result is `never` if all are below, and NaN if already the first is above.
     """
     (above,) = np.nonzero(chances > DECIDED[0])
     if not above.size:

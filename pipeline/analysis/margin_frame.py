@@ -65,11 +65,13 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
     Margin or DataFrame
         For one operating point in a single scene its `Margin`. Otherwise a data frame with a row
         for each point: load, velocity, the ``verdict`` on the next run, the ``probability`` that it
-        is severe, ``decisive temperature [°C]``, the numerical ``temperature error [K]``, and the
+        is severe, the contact temperature that the criterion compares with the critical temperature
+        (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and its
         ``distance [K]`` below the critical temperature. For velocity and for load it also has the
-        lowest critical value, the factor to it, and the outcome. With several surfaces or samples
-        these values are medians; ``distance low [K]`` and ``distance high [K]`` are the 5 and 95 %
-        quantiles. Points outside the computed ones have no values, and ``notes`` give the reason.
+        lowest critical value, its ratio to the point's own value, and the outcome. With several
+        surfaces, or draws of unknown inputs, these values are medians; ``distance low [K]`` and
+        ``distance high [K]`` are the 5 and 95 % quantiles. Points outside the computed ones have no
+        values, and ``notes`` give the reason.
 
     Raises
     ------
@@ -107,7 +109,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 class Judged(NamedTuple):
     """An operating point in one scene, with its `Margin` or the reason why that is unknown."""
 
-    field: Field  # field under the conditions of the place
+    field: Field  # field under the conditions of the operating point
     place: Place
     own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
@@ -207,7 +209,7 @@ _COLUMNS = column_heads(
     "distance_low", "distance_high", "velocity_factor", "critical_velocity", "velocity_outcome",
     "load_factor", "critical_load", "load_outcome",
 )  # fmt: skip
-"""Column headings by the name of the field of `Margin`."""
+"""Column headings by the name of the attribute of `Margin`, or of an end of its interval."""
 LONG = (
     "temperature error [K]", "distance low [K]", "distance high [K]", "critical velocity [m/s]",
     "critical load [N]", "velocity outcome", "load outcome", "notes",

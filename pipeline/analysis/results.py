@@ -321,8 +321,9 @@ class Results:
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:
-        """Deciding temperature rise at friction 1 [K]; NaN at points that are not done.
+        """Temperature rise [K] per unit friction coefficient at each point; NaN if it is not done.
 
+        It is the rise of the temperature that the criterion compares with the critical temperature.
         The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
         """
         if self.place is None:
@@ -337,11 +338,12 @@ class Results:
         return np.where(self.done, rises, np.nan)
 
     def solved(self, conditions: Conditions) -> Array:
-        """Deciding rises per unit friction [K], solved with temperature-dependent friction.
+        """Rises [K] that the run solved with temperature-dependent friction.
 
-        The axes are those of `Results.rises`. Points that the run did not solve in this way are
-        NaN. The result is a single NaN if the run solved no point in this way, or if its friction,
-        bulk temperature or criterion are not those of `conditions`.
+        They are per unit friction coefficient, with the axes of `Results.rises`. Points that the
+        run did not solve in this way are NaN. The result is a single NaN if the run solved no point
+        in this way, or if its friction, bulk temperature or criterion are not those of
+        `conditions`.
         """
         solved = self.stored.variant(self.name).scene.solved_friction
         if solved is None or solved != conditions.solved_friction:

@@ -1,14 +1,18 @@
-"""Numerical error of the deciding rise at a place of a sweep, in independent parts.
+"""Numerical error of a temperature rise at any load and velocity of a sweep, in independent parts.
 
-- Interpolation: 0 only where that very point is done.
-- Preset: of its numerical choices, by the promised error of the boundary velocity.
-- Warnings: those of the points that the rise rests on.
-- Counted after the simulation: a film, and friction by temperature where it is not solved.
+The rise is that of the contact temperature which the criterion compares with the critical
+temperature. The parts are due to:
 
-Each part is a bound that some 99 % of places keep. The parts are independent, so that their squares
-add. An unknown part is None, and makes the total None. `python -m tests.promises.errors` compares
-with preset `fine`, if a tenth of the contact decides, and counts the places that keep to the total
-(workflows/MEASURED.md).
+- Interpolation: the error is 0 only at a computed point.
+- The preset's numerical choices: from the promised error of the critical velocity.
+- Warnings: those of the points between which the rise is interpolated.
+- Corrections after the simulation: for an oil film, and for friction by temperature if the run did
+  not solve it.
+
+Each part is a bound that holds for some 99 % of operating points. The parts are independent, so
+that their squares add. An unknown part is None, and makes the total None.
+`python -m tests.promises.errors` compares rises that a tenth of the contact exceeds with those of
+preset `fine`, and counts the points at which the total holds (workflows/MEASURED.md).
 """
 
 from __future__ import annotations
@@ -28,7 +32,7 @@ from tribo import WarningKind
 from tribo.types import Array, Indices, Mask
 
 SHARE = 0.65
-"""Error of a rise over that of the boundary velocity: rises grow as velocity^0.5 to 0.7.
+"""Relative error of a rise over that of the critical velocity: rises grow as velocity^0.5 to 0.7.
 
 Found by `python -m tests.promises.front` and `python -m tests.promises.errors`.
 """
@@ -36,13 +40,16 @@ Found by `python -m tests.promises.front` and `python -m tests.promises.errors`.
 BETWEEN = 5.0
 """Bound of the interpolation error, over the root mean square error at points left out.
 
-Both are for the same gap; they grow in proportion to ln of the gap, as the rise is rough at these
-distances. On 24 scenes 99 % of places between points of `fine` keep to it, and 97 % with 2.7.
+Both errors are for the same gap, the ratio of the neighbouring loads or velocities. They grow in
+proportion to ln(gap), as the rise is rough at these distances. On 24 scenes the bound holds at 99 %
+of loads and velocities between points of `fine`; with 2.7 it would hold at 97 %.
 Found by `python -m tests.promises.errors`.
 """
 
 BEYOND = 0.12
 """Error of the exponent of an extrapolated power law, for each unit of ln(velocity).
+
+The distance in ln(velocity) counts from the second outermost point.
 
 Found by `python -m tests.promises.errors`.
 """
@@ -70,13 +77,15 @@ Found by `python -m tests.promises.errors`.
 _OF_FILM = 0.032
 """Largest relative error of a rise if film resistance is added after the simulation, at 200 N."""
 _OF_FRICTION = 0.3
-"""Relative error if friction by temperature is not solved, over the change of ln(friction)."""
+"""Relative error of a rise without solved friction by temperature, over the change of ln(friction).
+"""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
-"""Durations of ramps [s], and the largest relative error of the heat model "present".
+"""Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed".
 
-The table of MEASURED.md; 5 % is for loads that jump late, also in longer tests. On ramps of seconds
-it was 1 %.
+This model lets the present friction heat act since the start. The errors are from the table of
+workflows/MEASURED.md; 5 % is for loads that jump late, also in longer tests. On ramps of seconds
+the error was 1 %.
 """
 
 
@@ -146,9 +155,11 @@ def totals(errors: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class RisePlane:
-    """Rises [K] at the points of one surface, with their warnings, as arrays (load, velocity).
+    """Temperature rises [K] at the points of one surface, and the warnings of these points.
 
-    `flags` are sums of `WarningKind` codes, `durations` the times of loading [s].
+    Rises are per unit friction coefficient, without the effect of velocity on friction. `rises`,
+    `flags`, `durations` and `is_solved` have the shape (n_load, n_velocity). `flags` are sums of
+    `WarningKind` codes, `durations` the times of loading [s].
     """
 
     loads: Array
@@ -159,15 +170,16 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask (k,): True if all points around were solved with temperature-dependent friction.
+        """Mask of k pairs of load and velocity: True if the points around have solved friction.
 
-        They are the points between which the rise at a place is interpolated.
+        They are the points between which the rise is interpolated. Solved means that the run solved
+        the contact with temperature-dependent friction.
         """
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k pairs (load, velocity): True for computed points."""
+        """Mask (k,) of k pairs of load and velocity: True for computed points."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
         done = at_load @ self._is_done
         return np.asarray((done & at_velocity).any(axis=1))
@@ -177,10 +189,11 @@ class RisePlane:
         return np.isfinite(self.rises)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Indices of the points around k places: of loads (k, 2), and of velocities (k, 2, 2).
+        """Indices of the points between which rises at k pairs of load and velocity are found.
 
-        The latter are two velocities at each of the two loads. If a place is a computed point, all
-        indices are of this point. An index is -1 if there is no point.
+        Returns the indices of two loads (k, 2), and of two velocities at each of these loads
+        (k, 2, 2). At a computed point all indices are of this point. An index is -1 if there is no
+        point.
         """
         along = _slots(self.velocities, velocities)
         rows = self._loads_around[along, _slots(self.loads, loads)]
@@ -188,10 +201,11 @@ class RisePlane:
 
     @functools.cached_property
     def _loads_around(self) -> Indices:
-        """For each velocity slot and load slot: indices of the two loads to interpolate between.
+        """Indices of the two loads between which a rise is interpolated; -1 if there are none.
 
-        A slot is a value of the axis, a gap between two values, or the range beyond an end; see
-        `_slots`. The shape is (2 n_velocity + 1, 2 n_load + 1, 2).
+        The shape is (2 n_velocity + 1, 2 n_load + 1, 2), with axes for the slot of the velocity,
+        the slot of the load, and the two loads. A slot is a value of the axis, a gap between two
+        values, or the range beyond an end, numbered by `_slots`.
         """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
@@ -200,10 +214,11 @@ class RisePlane:
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
-        """For each load and velocity slot: indices of the two velocities to interpolate between.
+        """Indices of the two velocities from which a rise at a load of the points is computed.
 
-        A slot is a value of the axis, a gap between two values, or the range beyond an end; see
-        `_slots`. The shape is (n_load, 2 n_velocity + 1, 2).
+        The shape is (n_load, 2 n_velocity + 1, 2), with axes for the load, the slot of the
+        velocity, and the two velocities. A slot is a value of the axis, a gap between two values,
+        or the range beyond an end, numbered by `_slots`. Beyond an end the two are the nearest.
         """
         return _neighbours(self._is_done)
 
@@ -228,11 +243,12 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of rises at k loads and velocities, by part of `RiseError`, (4, k).
+    """Relative errors of the temperature rises at k pairs of load and velocity, (4, k).
 
-    `grid` has the computed rises of one surface, between which others are interpolated.
-    `velocity_error` is the relative error of the boundary velocity due to the preset, or None if
-    unknown. The last part, `RiseError.counted`, is 0.
+    The first axis has the parts of `RiseError`: interpolation, preset, warnings, and corrections
+    after the run, which are 0 here. A part is NaN if unknown. `grid` has the computed rises of one
+    surface, between which others are interpolated. `velocity_error` is the relative error of the
+    critical velocity due to the preset, or None if unknown.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -243,7 +259,8 @@ def rise_errors(
 def _slots(points: Array, places: Array) -> Indices:
     """Number of the slot that each of `places` lies in, on an axis with n ascending `points`.
 
-    Slot 2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
+    `places` are loads or velocities. A slot is a point, a gap, or the range beyond an end. Slot
+    2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
     below the first point, and slot 2 n the range above the last.
     """
     slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
@@ -253,7 +270,7 @@ def _slots(points: Array, places: Array) -> Indices:
 def preset_error(velocity_error: float | None) -> float:
     """Relative error of a rise due to the preset; NaN if unknown.
 
-    `velocity_error` is the relative error of the boundary velocity due to the preset, or None.
+    `velocity_error` is the relative error of the critical velocity due to the preset, or None.
     """
     return math.nan if velocity_error is None else SHARE * velocity_error
 
@@ -263,7 +280,7 @@ def counted_error(
 ) -> Array:
     """Relative error of rises due to corrections for oil film and temperature-dependent friction.
 
-    `rises` [K] are for a friction coefficient of 1. `is_solved` is True for rises for which the run
+    `rises` [K] are per unit friction coefficient. `is_solved` is True for rises for which the run
     itself solved the temperature-dependent friction; other rises are corrected after the run. The
     error of a corrected rise is NaN if friction may grow without limit as the contact gets hotter.
     """
@@ -281,12 +298,13 @@ def counted_error(
 
 
 def _neighbours(is_done: Mask) -> Indices:
-    """For each slot of each row: indices of the two done points to interpolate between.
+    """Indices of the two done points to interpolate between, (r, 2 n + 1, 2).
 
-    `is_done` is the mask of done points (r, n) in r rows; `_slots` numbers the slots. The result
-    has the shape (r, 2 n + 1, 2). A slot that is a done point has this point twice. Other slots
-    have the nearest done points on either side; beyond the first or last one, the nearest two. In a
-    row with a single done point all slots have this point twice. In an empty row indices are -1.
+    `is_done` is the mask of done points (r, n) in r rows. The second axis of the result has the
+    slots of a row, numbered by `_slots`: points, gaps, and the ranges beyond both ends. A slot that
+    is a done point has this point twice. Other slots have the nearest done points on either side;
+    beyond the first or last one, the nearest two. In a row with a single done point all slots have
+    this point twice. In an empty row indices are -1.
     """
     order = np.argsort(~is_done, axis=1, kind="stable")
     count = is_done.sum(axis=1)[:, None]
@@ -302,10 +320,12 @@ def _neighbours(is_done: Mask) -> Indices:
 def _interpolation(
     grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors of interpolation or extrapolation to k loads and velocities (k,), or NaN.
+    """Relative errors (k,) of rises at k pairs of load and velocity due to interpolation.
 
     `rows` (k, 2) and `columns` (k, 2, 2) are the indices of load and of velocity of the points
-    between which each rise is interpolated; see `RisePlane.rests_on`.
+    between which each rise is interpolated, from `RisePlane.rests_on`. Extrapolation to other
+    velocities counts, too. An error is NaN outside the loads of these points, or if `grid` has too
+    few points to estimate it.
     """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
@@ -321,9 +341,10 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors of rises that are interpolated across `gaps`.
+    """Relative errors (k,) of rises that are interpolated across `gaps` (k,); NaN if unknown.
 
-    Gaps are differences of ln(load) or ln(velocity) between neighbouring points along `axis`.
+    Gaps are differences of ln(load) or ln(velocity) between neighbouring points along `axis`. They
+    are 0 at a point, where the error is 0.
     """
     return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 
@@ -333,7 +354,8 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
     """Root mean square of (error of ln(rise))/gap, over points that are left out in turn.
 
     A left-out point is interpolated from the others along `axis`, load or velocity. The gap is the
-    difference of ln(load) or ln(velocity) between the neighbours of the point.
+    difference of ln(load) or ln(velocity) between the neighbours of the point. The result is NaN if
+    no point can be interpolated.
     """
     lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
     room = (0, 0), (1, 1)

@@ -19,7 +19,7 @@ from tribo import Criterion
 from tribo.types import Array, Mask
 
 Outcome = enum.IntEnum("Outcome", "CROSSES MILD SEVERE UNKNOWN ABOVE BELOW SEVERAL", start=0)
-"""Codes of the outcome along a line; see `outcomes`."""
+"""Codes of the outcome along a line; `outcomes` has their texts."""
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL = Outcome
 
 
@@ -41,8 +41,9 @@ def outcomes(axis: str) -> Mapping[int, str]:
 class Line:
     """Rise along velocity at a load, or along load at a velocity, and where wear changes.
 
-    Arrays may have leading axes: a curve for each member and place of a `Field`. To compare a curve
-    with several limits, `rows` has the number of the curve for each limit.
+    Arrays may have leading axes: a curve on each surface, or for each draw of unknown inputs,
+    through each operating point. To compare a curve with several limits, `rows` has the number of
+    the curve for each limit.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. The curve may extend beyond the computed
@@ -106,9 +107,9 @@ class Line:
 
     @property
     def _turns_severe(self) -> Mask:
-        """True for each place in `Line.places` where wear turns from mild to severe.
+        """True for each value in `Line.places` at which wear turns from mild to severe.
 
-        The direction is that of rising velocity or load. Places of the opposite change, and those
+        The direction is that of rising velocity or load. Values of the opposite change, and those
         that are NaN, are False.
         """
         number = np.cumsum(np.isfinite(self.places), axis=-1) - self.begins_severe[..., None]
@@ -204,8 +205,8 @@ def in_words(
 
     `outcome` is one of the texts of `outcomes`, and `along` is "velocity" or "load". `computed` has
     the lowest and highest computed velocity or load. `turns` are the values at which wear changes.
-    If wear changes several times, the ranges of severe wear are stated; see `severe_ranges` for
-    `begins_severe`.
+    If wear changes several times, the ranges of severe wear are stated. `begins_severe` is True if
+    wear is severe below the first of `turns`.
     """
     words = outcomes(along)
     if outcome == words[SEVERAL] and len(turns):
@@ -243,15 +244,18 @@ def range_of(data: Results, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Outcome along an axis for each surface or draw, and where wear first turns severe."""
+    """Outcome along velocity or load on m surfaces or draws, and where wear first turns severe.
 
-    outcome: Array  # codes by member and place (m, k); see `outcomes`
-    first: Array  # lowest place of severe wear by member and place (m, k); see `Line.first`
+    There is one line along velocity or load through each of k operating points.
+    """
+
+    outcome: Array  # codes (m, k), whose texts are in `outcomes`
+    first: Array  # lowest velocity [m/s] or load [N] of severe wear (m, k), as `Line.first`
     computed: tuple[Array, Array]  # lowest and highest computed velocity or load, each (k,)
-    places: Array = np.empty((0, 0))  # changes of wear (k, n) of a single member; else empty
+    places: Array = np.empty((0, 0))  # changes of wear (k, n) of a single surface; else empty
 
     def outcome_texts(self, along: str) -> Iterator[str]:
-        """Yield the outcome in words of each place, along ``"velocity"`` or ``"load"``.
+        """Yield the outcome in words for each operating point, along "velocity" or "load".
 
         If surfaces or draws differ, the words count the surfaces or draws with each outcome.
         """

@@ -1,8 +1,9 @@
 """Points of a sweep that carry a warning.
 
-Two warnings follow only from a whole sweep: that bodies roll as if each turn met a cold track, and
-that the rise grows slowly with velocity. The error of a boundary velocity is that of the rise over
-the exponent n of rise ∝ Vⁿ. Below n = 0.3 `standard` was 5 to 8 % off, `draft` 11 to 21 %.
+Most warnings are stored by the run. Two are found here: steel would melt under the conditions, and
+the rise grows slowly with velocity. The relative error of a critical velocity is that of the rise
+over the exponent n of rise ∝ Vⁿ. Below n = 0.3 this error was 5 to 8 % with preset `standard`, and
+11 to 21 % with `draft`.
 """
 
 from __future__ import annotations
@@ -79,9 +80,10 @@ def warned(ds: ResultsLike) -> Warned:
 
 
 def warning_flags(data: Results) -> Indices:
-    """Flags (`WarningKind`) of each done point: the stored ones, and ``SLOW_RISE``.
+    """Sum of `WarningKind` codes of each point: the stored ones, and ``SLOW_RISE``.
 
-    The latter is found here from neighbouring points: the rise hardly grows with velocity.
+    ``SLOW_RISE`` is found here from neighbouring points: the rise hardly grows with velocity. The
+    sum is 0 at a point that is not done.
     """
     data.require("status", "warning_flags")
     flags = np.where(data.done, data.columns["warning_flags"], 0).astype(int)
@@ -130,7 +132,7 @@ _APART = 1.1  # least ratio of two velocities that give an exponent
 def _rises_slowly(scene: Results) -> Mask:
     """Mask of points where d ln(rise)/d ln(velocity) is below `SLOWEST`.
 
-    The rise is for bodies of equal bulk temperature, and friction 1.
+    The rise is per unit friction coefficient, for bodies of equal bulk temperature.
     """
     stored = scene.sweep.conditions
     kind = stored.criterion if stored.criterion in CRITERIA else "share"

@@ -35,7 +35,7 @@ _SETTINGS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command that `arguments` name; return its exit code."""
+    """Run the command that `arguments` name, by default `sys.argv`; return its exit code."""
     # One BLAS thread, as in workers: a single point is then bit for bit as in a sweep.
     os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     atexit.register(gc.freeze)  # saves 0.3 s of garbage collection at exit

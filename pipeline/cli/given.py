@@ -22,7 +22,7 @@ from tribo import InputError
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `Conditions.changed`."""
 PLACE = ("load", "velocity", "realization")
-"""Options on the place of a figure, named as in `pipeline.plot`."""
+"""Options that select the point of a figure, named as in `pipeline.plot`."""
 
 
 def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:

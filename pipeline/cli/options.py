@@ -51,7 +51,7 @@ def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more
 
 
 def several(words: str, use: str, read: Callable[[str], Any]) -> Option:
-    """Option that may be repeated, with its values in a list; see `value`."""
+    """Option that may be repeated, with its values in a list; arguments are as for `value`."""
     return value(words, f"{use}; may be repeated", read, action="append", default=[])
 
 
@@ -75,7 +75,7 @@ WRITTEN = "output", "kept", "new_scene"
 def output(name: str, use: str, kind: Callable[[str], Path | str] = user_path) -> Option:
     """Option ``-o`` for the file that a command writes; `kind` checks its path.
 
-    `use` is the help of the option.
+    `name` stands for the file in the help, such as "TABLE.csv", and `use` is the help.
     """
     return value(f"-o --output {name}", use, kind)
 

@@ -16,10 +16,10 @@ from pipeline.paths import user_path
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
-    """Return a function that reads text such as `like` to SI.
+    """Return a function that converts text such as `like`, a number with a unit, to SI.
 
-    The function refuses values that are not above 0, unless `is_signed`. It reads the unit K as a
-    difference of temperatures.
+    The function refuses values that are not above 0, unless `is_signed`. If `like` is in K, the
+    text is a difference of temperatures.
     """
 
     def read(text: str) -> float:
@@ -49,9 +49,9 @@ def store(text: str) -> Path | str:
 
 
 def table(text: str, or_figure: bool = False) -> Path:
-    """Read the path of a table to write; with `or_figure` of a table or a figure.
+    """Return the path of a table to write; with `or_figure` it may also be that of a figure.
 
-    Refuses a path that cannot be written.
+    The suffix tells them apart. Refuses another suffix, or a path that cannot be written.
     """
     from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 

@@ -47,11 +47,11 @@ _MANY = 1500  # points from which marks are small
 
 @style.house_style
 def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
-    """Draw the transition diagram; for samples, the probability of severe wear.
+    """Draw the transition diagram; for samples of unknown inputs, the probability of severe wear.
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
-    the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`
-    chooses a single surface. `log` makes both axes logarithmic.
+    the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`, the
+    seed of a surface, chooses a single one. `log` makes both axes logarithmic.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
@@ -135,11 +135,10 @@ def _refine_axis(points: Array, count: int) -> Array:
 
 
 def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Deciding minus critical temperature [K] on the grid of velocities x and loads y.
+    """Contact temperature minus critical temperature [K] at velocities x and loads y.
 
-    The shape is (surface, y, x).
-
-    `field` has the temperatures of the scene.
+    The contact temperature is the one that the criterion compares with the critical temperature.
+    The shape is (surface, y, x). `field` has the temperatures of the scene.
     """
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     here = field.temperatures(*places)
@@ -151,7 +150,8 @@ def _shade_verdicts(
 ) -> list[Artist]:
     """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges.
 
-    `excess` is the result of `_excess` for `x` and `y`.
+    `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
+    velocities `x` [m/s] and loads `y` [N]. It is NaN where unknown; nothing is shaded there.
     """
     is_known = np.isfinite(excess).all(axis=0)
     bounds = verdict_plane(field, y, x, model_error(field.source, field))
@@ -174,8 +174,8 @@ def _shade_verdicts(
 def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
     """Shade where wear is severe on 10 to 90 % of the surfaces.
 
-    `excess` is the deciding minus the critical temperature [K] (surface, y, x), at velocities `x`
-    [m/s] and loads `y` [N].
+    `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
+    velocities `x` [m/s] and loads `y` [N].
     """
     if len(excess) == 1:
         return []

@@ -38,14 +38,16 @@ def ramp(
     realization: int | None = None,
     show: str | None = None,
 ) -> Figure:
-    """Draw contact, wear and temperature, or the variable `show`, of points as their load grows.
+    """Draw temperature, contact and wear of points over time, as their load grows.
 
-    The points nearest to each pair of `load` and `velocity` are drawn; both are in SI or text with
-    a unit, and may have several values. By default the load is the highest with a computed point,
-    and the velocity is the nearest to the transition. `realization` is the seed of the surface; by
-    default the first one.
+    The variable `show`, stored at each step, is drawn instead of contact and wear. The points
+    nearest to each pair of `load` and `velocity` are drawn; both are in SI or text with a unit, and
+    may have several values. By default the load is the highest with a computed point, and the
+    velocity is the nearest to the transition. `realization` is the seed of the surface; by default
+    the first one.
 
-    No line joins steps on the ramp's coarse grid to steps on the point's own grid.
+    If a point's end was computed on smaller elements than its ramp, it is a mark that no line joins
+    to the ramp.
     """
     data = data.take_row(realization)
     conditions = data.shown_conditions
@@ -97,7 +99,7 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw `values` (load, velocity, step) of some points over time, with marks at the last steps.
+    """Draw `values` (load, velocity, step) of some points over time, with a mark at each end.
 
     `look` has properties of Matplotlib's lines by name.
     """
@@ -110,7 +112,11 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 
 
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
-    """Draw highest and deciding temperatures of points over time, and the critical temperature."""
+    """Draw the highest and the criterion's contact temperature of points over time.
+
+    The criterion's temperature is the one that is compared with the critical temperature, which is
+    drawn, too.
+    """
     handles = []
     for judged, look in _line_styles(conditions):
         rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
@@ -125,10 +131,10 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Line styles of the highest temperature and of the deciding one, as pairs (conditions, style).
+    """Temperatures to draw, as pairs (conditions, line style): the highest, then the criterion's.
 
-    The criterion of the conditions selects the temperature. If the highest temperature decides,
-    there is only one pair.
+    The criterion of the conditions in a pair selects its temperature. There is only one pair if the
+    criterion is the highest temperature.
     """
     highest = replace(conditions, criterion="highest")
     is_other = conditions.decisive.temperature != highest.decisive.temperature
@@ -144,7 +150,7 @@ def _critical_line(axes: Axes, conditions: Conditions) -> list[Line2D]:
 
 
 def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
-    """Add an upper axis with the load at each time, if load grows all the time."""
+    """Add an upper axis with the load of `point` at each time, if this load grows at every step."""
     time, load = (np.append(0.0, data.values(name)[point]) for name in ("time", "normal_load"))
     time, load = time[np.isfinite(time)], load[np.isfinite(time)]
     if (np.diff(load) > 0).all():
@@ -158,10 +164,11 @@ def _load_axis(axes: Axes, data: Results, point: Spot) -> None:
 def temperature(
     data: Results, load: float | str | None = None, realization: int | None = None
 ) -> Figure:
-    """Draw highest and deciding temperature over velocity, at one load and on one surface.
+    """Draw the highest and the criterion's temperature over velocity, at one load and surface.
 
-    `load` is a number in N or text with a unit. The sweep's load nearest to it is drawn; by default
-    the highest. `realization` is the seed of the surface; by default the first one.
+    The criterion's temperature is the one that is compared with the critical temperature. `load` is
+    a number in N or text with a unit. The sweep's load nearest to it is drawn; by default the
+    highest. `realization` is the seed of the surface; by default the first one.
     """
     data = data.take_row(realization)
     conditions, velocities = data.shown_conditions, data.velocities

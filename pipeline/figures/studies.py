@@ -16,7 +16,10 @@ _LEAST_ERROR = 1e-4  # smallest error drawn on the logarithmic axis
 
 @style.house_style
 def draw_trade(trade: Trade) -> Figure:
-    """Draw the error of the boundary velocity over processor time for each fidelity."""
+    """Draw the largest error of the critical velocity over processor time.
+
+    Each mark is a fidelity, a set of numerical choices.
+    """
     figure, axes = style.canvas((8.0, 5.6))
     choices = trade.choices[:-1]  # without the reference, whose error is 0
     axes.set(xscale="log", yscale="log")

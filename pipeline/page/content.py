@@ -1,6 +1,7 @@
-"""Data of a sweep for a page: a fine grid of the rise that decides, and the values of points.
+"""Data of a sweep for a page: temperature rises on a fine grid, and the values of points.
 
-Arrays are base64 of little-endian numbers, in the order surface, load, velocity.
+The rise is that of the contact temperature which the criterion compares with the critical
+temperature. Arrays are base64 of little-endian numbers, in the order surface, load, velocity.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ _NUMBERS = (
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """Data of the page for one scene with a grid of loads and velocities, as JSON values.
 
-    Contact fields are included for at most `most_fields` points, nearest to the transition.
+    Contact fields are included for at most `most_fields` points: those nearest to the transition.
     """
     data = results(ds).take_moving()
     data.require_plane()
@@ -188,7 +189,10 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 
 
 def content_of_samples(data: Results) -> dict[str, Any]:
-    """Data of a page for samples, as JSON values: the probability of severe wear on a grid."""
+    """Data of a page for samples of unknown inputs, as JSON values by name.
+
+    They have the probability of severe wear on a grid of loads and velocities.
+    """
     samples = extras.module("fields")
     field = samples.single_field(data)
     ensemble, scatter = field.ensemble, model_error(data, field)
@@ -212,9 +216,10 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares of the contact at which rises are tabulated; the page interpolates between.
+    """Failing shares of the contact for which rises are tabulated; the page interpolates between.
 
-    There is only one if the criterion does not depend on the share.
+    Wear is severe if more than the failing share of the contact is above the critical temperature.
+    The list has a single share if the criterion does not depend on it.
     """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
@@ -230,10 +235,11 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Tables of the rise that decides the verdict, and of quantiles of the rise in the contact [K].
+    """Table of the rise that the criterion compares with its limit, and of quantiles of the rise.
 
-    The first table has the axes (..., bulk ratio, failing share, step). The second has the axes
-    (..., bulk ratio, probability, step). `columns` are variables by name, and `quantile` has the
+    Rises are per unit friction coefficient [K]. The first table has the axes (..., bulk ratio,
+    failing share, step), the second (..., bulk ratio, probability, step). A bulk ratio is (disk's −
+    pin's bulk temperature)/friction [K]. `columns` are variables by name, and `quantile` has the
     probabilities of the variable ``rise_quantile``.
     """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
@@ -253,12 +259,15 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Data for the page: the rise that decides the verdict, on a fine grid of load and velocity.
+    """Data for the page: temperature rises on a fine grid of load and velocity, by name.
 
-    `rises` are known at the sweep's points [K] (surface, load, velocity, bulk ratio, share). Rises
-    on the grid have the same axes. The grid's first and last velocity are far outside the sweep.
-    For each velocity of the sweep with missing points, there is also a table over load from only
-    the points at this velocity.
+    A rise is that of the contact temperature which the criterion compares with the critical
+    temperature, per unit friction coefficient. `rises` are those at the sweep's points [K]
+    (surface, load, velocity, bulk ratio, failing share); rises on the grid have the same axes.
+
+    The grid's first and last velocity are far outside the sweep, so that the page finds critical
+    velocities there. If points are missing at a velocity of the sweep, the data has rises over load
+    from the other points at this velocity alone. From these the page finds its critical load.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -347,7 +356,11 @@ def _model_facts(data: Results) -> dict[str, Any]:
 
 
 def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Conditions as a dictionary, with the bulk temperature of the disk if it may differ."""
+    """Conditions as a dictionary by name, with the disk's bulk temperature if it can be set.
+
+    It can be set if `data` has rises for bodies of unequal temperature (``bulk_rise_quantile``). By
+    default it is the pin's bulk temperature.
+    """
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
     plain = conditions.as_dict()
     if "bulk_rise_quantile" in data.columns:
@@ -356,11 +369,10 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
 
 
 def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices (surface, load, velocity) of the `most` points nearest to the transition, or fewer.
+    """Indices (surface, load, velocity) of at most `most` done points, nearest to the transition.
 
-    The page shows the fields of these points.
-
-    `done` is the mask of done points.
+    The page shows the fields of these points. `done` is the mask of done points. If the critical
+    temperature is not known, the points with the highest rise are taken.
     """
     places = np.argwhere(done)
     if len(places) > most:
@@ -388,7 +400,7 @@ _FAR = 1e6  # velocity of an outermost node over the nearest velocity of the swe
 _PARTS_BEYOND = 16  # parts of an interval of the friction curve beyond the sweep's velocities
 _STEPS, _WIDEST = 241, 7.0  # number of tabulated distances, up to sinh of the second number
 COMPUTED, INTERPOLATED, EXTRAPOLATED = 1, 2, 3
-"""States of nodes."""
+"""States of the rise at a node of the page's grid."""
 _ORIGINS = ("", "computed there", "interpolated", "extrapolated")  # by state
 
 
@@ -472,8 +484,8 @@ def states(done: Mask, parts: tuple[int, int], numbers: Indices) -> Indices:
 
     `done` is the mask (surface, load, velocity) of computed points. `parts` is the pair
     (by load, by velocity) of the numbers of parts into which the grid divides an interval between
-    points. `numbers` counts the nodes along velocity: 0 at the sweep's first velocity, negative
-    below it.
+    points. `numbers` are the indices of the grid's velocities, counted from the sweep's first
+    velocity: 0 there, and negative below it.
     """
     count = done.shape[-1]
     is_any: Mask = np.any(done, axis=-1, keepdims=True)

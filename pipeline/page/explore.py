@@ -76,9 +76,10 @@ def explore(
       surfaces. The reader can change friction, temperatures, and the share of the contact that is
       above the critical temperature when wear turns severe. For each point the page also shows
       numbers, fields and the distribution of temperature over the contact.
-    - For samples of uncertain entries the page shows the probability of severe wear at any load and
+    - For samples of unknown inputs the page shows the probability of severe wear at any load and
       velocity.
-    - For single pairs of load and velocity the page shows the margin of each pair.
+    - For a scene that lists pairs of load and velocity the page shows the verdict on each pair, and
+      its distance from severe wear.
 
     If entries have several values, the reader selects a scene.
 
@@ -92,7 +93,8 @@ def explore(
         Largest number of points with fields on the page, if the sweep has stored fields. The points
         nearest to the transition are taken; the fields of a point take about 10 kB.
     points : path or mapping of str to sequence, optional
-        Operating points whose margins are shown; see `pipeline.margin`.
+        Operating points whose margins are shown: a table with columns for load and velocity, as a
+        file or as columns by heading, as for `pipeline.margin`.
 
     Returns
     -------
@@ -188,7 +190,10 @@ def _plane(scene: Results, most_fields: int) -> _Main:
 
 
 def _samples(scene: Results, _most_fields: int) -> _Main:
-    """Main part of the page for samples: diagram and table of the probability of severe wear."""
+    """Main part of the page for samples of unknown inputs: the probability of severe wear.
+
+    It has a diagram and a table.
+    """
     table = boundary_frame(boundary(scene))
     values = {
         "operating": _text("operating.html"),
@@ -199,7 +204,10 @@ def _samples(scene: Results, _most_fields: int) -> _Main:
 
 
 def _places(data: Results, _most_fields: int) -> _Main:
-    """Main part of the page for single pairs of load and velocity: a figure of their margins."""
+    """Main part of the page for a scene that lists pairs of load and velocity.
+
+    It is a figure of the distance of each pair from severe wear.
+    """
     with fitted(0.17, plain=True):
         drawn = svg_of(diagram(data))
     source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"

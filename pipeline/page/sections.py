@@ -155,7 +155,7 @@ def _origin(data: Results) -> Iterator[str]:
 
 
 def citation() -> Iterator[str]:
-    """Yield references to the program and to the paper on which it is based."""
+    """Yield references to the program, and to Bosman & de Rooij's paper, on which it is based."""
     version = package_versions()["irg-transition"]
     yield f"The irg-transition developers: irg-transition (version {version}). BSD-3-Clause."
     yield (
