@@ -262,7 +262,7 @@ def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """Value in SI for an unknown input of samples; raises if it is outside their range."""
+    """Value in SI for the unknown input at `path`; raises an `InputError` if out of range."""
     draw = whole_sweep(ds).variants.draw
     return float(extras.module("drawn").drawn_value(draw, path, value))
 

@@ -179,7 +179,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
     """Add coordinate ``scene_id``: for each variant a digest of all that affects its results.
 
-    Choices of `pipeline.at` about oil and measured tests are part of it.
+    The digest includes choices of `pipeline.at` about oil and measured tests.
     """
     choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)

@@ -49,6 +49,12 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     a, b : Dataset, str or path
         Datasets of `pipeline.open_sweep` or `pipeline.at`, or paths of stores.
 
+    Returns
+    -------
+    Difference
+        Data frames of entries that differ, critical velocities at common loads, and points that
+        differ.
+
     Raises
     ------
     StoreError

@@ -170,10 +170,10 @@ class RisePlane:
     is_solved: Mask  # True where friction by temperature was solved for the conditions
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask of k pairs of load and velocity: True if the points around have solved friction.
+        """Mask (k,) of k pairs of load and velocity: True if all points around are solved.
 
-        They are the points between which the rise is interpolated. Solved means that the run solved
-        the contact with temperature-dependent friction.
+        Around a pair are the points between which its rise is interpolated. A point is solved if
+        the run solved its contact with temperature-dependent friction.
         """
         rows, columns = self.rests_on(loads, velocities)
         return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
@@ -214,7 +214,7 @@ class RisePlane:
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
-        """Indices of the two velocities from which a rise at a load of the points is computed.
+        """Indices of the two velocities between which a rise is interpolated; -1 if there are none.
 
         The shape is (n_load, 2 n_velocity + 1, 2), with axes for the load, the slot of the
         velocity, and the two velocities. A slot is a value of the axis, a gap between two values,

@@ -136,7 +136,7 @@ def _finite(value: Any) -> Any:
 
 
 def markdown_of(frame: pd.DataFrame) -> Iterator[str]:
-    """Lines of the frame as a Markdown table."""
+    """Yield the lines of the frame as a Markdown table."""
     for number, row in enumerate([[*map(str, frame)], *_cells(frame, "")]):
         yield f"| {' | '.join(cell.replace('|', '/') for cell in row)} |"
         if number == 0:

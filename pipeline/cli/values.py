@@ -37,7 +37,7 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
 
 
 def bulk(text: str) -> str | dict[str, str]:
-    """Return the text of a bulk temperature; a dictionary for "pin=60 degC, disk=25 degC"."""
+    """Return the text of a bulk temperature; texts by body for "pin=60 degC, disk=25 degC"."""
     if "=" not in text:
         return text
     return dict(pair(part, like='"pin=60 degC, disk=25 degC"') for part in text.split(","))
@@ -80,7 +80,7 @@ def share(text: str) -> float:
 
 
 def settings(text: str) -> tuple[str, list[Any]]:
-    """Read ``KEY=VALUE,VALUE`` to a key and a list of values.
+    """Split ``KEY=VALUE,VALUE`` into the key and the list of values.
 
     Values are written as in a scene file, but text needs no quotes.
     """
@@ -89,7 +89,7 @@ def settings(text: str) -> tuple[str, list[Any]]:
 
 
 def setting(text: str) -> tuple[str, Any]:
-    """Read ``KEY=VALUE`` to a pair.
+    """Split ``KEY=VALUE`` into the pair (key, value).
 
     The value is written as in a scene file, but text needs no quotes.
     """
@@ -103,7 +103,7 @@ def setting(text: str) -> tuple[str, Any]:
 
 
 def pair(text: str, like: str = '"load=Normalkraft F_N / N"') -> tuple[str, str]:
-    """Read ``NAME=TEXT`` to a pair; `like` is the example in the error message."""
+    """Split ``NAME=TEXT`` into the pair (name, text); `like` is the example in error messages."""
     name, separator, value = map(str.strip, text.partition("="))
     if not (name and separator and value):
         raise Refused(f'"{text}" has no name and value; give both, like {like}')
