@@ -61,9 +61,10 @@ def run(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
-        answer = "margin" if sweep_kind(judged) is Kind.PLACES else "boundary"
+        no_plane = sweep_kind(judged) is Kind.PLACES
+        answer, figure = ("margin", "explore") if no_plane else ("boundary", "plot")
         store = shlex.quote(str(out))
-        text.append(f"next: irg {answer} {store}, irg plot {store}")
+        text.append(f"next: irg {answer} {store}, irg {figure} {store}")
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),

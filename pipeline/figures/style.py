@@ -97,15 +97,6 @@ class Picture(Figure):
         return written.getvalue()
 
 
-def svg_of(figure: Figure) -> str:
-    """The figure as an SVG element for HTML; letters are paths, so that no font is needed."""
-    written = io.StringIO()
-    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "irg"}):
-        figure.savefig(written, format="svg", metadata={"Date": None})
-    text = written.getvalue()
-    return text[text.index("<svg") :]
-
-
 def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
     """New figure of a `size` [in], with a single set of axes."""
     figure = Picture(size)

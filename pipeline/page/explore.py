@@ -21,9 +21,7 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import html_of, short, writable_path, write_text
-from pipeline.figures.diagram import diagram
 from pipeline.figures.overlays import MILD, SEVERE
-from pipeline.figures.style import fitted, svg_of
 from pipeline.page.content import MOST_FIELDS, content, content_of_samples
 from pipeline.page.controls import Control, scene_choice, surface_choice
 from pipeline.page.pictures import risk_scale
@@ -203,15 +201,9 @@ def _samples(scene: Results, _most_fields: int) -> _Main:
     return _Main(_filled("samples.html", values), content_of_samples(scene))
 
 
-def _places(data: Results, _most_fields: int) -> _Main:
-    """Main part of the page for a scene that lists pairs of load and velocity.
-
-    It is a figure of the distance of each pair from severe wear.
-    """
-    with fitted(0.17, plain=True):
-        drawn = svg_of(diagram(data))
-    source = f"data:image/svg+xml;base64,{base64.b64encode(drawn.encode()).decode()}"
-    return _Main(f'<img alt="margins by row" src="{source}">', {"fields": {"points": {}}})
+def _places(_scene: Results, _most_fields: int) -> _Main:
+    """Empty main part, for a scene that lists pairs of load and velocity; a section has a table."""
+    return _Main("", {"fields": {"points": {}}})
 
 
 _MAIN = {Kind.PLANE: _plane, Kind.SAMPLES: _samples, Kind.PLACES: _places}

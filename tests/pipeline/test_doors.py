@@ -1,8 +1,10 @@
 """The same places, asked of every door: each gives the same verdict, temperature and chance."""
 
 import json
+import re
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import pipeline
@@ -20,6 +22,7 @@ from tests.pipeline.figures.test_planes import surfaces
 from tests.pipeline.page.test_model import MARGINS
 
 SAME = {"rel": 1e-9, "abs": 1e-12}  # all answers use one field and differ by rounding only
+HEADS = "load [N]", "velocity [m/s]"
 OF_SAMPLES = {"abs": 1e-6}  # probabilities change by 2e-7 with the other places judged together
 ON_THE_PAGE = {"abs": 0.02}  # the page interpolates linearly between nodes
 PLANES = "plane", "from rest", "judged otherwise", "a band", "half done", "a slice", "surfaces"
@@ -90,12 +93,10 @@ def asked_of_a_place(ds, load, velocity):
 def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
     ds = STORES[name]()
     asked = [*places(ds, 6)]
-    table = {"load [N]": [a for a, _ in asked], "velocity [m/s]": [b for _, b in asked]}
+    table = dict(zip(HEADS, np.transpose(asked), strict=True))
     frame = pipeline.margin(ds, table)
-    held = pipeline.results(ds)
-    (field,) = fields(held)
-    lines = [f"{float(load)!r},{float(velocity)!r}" for load, velocity in asked]
-    (tmp_path / "duty.csv").write_text("\n".join(["load [N],velocity [m/s]", *lines]))
+    (field,) = fields(held := pipeline.results(ds))
+    pd.DataFrame(table).to_csv(tmp_path / "duty.csv", index=False)
     ds.to_netcdf(tmp_path / "copy.nc")
     options = [f"{tmp_path}/copy.nc", f"--points={tmp_path}/duty.csv", "--json"]
     assert main(["margin", *options]) == 0
@@ -177,8 +178,7 @@ def test_the_figure_shades_a_place_as_its_margin_judges_it(name):
 
 @pytest.mark.parametrize("name", PLANES)
 def test_the_ends_of_the_boundary_s_band_are_those_of_margins(name):
-    held = pipeline.results(STORES[name]())
-    found, asked = pipeline.boundary(held), []
+    found, asked = pipeline.boundary(held := pipeline.results(STORES[name]())), []
     for bound, side, verdict in (("mild_below", 0.999, "mild"), ("severe_above", 1.001, "severe")):
         velocities = side * found[bound].values
         inside = (velocities >= held.velocities[0]) & (velocities <= held.velocities[-1])
@@ -196,8 +196,7 @@ def places_computed(tmp_path_factory):
     # The numerical error of a preset is known.
     text = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
     scene.write_text(text + MEASURED)
-    lines = [f"{load},{velocity}" for load, velocity in rows]
-    (folder / "rows.csv").write_text("\n".join(["load [N],velocity [m/s]", *lines]))
+    pd.DataFrame(rows, columns=HEADS).to_csv(folder / "rows.csv", index=False)
     axes = {"sweep.loads": ["200 N", "400 N"], "sweep.velocities": ["1 m/s", "2 m/s", "5 m/s"]}
     along = {"sweep.along": str(folder / "rows.csv")}
     with np.errstate(all="raise", under="ignore"):
@@ -209,8 +208,7 @@ def places_computed(tmp_path_factory):
 def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
     places_computed, irg
 ):
-    scene, rows, plane, table = places_computed
-    verdicts = set()
+    (scene, rows, plane, table), verdicts = places_computed, set()
     for (load, velocity), row in zip(rows, table.to_dict("records"), strict=True):
         place = f"--load={load} N", f"--velocity={velocity} m/s"
         (alone,) = irg("point", scene, *place, "--json")
@@ -221,3 +219,8 @@ def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
             assert door["verdict"] in (within["verdict"], "not decided")
             verdicts.add(door["verdict"])
     assert {"mild", "severe"} <= verdicts
+    store, along = plane.with_name("rows.zarr"), f"--set=sweep.along={plane.with_name('rows.csv')}"
+    assert f"next: irg margin {store}, irg explore" in irg("run", scene, along, "-o", store)
+    irg("explore", store)
+    page = store.with_suffix(".html").read_text()
+    assert re.findall("<td>(mild|severe|not decided)</td>", page) == [*table["verdict"]]

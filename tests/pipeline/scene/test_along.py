@@ -62,10 +62,7 @@ def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_s
     tmp_path, capsys
 ):
     out = tmp_path / "out.zarr"
-    for name, command in (
-        ("time", ["check"]),
-        ("max_rise", ["run", "--preset=draft", "-o", str(out)]),
-    ):
+    for name, command in (("time", ["check"]), ("max_rise", ["run", "-o", str(out)])):
         path = scene(tmp_path, rows=FILE.replace("gear", name))
         assert main([*command, str(path)]) == 2
         assert f"is called {name}, as is one of the dataset; give it" in capsys.readouterr().err
