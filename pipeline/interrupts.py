@@ -56,5 +56,8 @@ def keyboard_interrupts() -> Iterator[None]:
 
 
 def resend_interrupt() -> None:
-    """Send SIGINT to this process in 0.1 s, when Python has dropped the error of the first one."""
+    """Send SIGINT to this process after 0.1 s, without waiting for it.
+
+    This repeats a signal whose `KeyboardInterrupt` Python ignored, as it may during an import.
+    """
     threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()

@@ -86,10 +86,11 @@ class Line:
 
     @property
     def first(self) -> Array:
-        """Lowest velocity [m/s] or load [N] at which wear turns severe.
+        """Lowest velocities [m/s] or loads [N] at which wear turns severe, one for each limit.
 
-        The result is -infinite if wear is severe at the line's beginning, infinite if wear is mild
-        on the whole line, and NaN if unknown.
+        The array has the shape of `Line.limit`, the rises [K] above which wear is severe. A value
+        is minus infinity if wear is severe from the line's beginning, infinity if wear is mild on
+        the whole line, and NaN if unknown.
         """
         place = np.fmin.reduce(self.places, axis=-1)
         place = np.where(np.isnan(place), math.inf, place)
@@ -122,7 +123,7 @@ class Line:
 
         With `to_severe` only changes from mild to severe wear count. With `continued`, a line on
         which wear does not change is extrapolated. If wear does not change there either, the result
-        is infinite (all mild) or -infinite (all severe), as `Line.first`.
+        is infinity (all mild), minus infinity (all severe) or NaN (unknown), as in `Line.first`.
         """
         places, is_severe = self.places, self._turns_severe
         is_counted = is_severe if to_severe else np.isfinite(places)
@@ -140,10 +141,12 @@ class Line:
 
     @functools.cached_property
     def _all_turns(self) -> tuple[Array, Mask, Mask]:
-        """Velocities or loads (..., n) at which wear changes, also by extrapolation, and two masks.
+        """Velocities [m/s] or loads [N] (..., n) at which wear changes, and two masks.
 
-        The first mask is True where wear turns severe, the second if wear is severe beyond the last
-        change. Without a power law at an end, wear does not change beyond that end.
+        Changes beyond the ends of a curve are included. There the rise follows a power law of
+        velocity or load, or is not extrapolated if a value on the curve is not positive. Unused
+        elements are NaN. The first mask (..., n) is True where wear turns from mild to severe. The
+        second mask (...) is True if wear is severe beyond the last change.
         """
         if self.curve is not self.continued:
             return replace(self, curve=self.continued)._all_turns

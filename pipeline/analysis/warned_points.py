@@ -37,7 +37,10 @@ class Warned:
     example: str = ""  #: The first of these points, with its warning.
 
     def lines(self) -> Iterator[str]:
-        """Yield lines for the user; nothing if no point carries a warning."""
+        """Yield two lines: how many points carry each kind of warning, and the first such point.
+
+        If no point carries a warning, nothing is yielded.
+        """
         if not self.points:
             return
         kinds = ", ".join(f"{kind}: {count}" for kind, count in self.kinds.items())

@@ -148,7 +148,10 @@ def _excess(field: PointField, x: Array, y: Array) -> Array:
 def _shade_verdicts(
     axes: Axes, field: PointField, x: Array, y: Array, excess: Array
 ) -> list[Artist]:
-    """Shade where the next run is mild, severe or not decided, as `pipeline.margin` judges.
+    """Shade regions by the verdict on a new test there: mild, severe or not decided.
+
+    The verdicts are those of `pipeline.margin`. The list has the legend entry of the region that is
+    not decided, if there is such a region.
 
     `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
     velocities `x` [m/s] and loads `y` [N]. It is NaN where unknown; nothing is shaded there.

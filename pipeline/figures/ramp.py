@@ -99,9 +99,10 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw `values` (load, velocity, step) of some points over time, with a mark at each end.
+    """Draw `values` over time: for each of `points` a line over its steps, the last step marked.
 
-    `look` has properties of Matplotlib's lines by name.
+    `values` has the axes (load, velocity, step). Steps on larger elements than the last step are
+    drawn as a separate line. `look` has properties of Matplotlib's lines by name.
     """
     for number, point in enumerate(points):
         time, own = (data.values(name)[point] for name in ("time", "own_grid"))

@@ -120,7 +120,7 @@ def house_style(draw: Callable[P, R]) -> Callable[P, R]:
 def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: Any) -> None:
     """Write legend and caption below a figure; the figure grows if they need much room.
 
-    The legend has at most `ncols` columns.
+    The legend has at most `ncols` columns. `options` are passed to Matplotlib's `Figure.legend`.
     """
     width = 72 * figure.get_window_extent().width / figure.dpi  # [pt]
     letters = int(width / (_LETTER * rcParams["legend.title_fontsize"]))
@@ -138,7 +138,10 @@ def legend_below(figure: Figure, ncols: int = 3, caption: str = "", **options: A
 
 
 def fitting_legend(owner: Axes | Figure, ncols: int, **options: Any) -> Legend:
-    """Write a legend in as many columns as fit into the width of `owner`, at most `ncols`."""
+    """Write a legend in as many columns as fit into the width of `owner`, at most `ncols`.
+
+    `options` are passed to the method ``legend`` of `owner`.
+    """
     for columns in range(ncols, 0, -1):
         legend: Legend = owner.legend(ncols=columns, **options)
         if legend.get_window_extent().width <= owner.get_window_extent().width or columns == 1:

@@ -75,9 +75,9 @@ def measured_over_computed(data: Results) -> Figure:
 def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
     """Draw the line measured = computed, and around it the band of the model's own error.
 
-    In this band the next run is severe with a probability from 5 to 95 %. `line` has the
-    velocities [m/s] at both ends of the line. `scatter` is the distribution of the model's own
-    error; if it is None, there is no band.
+    In this band a new test is severe with a probability from 5 to 95 %. `line` has the velocities
+    [m/s] at both ends of the line. `scatter` is the distribution of the model's own error; if it is
+    None, there is no band.
     """
     if scatter:
         ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)

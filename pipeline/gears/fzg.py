@@ -76,13 +76,13 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
         temperatures in both stages. ``standard deviation [K]`` combines a uniform distribution
         between them with the simulation's error. ``hottest place, last stage passed [°C]`` and
         ``hottest place, failed stage [°C]`` are the temperatures themselves. ``scuffing integral
-        temperature [°C]`` of ISO/TR 13989-2, Eq. 94, is for use with that report only; it is
-        missing without an oil.
+        temperature [°C]`` of ISO/TR 13989-2, Eq. 94, is for use with that report only. It is
+        missing if the pair is the test gears, without an oil.
 
     Raises
     ------
     InputError
-        If the test has no such stage, or the pair has no oil.
+        If the test has no such stage, or the pair is not the test gears and has no oil.
     """
     if not 2 <= stage <= len(STAGES):
         raise InputError(

@@ -28,7 +28,7 @@ from tribo import InputError
 
 
 def surface(options: argparse.Namespace) -> Result:
-    """Answer ``irg surface``: roughness of a scan, and scene lines for random surfaces like it."""
+    """Answer ``irg surface``: roughness of a scan, and entries of a scene for surfaces like it."""
     with working("fitting the spectrum"):
         scan = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.transpose
@@ -37,7 +37,10 @@ def surface(options: argparse.Namespace) -> Result:
 
 
 def tests(options: argparse.Namespace) -> Result:
-    """Answer ``irg tests``: how a log or a trace was read, and scene lines for its tests."""
+    """Answer ``irg tests``: how a log or a trace was read, and its tests as lines of a scene file.
+
+    A trace is a record of friction over time.
+    """
     path = Path(options.log)
     taken = {
         "where": dict(options.where), "skip": dict(options.skip), "given": dict(options.given),
@@ -53,7 +56,7 @@ def tests(options: argparse.Namespace) -> Result:
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Result for a log file: columns, tests, faults, scene lines.
+    """Result of ``irg tests`` for a log file: columns, tests, faults, lines for a scene file.
 
     `named` are the options that the user gave, by name.
     """
@@ -80,9 +83,10 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
 
 
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
-    """Result for a trace of friction: its stages, transition and scene lines, with a figure.
+    """Result of ``irg tests`` for a trace, a record of friction over time, with the table `read`.
 
-    `read` is the table of the trace.
+    It has the stages, the transition, lines to paste into a scene file, and a figure if `options`
+    name a file for it.
     """
     trace = read_trace(read)
     tests = trace.tests()
@@ -108,7 +112,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
 
 
 def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """Yield lines on a file: its format, rows left out, and a shipped scene for the rig.
+    """Yield lines on a file: its format, rows left out, and how to copy a scene for the test rig.
 
     `export` is the format of the test machine's export.
     """
@@ -122,9 +126,10 @@ def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """How a file was read, as plain data: format, columns, rows left out, scene for the rig.
+    """How a file was read, as plain data by name: format, columns, rows left out, and a scene.
 
-    `export` is the format of the test machine's export.
+    The scene is the name of a shipped scene that fits the test rig, or None. `export` is the format
+    of the test machine's export.
     """
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
@@ -170,7 +175,7 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
 
 
 def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Yield scene lines that name a log file, with the options needed to read it.
+    """Yield lines for a scene file that name a log file, with the options needed to read it.
 
     `named` are the options that the user gave, by name.
     """
@@ -183,7 +188,7 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
 def _trace_toml(
     tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: Candidate | None
 ) -> Iterator[str]:
-    """Yield scene lines for the tests of a trace, with comments where a value is missing.
+    """Yield the tests of a trace as lines for a scene file, with comments at missing values.
 
     `missing` has the reasons by the name of the value. `scuff` is the rise of friction that counts
     as scuffing; None without scuffing.

@@ -93,7 +93,8 @@ def _join_units(sheet: Sheet) -> None:
 def _add_units(lines: Lines, first: str, names: WordNames) -> None:
     """Append units to the headings of a table, from a row of units above it.
 
-    The row of units begins with the cell `first`.
+    `first` is the text in the first cell of the row of units. `names` recognises quantities in
+    headings, and so finds the row of headings.
     """
     units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
     heads = lines.rows[find_headings(lines.rows, names)[1]].cells
@@ -105,7 +106,8 @@ def _add_units(lines: Lines, first: str, names: WordNames) -> None:
 def _count_time(sheet: Sheet, first: str) -> None:
     """Fill an empty time column by counting time steps.
 
-    The time step stands after the cell `first`, above the table.
+    The time step is in the cell after the one with the text `first`, above the table. If no cell
+    has this text, nothing is filled in.
     """
     place = sheet.places.get("time", -1)
     if first in sheet.above and not any(row.cells[place] for row in sheet.rows):

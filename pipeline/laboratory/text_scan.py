@@ -1,6 +1,7 @@
 """Read heights from text files of Gwyddion, MountainsMap, Keyence, Zygo, NumPy and spreadsheets.
 
-The text is a matrix or rows of x, y and z, with any common separator, decimal mark and hole.
+The text is a matrix or rows of x, y and z, with any common separator, decimal mark and mark
+of missing heights.
 """
 
 from __future__ import annotations
@@ -110,9 +111,10 @@ def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] 
 
 
 def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Split a text; return header lines, table (NaN in holes), x coordinates, number of tables.
+    """Split a text; return header lines, table, x coordinates, number of tables.
 
-    The x coordinates are from the row above the table; they are empty without such a row.
+    Missing heights are NaN in the table. The x coordinates are from the row above the table; they
+    are empty without such a row.
     """
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
@@ -171,7 +173,10 @@ def _is_comment(line: str, row: list[float | None]) -> bool:
 
 
 def _number(cell: str) -> float | None:
-    """Read the number in a cell, with point or comma; NaN for a hole, None for a word."""
+    """Read the number in a cell, with decimal point or comma; None if it has another text.
+
+    The result is NaN if the height is missing: the cell is empty, or has a mark such as "bad".
+    """
     try:
         return float(cell.replace(",", "."))
     except ValueError:
@@ -210,7 +215,7 @@ def _length(text: str) -> float | None:
 
 
 def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> RawScan:
-    """Heights (nx, ny) from rows of x, y, z on a regular grid; missing rows become holes.
+    """Heights (nx, ny) from rows of x, y, z on a regular grid; NaN where a row is missing.
 
     `table` has the rows, `units` the units of its columns in metres, by name. `unit` is the unit of
     z in metres, or None.

@@ -205,7 +205,11 @@ class Trace:
 
 
 def _span_text(name: str, levels: Sequence[float | None]) -> str:
-    """Range of `levels`, which are loads or velocities, as text such as "100 N to 600 N"."""
+    """Range of `levels` as text such as "100 N to 600 N", or "100 N" if they are equal.
+
+    `levels` are loads [N] or velocities [m/s], as `name` ("load" or "velocity") tells. Levels of
+    None are left out; without others the text is empty.
+    """
     known = [level for level in levels if level is not None]
     ends = dict.fromkeys(_text(name, one) for one in (min(known), max(known))) if known else {}
     return " to ".join(ends)
@@ -216,9 +220,10 @@ def _text(name: str, value: float) -> str:
 
 
 def _place_as_text(values: dict[str, float | None], without: str = "") -> dict[str, str | float]:
-    """Load and velocity of a test as text with units, by name; `without` names one to leave out.
+    """Load and velocity of a test by name, each as text with its unit, such as "600 N".
 
-    A number that is None is written as dots, such as "... N", for the user to fill in.
+    A value of None becomes a text such as "... N", for the user to fill in. `without` is the name
+    of the one to leave out; by default none is left out.
     """
     return {
         name: f"... {SI_UNITS[name]}" if (value := values[name]) is None else _text(name, value)

@@ -191,7 +191,7 @@ _LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
 def content_of_samples(data: Results) -> dict[str, Any]:
     """Data of a page for samples of unknown inputs, as JSON values by name.
 
-    They have the probability of severe wear on a grid of loads and velocities.
+    The data include the probability of severe wear on a grid of loads and velocities.
     """
     samples = extras.module("fields")
     field = samples.single_field(data)
@@ -216,10 +216,10 @@ def content_of_samples(data: Results) -> dict[str, Any]:
 
 
 def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
-    """Failing shares of the contact for which rises are tabulated; the page interpolates between.
+    """Failing shares for which the page has rises, ascending; others are interpolated.
 
-    Wear is severe if more than the failing share of the contact is above the critical temperature.
-    The list has a single share if the criterion does not depend on it.
+    Wear is severe if more than the failing share of the contact area is hotter than the critical
+    temperature. If the criterion takes no failing share, the list has one value without effect.
     """
     failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
@@ -235,12 +235,15 @@ def _tables(
     ratios: list[float],
     shares: list[float],
 ) -> tuple[Array, Array]:
-    """Table of the rise that the criterion compares with its limit, and of quantiles of the rise.
+    """Two tables: the rise that `criterion` compares with its limit, and quantiles of the rise.
 
     Rises are per unit friction coefficient [K]. The first table has the axes (..., bulk ratio,
-    failing share, step), the second (..., bulk ratio, probability, step). A bulk ratio is (disk's −
-    pin's bulk temperature)/friction [K]. `columns` are variables by name, and `quantile` has the
-    probabilities of the variable ``rise_quantile``.
+    failing share, step), the second (..., bulk ratio, probability, step).
+
+    - `columns` are variables by name. `quantile` has the probabilities of ``rise_quantile``.
+    - `ratios` are bulk ratios [K]: (disk's − pin's bulk temperature)/friction coefficient.
+    - `shares` are failing shares: wear is severe if more than such a share of the contact area is
+      too hot.
     """
     at_ratios = [{**above_colder(columns, ratio), "quantile": quantile} for ratio in ratios]
     criteria = [replace(criterion, share=share) for share in shares]
@@ -259,15 +262,19 @@ def _step_values(values: Array, steps: Indices) -> Array:
 
 
 def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, Any]:
-    """Data for the page: temperature rises on a fine grid of load and velocity, by name.
+    """Data for the page, by name: temperature rises on a fine grid of load and velocity.
+
+    The data have the grid's loads and velocities, the rises, their errors, and whether each rise is
+    computed, interpolated or extrapolated. The grid reaches far beyond the sweep's velocities.
 
     A rise is that of the contact temperature which the criterion compares with the critical
-    temperature, per unit friction coefficient. `rises` are those at the sweep's points [K]
-    (surface, load, velocity, bulk ratio, failing share); rises on the grid have the same axes.
+    temperature, per unit friction coefficient. `rises` are those at the sweep's points [K], with
+    the axes surface, load, velocity and two others, which are not interpolated. Rises on the grid
+    have the same axes.
 
-    The grid's first and last velocity are far outside the sweep, so that the page finds critical
-    velocities there. If points are missing at a velocity of the sweep, the data has rises over load
-    from the other points at this velocity alone. From these the page finds its critical load.
+    If points are missing at a velocity of the sweep, the data also have a curve of rises over load,
+    interpolated from the other points at this velocity. On this curve the page finds the critical
+    load.
     """
     loads, velocities, done = data.loads, data.velocities, data.done
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
@@ -438,9 +445,9 @@ def rises_on_finer_grid(
 ) -> tuple[Array, Array]:
     """Interpolate rises to a finer grid of velocities; return rises [K] and velocities [m/s] there.
 
-    `rises` are those of the sweep's points [K] (..., load, velocity, bulk ratio, failing share),
-    NaN where unknown. The rises returned are divided by the factor by which velocity changes
-    friction.
+    `rises` are those of the sweep's points [K], NaN where unknown. The last four axes are load,
+    velocity and two others, which are not interpolated. The rises returned are divided by the
+    factor by which velocity changes friction.
 
     The grid divides each interval between `velocities` [m/s] into `parts`, and reaches far beyond
     them. Outside the points of a load, rises follow a power law of velocity. If a load has a single

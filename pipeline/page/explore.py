@@ -202,7 +202,10 @@ def _samples(scene: Results, _most_fields: int) -> _Main:
 
 
 def _places(_scene: Results, _most_fields: int) -> _Main:
-    """Empty main part, for a scene that lists pairs of load and velocity; a section has a table."""
+    """Empty main part of the page, for a scene that lists pairs of load and velocity.
+
+    The table of these pairs is in the page's section "Operating points".
+    """
     return _Main("", {"fields": {"points": {}}})
 
 
