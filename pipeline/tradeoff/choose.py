@@ -48,10 +48,10 @@ def choose_accuracy(
 
 
 def measure_error(sweep: Sweep, store: PathLike, progress: Report) -> Sweep:
-    """Measure the relative error of the critical velocity that the sweep's fidelity causes.
+    """Measure the relative error that a sweep's numerical choices cause in the critical velocity.
 
-    Returns a copy of the sweep whose field `selection` has this error. An error that `store`
-    already has is used instead of a new measurement.
+    Returns a copy of the sweep whose field `selection` has this error. If the store at the path
+    `store` already has such an error, it is used instead of a new measurement.
     """
     stored = find_sweep(store)
     selection = (stored and stored.selection) or choose_fidelity(sweep, None, progress)

@@ -104,7 +104,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
 
 @dataclass(slots=True)
 class _TaskTimes:
-    """Predicts the time of each task of a sweep, and counts its contacts and heat partitions."""
+    """Predicts the time of each task, and counts the contacts and heat partitions to solve."""
 
     sweep: Sweep
     contact_time: float  # [s]
@@ -118,8 +118,9 @@ class _TaskTimes:
         """Predict the time of a task on a worker [s].
 
         `has` records the ramps and contacts that the worker has cached from earlier tasks. The call
-        adds those of this task to `has`. It also adds the numbers of contacts and heat partitions
-        that the task must solve to `contacts` and `temperatures`.
+        adds those of this task to `has`. It also increases two totals over all calls:
+        `self.contacts` by the number of contacts that the task must solve, and `self.temperatures`
+        by the number of heat partitions.
         """
         scene, (load, velocity, _) = self.sweep.scene, task.points[0]
         if load not in self._steps:
@@ -144,7 +145,7 @@ class _TaskTimes:
 
 
 def worker_bytes(sweep: Sweep) -> float:
-    """Memory that a worker needs [B], including a ramp that it keeps for reuse."""
+    """Memory that a worker needs [B], including the results of steps kept for reuse."""
     scene = as_computed(sweep)
     elements = math.prod(next(scene.levels()).grid.shape)
     of_ramp = scene.fidelity.increments * _FIELDS_OF_STATE * 8.0 * elements

@@ -127,7 +127,10 @@ class Trade:
 def trade(
     sweep: SceneLike, presets: Sequence[str] = USUAL, progress: Report | None = None
 ) -> Trade:
-    """Measure the time of several fidelities, and their errors of a scene's critical velocity.
+    """Measure how long simulations take with several fidelities, and how large their errors are.
+
+    A fidelity is a set of numerical choices, such as a preset. An error is the relative difference
+    of the scene's critical velocity from that with the preset ``reference``.
 
     Errors are measured near the boundary, at four loads from the lowest to the highest; with
     several variants, at six pairs of load and variant.

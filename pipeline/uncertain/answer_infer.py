@@ -177,7 +177,8 @@ def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
     """Sweep in which `load` [N] is held after its ramp, so that a test lasts `duration` [s].
 
     If `duration` is None, the sweep is returned unchanged. Raises an `InputError` if the ramp alone
-    lasts longer, or the load is a record.
+    lasts longer than `duration`, or if the load does not grow by a ramp, but follows a measured
+    record.
     """
     if duration is None:
         return sweep

@@ -21,7 +21,11 @@ from pipeline.uncertain.weigh import FALSE_ALARMS
 
 
 def posterior(options: argparse.Namespace, store: Path) -> Result:
-    """Answer ``irg infer`` for samples in `store`: inputs before and after the tests, a figure."""
+    """Answer ``irg infer`` for a store of samples: infer the unknown inputs from the tests.
+
+    The result has text and a table of the inputs' distributions before and after the tests, and a
+    figure. `options` are those of the command line.
+    """
     with working("reading samples"):
         ds = pipeline.open_sweep(store)
         ensemble = pipeline.Ensemble.of(

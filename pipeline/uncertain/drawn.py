@@ -19,10 +19,12 @@ from tribo import InputError
 
 
 def read_rule(draw: Any) -> Sampling:
-    """Convert `draw`, the plain data of a `Draw`, to a `Sampling`: what samples and answers need.
+    """Return how samples were drawn, as a `Sampling`, from `draw`, the plain data of a `Draw`.
 
-    Sweeps with equal `Sampling.rows` have the same samples. The rows leave out correlations, since
-    samples do not depend on them. Units of the scene file are only for display, and left out.
+    A `Sampling` has the paths of the unknown inputs, and plain data. Its field `rows` is all that
+    samples depend on, without correlations of inputs: sweeps with equal `rows` have the same
+    samples. Its field `answers` has the unknown and the fixed inputs, on which answers depend, too.
+    Units of the scene file are left out, since they are only for display.
     """
     plain = json.loads(json.dumps(draw), object_hook=_drop_unit)
     unknown, fixed, design = (plain[key] for key in ("unknown", "fixed", "design"))

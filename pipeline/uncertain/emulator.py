@@ -226,9 +226,10 @@ def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
 def _fit_constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
     """Fit the kernel's constants: maximum of the posterior density under a weak prior.
 
-    The constants are logarithms of five amplitudes, then of lengths. A row of `features` (n,
-    n_feature) and of `outputs` (n, n_output), less their mean, belongs to a sample. `dimensions`
-    has the number of the input of each feature, and `contacts` that of the contact of each sample.
+    The constants are logarithms of five amplitudes, then of a length for each input. `features` (n,
+    n_feature) and `outputs` (n, n_output) have a row for each sample. The mean over samples is
+    already subtracted from `outputs`. `dimensions` (n_feature,) has the number of the input that
+    each feature belongs to, and `contacts` (n,) the number of the contact of each sample.
     """
     count = int(dimensions.max(initial=-1)) + 1
     middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
@@ -442,11 +443,12 @@ def _hash(*parts: bytes) -> str:
 def columns_until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
-    """Copy results of load steps, without those later than `hold` [s] after the full load.
+    """Copy `columns` with a normal load of NaN at steps later than `hold` [s] after full load.
 
-    `columns` has arrays (n_sample, n_load, n_step) by the name of the variable. In the copy, the
-    normal load of the later steps is NaN. `loads` are the full loads [N]. Returns None if a sample
-    that is `done` has no temperature `hold` seconds after full load.
+    The criterion ignores steps whose normal load is NaN. `columns` has the results of load steps:
+    arrays (n_sample, n_load, n_step) by the name of the variable. `loads` (n_load,) are the full
+    loads [N]. `done` (n_sample,) is True for samples computed at all loads. Returns None if one of
+    these samples has no temperature `hold` seconds after reaching a full load.
     """
     time, normal_load = columns["time"], columns["normal_load"]
     reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)

@@ -80,7 +80,10 @@ class Excess(NamedTuple):
 @shown
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """Samples of a sweep, with the emulator fitted to them.
+    """Samples of a sweep's unknown inputs, with an emulator of the contact's temperature rise.
+
+    The emulator is fitted to the samples. It predicts the rise that the criterion compares with its
+    limit, for any values of the inputs.
 
     Examples
     --------
@@ -279,7 +282,11 @@ class Ensemble:
         return np.asarray(np.log(rise / np.maximum(frictions, LEAST_FRICTION)))
 
     def log_friction_factor(self, temperatures: float | Array) -> Array:
-        """Logarithm of the factor by which contact temperatures [K] change friction."""
+        """Logarithm of the factor by which contact temperature changes friction.
+
+        It has a value for each of `temperatures` [K]. If friction does not depend on temperature,
+        it is a single 0.
+        """
         law = replace(self.conditions.friction_law, coefficient=1.0)
         return np.asarray(np.log(law.at(temperature=temperatures)))
 

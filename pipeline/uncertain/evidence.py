@@ -248,9 +248,10 @@ class Joint:
 
     @classmethod
     def of(cls, ensemble: Ensemble, scatter: float) -> Joint:
-        """Collect inputs and tests of a sweep; raises an `InputError` if a test is out of range.
+        """Collect the unknown inputs and the tests of an ensemble.
 
-        `scatter` is the assumed relative scatter of measured velocities.
+        `scatter` is the assumed relative scatter of measured velocities. Raises an `InputError` if
+        the ensemble's samples do not cover the load, velocity or duration of a test.
         """
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)

@@ -46,7 +46,11 @@ class InferredScatter:
     text: str
 
     def below(self, distances: Array) -> Array:
-        """Probability that a run's deviation in ln(velocity) is below `distances`."""
+        """Probability that a run's deviation ε in ln(velocity) is below each of `distances`.
+
+        A run at velocity V behaves like the model at V·exp(ε). The probability is the weighted mean
+        over all draws, in the shape of `distances`.
+        """
         odds = self.weights @ self.by_draw
         return np.asarray(
             sum(p * ndtr(distances / s) for p, s in zip(odds, self.scatters, strict=True))

@@ -80,7 +80,7 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """True if the run's outcome is improbable given the other runs, which the model fits."""
+        """True if the model fits the other runs, but makes the outcome of this run improbable."""
         return self.is_blamed and self.probability < self.limit
 
 

@@ -142,7 +142,11 @@ def _seed(model: Joint) -> int:
 
 
 def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, float]:
-    """5, 50 and 95 % quantiles of `scatters` (n_scatter,), from `weights` (n, n_scatter)."""
+    """5, 50 and 95 % quantiles of the scatter between runs, a standard deviation of ln(velocity).
+
+    `scatters` (n_scatter,) are its possible values. `weights` (n, n_scatter) has the joint
+    probability of each of n draws of the inputs and each possible scatter.
+    """
     of_scatter = Draws(scatters[:, None], weights.sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
     return low, middle, high

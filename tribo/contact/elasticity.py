@@ -136,10 +136,10 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Discrete Fourier transform of the kernel's factor E, Eq. (1), along one axis.
+    """Discrete Fourier transform of the kernel's factor E along one axis.
 
-    `s` has the widths of the Gaussians [m]; the shape is (widths, modes). Along a periodic axis the
-    transform includes the images in other periods.
+    E is defined in Eq. (1) of this module. `s` has the widths of the Gaussians [m]; the shape is
+    (widths, modes). Along a periodic axis the transform includes the images in other periods.
     """
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
@@ -151,7 +151,7 @@ def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) ->
 
 
 def _factor_values(n: int, step: float, s: Array) -> Array:
-    """Kernel's factor E of Eq. (1) at the offsets of n elements, shape (widths, n).
+    """Kernel's factor E, Eq. (1) of this module, at the offsets of n elements, (widths, n).
 
     The offsets are 0 to n − 1 times `step`, the side of an element; `s` has the Gaussians' widths,
     in the same unit.
@@ -162,10 +162,11 @@ def _factor_values(n: int, step: float, s: Array) -> Array:
 
 
 def _all_images(n: int, s: Array) -> Array:
-    """Transform of the kernel's factor E with all periodic images, Eq. (2).
+    """Discrete Fourier transform of the kernel's factor E along a periodic axis, with all images.
 
-    A period has n elements, and `s` has the Gaussians' widths in elements. The shape is (widths,
-    n // 2 + 1).
+    E is defined in Eq. (1) of this module, and its transform in Eq. (2). A period has n elements,
+    and `s` has the Gaussians' widths in elements. The shape is (widths, n // 2 + 1), with a column
+    for each mode.
     """
     # Below the shortest node s, E is 2 on the element and 0 off it.
     s = np.maximum(s, 1 / (2 * _REACH))

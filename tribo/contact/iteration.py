@@ -70,9 +70,10 @@ class StepCounters(NamedTuple):
     def updated(self, residual: float, has_settled: bool) -> StepCounters:
         """Return the counters after one more iterate, whose residual is `residual`.
 
-        The first gradient steps end once `has_settled` is True: few nodes are unloaded where the
-        bodies overlap, or carry the hardness across a gap. After that, gradient steps follow
-        whenever the residual has not fallen by a tenth for three steps, each time twice as many.
+        The iteration begins with gradient steps. They end once `has_settled` is True: then few
+        nodes have zero pressure although the bodies overlap, or have the hardness as their pressure
+        although the bodies are apart. Later, gradient steps take over again whenever the residual
+        has not fallen by a tenth for three steps, each time twice as many.
         """
         steps, next_steps, best, waited = self
         if steps == math.inf and has_settled:

@@ -38,7 +38,7 @@ class Problem:
     heights: Array  # separation of the undeformed surfaces, z [m]
     total: float  # sum of the pressure, F/dA [Pa]
     hardness: float  # [Pa]
-    soft: SoftRows  # rows along x or y, whichever a uniform pressure displaces more
+    soft: SoftRows  # rows along x or y: those whose elements displace each other more
     near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
     fast: ElasticHalfSpace  # D in the precision of conjugate gradients, single where possible
 
@@ -61,9 +61,9 @@ class Problem:
         return self.soft.coupling if self.soft.is_needed else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
-        """Index of the row in which each node lies.
+        """Number of the row of each node: its x index if rows lie along y, its y index if along x.
 
-        Rows run along x or y, whichever a uniform pressure displaces more.
+        `nodes` are flat indices. The attribute `soft` says along which axis the rows lie.
         """
         return self.soft.numbers(nodes, self.heights.shape)
 
@@ -82,9 +82,9 @@ class Problem:
         """Correct a new pressure on `nodes` so that it keeps within bounds and carries the load.
 
         `changed` is the new pressure on the nodes. `pressure` is the old pressure on all elements;
-        elements off the nodes keep it. The bounds are 0 and the hardness. With a `metric` for soft
-        rows the result is the nearest pressure in that metric. Without one the load's error is
-        spread evenly. Returns the pressure on the nodes [Pa].
+        elements off the nodes keep it. The bounds are 0 and the hardness. Returns the corrected
+        pressure on the nodes [Pa]. With a `metric` from `metric_on`, it is the pressure nearest to
+        `changed` in this metric. If `metric` is None, the load's error is spread evenly.
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -94,16 +94,17 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Rows of elements along x or along y, whichever a uniform pressure displaces more."""
+    """Rows of elements along x or along y: those whose elements displace each other more."""
     return _prepare_solid(solid)[0]
 
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Return what a `Problem` derives from its solid: soft rows, stencils and a faster solid.
+    """Compute the fields `soft`, `near` and `fast` of a `Problem` from its solid.
 
-    The faster solid is a copy in single precision. If that is slower or not accurate enough, it is
-    the solid itself. Results are cached.
+    `soft` says how much elements of a row displace each other, and `near` approximates the
+    influence of elements on their next neighbours. `fast` is a copy of the solid in single
+    precision, or the solid itself if the copy is slower or not accurate enough. Results are cached.
     """
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
@@ -134,7 +135,10 @@ class Iterate(NamedTuple):
         )
 
     def load_error(self, total: float) -> float:
-        """Relative error of the load that the pressure carries, |Σp/total − 1|."""
+        """Relative error of the load that the pressure p carries, |Σp/total − 1|.
+
+        `total` is the sum of the pressure over all elements [Pa] that carries the load exactly.
+        """
         return abs(float(self.pressure.sum()) / total - 1)
 
 

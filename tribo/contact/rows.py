@@ -31,11 +31,11 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """Rows of elements along x or along y, whichever a uniform pressure displaces more.
+    """Rows of elements along x or along y: those whose elements displace each other more.
 
-    `coupling` is the displacement of a row by unit pressure on one of its elements [m/Pa]. If the
-    coupling is not small against the influence of an element on itself, the rows are soft, and
-    need `RowMetric`.
+    A row is a whole line of the grid. `coupling` is the displacement of a row by unit pressure on
+    one of its elements [m/Pa]. If the coupling is not small against the displacement that an
+    element causes at itself, the rows are called soft, and need `RowMetric`.
     """
 
     axis: int  # along which the rows lie
@@ -44,7 +44,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Choose rows along x or along y, whichever a uniform pressure displaces more."""
+        """Choose rows along x or along y: those whose elements displace each other more."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n
@@ -57,7 +57,11 @@ class SoftRows:
         return cls(axis, coupling, coupling > _SOFT * solid.self_influence)
 
     def numbers(self, nodes: Indices, shape: tuple[int, int]) -> Indices:
-        """Index of the row of each node; `nodes` are flat indices into a field of `shape`."""
+        """Number of the row of each node: its x index if rows lie along y, its y index if along x.
+
+        `nodes` are flat indices into a field of `shape` (nx, ny). The attribute `axis` says along
+        which axis the rows lie.
+        """
         numbers: Indices = nodes // shape[1] if self.axis else nodes % shape[1]
         return numbers
 
