@@ -43,8 +43,9 @@ class Conditions(Judging):
     Attributes
     ----------
     failing_share : float
-        Share of the contact area above the critical temperature beyond which wear is severe, from
-        0 (Blok's criterion, the maximum temperature) to below 1.
+        Wear is severe if more than this share of the contact area is above the critical
+        temperature. The share is at least 0 (Blok's criterion, the maximum temperature) and below
+        1.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`, or the name of a rule. Only the kind "share"
         uses the failing share.

@@ -115,8 +115,9 @@ class MeasuredLoad:
     ) -> Iterator[Station]:
         """Times at which the contact is solved, with their loads, up to `normal_load` [N].
 
-        There are `increments` of them, at the end of each step. Times count from the record's first
-        row. A record has no hold, so that `hold_increments` is not used.
+        The loading is divided into `increments` steps; the times are the ends of these steps,
+        counted from the record's first row. All loads of the record are scaled so that the last is
+        `normal_load`. A record has no hold, so that `hold_increments` is not used.
         """
         require_positive(normal_load=normal_load)
         begin, scale = float(self.times[0]), normal_load / self.peak

@@ -58,10 +58,11 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel along `axis` for fields that have one mean for each pair of elements.
+    """Kernel along `axis` for elements twice as long, each made of two adjacent elements.
 
-    `kernel` is for single elements, and `offsets` are the distances between pairs, counted in
-    pairs.
+    `kernel` is the kernel for single elements. Each value of the result is the mean effect on one
+    long element of a uniform source on another. `offsets` are the distances between these two,
+    counted in long elements.
     """
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")

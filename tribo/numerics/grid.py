@@ -16,7 +16,7 @@ _MOST_ELONGATED = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """A patch of ``nx × ny`` rectangular elements, each axis free or periodic.
+    """A grid of ``nx × ny`` rectangular elements, each axis free or periodic.
 
     Axis 0 is x, the sliding direction; axis 1 is y, along the cylinder's axis.
 
@@ -27,7 +27,7 @@ class Grid:
     spacing : tuple of float
         Sides of an element ``(dx, dy)`` [m].
     periodic : tuple of bool
-        True along x, and along y, if the patch repeats there. ``(False, True)`` is a line contact.
+        True along x, and along y, if the grid repeats there. ``(False, True)`` is a line contact.
 
     Examples
     --------
@@ -55,7 +55,7 @@ class Grid:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Sides of the patch along x and y [m]."""
+        """Sides of the area that the grid covers, along x and y [m]."""
         return self.shape[0] * self.spacing[0], self.shape[1] * self.spacing[1]
 
     @property
@@ -65,11 +65,11 @@ class Grid:
 
     @property
     def area(self) -> float:
-        """Area of the patch [m²]."""
+        """Area that the grid covers [m²]."""
         return math.prod(self.size)
 
     def coordinates(self, axis: int) -> Array:
-        """Element centres along `axis` [m], with the patch's centre at 0.
+        """Element centres along `axis` [m], with 0 at the centre of the grid.
 
         Examples
         --------

@@ -120,18 +120,18 @@ class Corrections:
     motion : Motion or None
         Motion of both bodies; None where the pin is at rest.
     stem : Stem or None
-        Stem of the pin, which must not turn.
+        Stem that holds the pin; valid only for a pin that does not turn.
     pin_bulk, disk_bulk : Bulk or None
         Heat capacity and heat loss of each body as a whole. A body with None keeps its starting
         temperature.
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
-        Pairs of time [s] and load, as a share of the last load, of a recorded load; empty for a
+        A recorded load over time: pairs of time [s] and load divided by the last load. Empty for a
         ramp.
     rate : float or None
-        Rate at which a ramp reaches its load [N/s]; the load is then held. Without a rate and a
-        course, the load is linear between recorded steps.
+        Rate at which a ramp reaches its load [N/s]; the load is then held. If `rate` is None and
+        `course` is empty, the load is taken as linear between the simulated steps.
 
     Examples
     --------
@@ -273,10 +273,10 @@ class Corrections:
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Return `columns` with corrected rises per unit friction coefficient [K].
 
-        Each rise gets the added rise, and is multiplied by the friction factor at its velocity.
+        Each rise becomes (rise + `added_rise`) × the friction factor at its sliding velocity.
         `columns` has variables by name: those of `NEEDED`, and the rises ``max_rise``,
-        ``rise_quantile`` and, for unequal bulk temperatures, ``bulk_rise_quantile``. All other
-        columns are returned unchanged.
+        ``rise_quantile`` and, for unequal bulk temperatures, ``bulk_rise_quantile``. All columns
+        but the rises are returned unchanged.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction.at(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -301,8 +301,10 @@ _RISES: dict[str, Any] = {
 def state_rises(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
     """Temperature rises of a state per unit friction coefficient [K], by name of their variable.
 
-    They are corrected if corrections are given, and then come with all `measures` of the state. The
-    state must have a temperature. Earlier loads are taken from the scene's loading.
+    If `corrections` are given, the rises are corrected, and the result also has the values that
+    `measures` returns, such as time and load. Corrections for heat that a body has kept depend on
+    the loads before the state; these follow from the scene's loading. The state must have a
+    temperature.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")
@@ -352,7 +354,7 @@ class _History(NamedTuple):
 
 
 def _describe_curve(curve: Curve) -> str:
-    """Range of a friction curve's factors in words; empty without a curve."""
+    """Range of a friction curve's factors in words; an empty text if `curve` is empty."""
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))
     return factors and f"measured, {factors} times the coefficient"

@@ -128,7 +128,7 @@ def summit_width(scene: Scene) -> float:
 def _lowest_load(scene: Scene, normal_load: float) -> float:
     """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N].
 
-    A recorded load shares no steps, so that it is `normal_load`.
+    If the scene's loading is a recorded load, and so no ramp, the result is `normal_load` itself.
     """
     loading = scene.loading
     return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load

@@ -241,7 +241,8 @@ class SolvedFriction:
     criterion : str
         Kind of the criterion, one of `tribo.CRITERIA`.
     share : float
-        Share of the contact area above the critical temperature beyond which wear is severe.
+        Wear is severe if more than this share of the contact area is above the critical
+        temperature. Used by the criterion "share" alone.
     """
 
     law: Friction

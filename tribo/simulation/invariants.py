@@ -77,10 +77,11 @@ def check_contact(
 
 @_QUIET
 def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
-    """Check wear depths before and after a step [m] against the worn `volume` [m³], k·∫F dS.
+    """Check that wear depths after a step add up to the worn `volume`, and that none decreased.
 
-    `area` is an element's area times the number of windows that wear [m²]. Raises an
-    `InvariantError` if volume and depths differ.
+    `before` and `after` are the depths of all elements before and after the step [m]. `volume` is
+    the volume that the pin has lost since the start by the wear law [m³]. `area` is the area of the
+    whole pin that one element represents [m²]. Raises an `InvariantError` if a check fails.
 
     Examples
     --------

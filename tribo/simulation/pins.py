@@ -44,7 +44,11 @@ class OilEntry(NamedTuple):
 
 
 class Pin(Protocol):
-    """A smooth pin: a frozen dataclass whose fields are its sizes [m], and its material.
+    """Interface (protocol) of a smooth pin, such as `Cylinder`, `Ball` and `Crowned`.
+
+    A class of your own need not inherit from it. It must be a frozen dataclass with the fields
+    `material` and the sizes of the pin [m], and must have the properties ``radius``, ``length`` and
+    ``words`` and the methods ``profile``, ``patches``, ``hertz``, ``worn`` and ``film_thickness``.
 
     Examples
     --------

@@ -25,7 +25,10 @@ def simulate(
     trunks: Trunks | None = None,
     requested: Container[int] = (),
 ) -> Iterator[State]:
-    """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
+    """Simulate a loading up to `normal_load` at constant `velocity`; yield the state of each step.
+
+    The load grows as the scene's loading prescribes. If the loading has a hold, the load then stays
+    at `normal_load`.
 
     Parameters
     ----------

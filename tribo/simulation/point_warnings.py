@@ -73,7 +73,8 @@ class WarningKind(IntFlag):
     BEYOND_SHAPE
         The contact is too wide, or the wear too deep, for a pin taken as a parabola.
     FEW_TURNS
-        A rolling pin turns fewer than 10 times, or stands still at this velocity alone.
+        A rolling pin turns fewer than 10 times, or stands still at this velocity although it turns
+        at other velocities.
     SLOW_RISE
         The rise hardly grows with velocity. Found from neighbouring points of a sweep; for a worn
         ball at a single point, too.

@@ -180,10 +180,11 @@ class Scene:
         return self.contact_pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
-        """Wear of the pin by one contact at a sliding velocity [m/s]; None if no wear takes place.
+        """Wear of the pin in one step, at a constant wear rate; None if the scene has no wear.
 
-        `distances` are the distances slid at the step's beginning and end [m], for laws that need
-        them.
+        `sliding` is the sliding velocity [m/s], which decides whether the pin rolls.
+        `distances` are the distances slid since the start, at the step's start and end [m]. A wear
+        law over distance counts with its mean rate between these.
         """
         if self.wear is None or self.contact_pattern is None:
             return None
@@ -234,12 +235,12 @@ class Scene:
 
     @property
     def nominal_area(self) -> float:
-        """Area of the window times the number of windows on the pin [m²]."""
+        """Area of the simulated patch times the number of such patches on the pin [m²]."""
         return self.grid.area * self.pin.patches(self.grid)
 
     @property
     def greatest_load(self) -> float:
-        """Load on the pin at which the whole window is at the hardness [N]."""
+        """Load on the pin [N] at which the pressure on the whole nominal area is the hardness."""
         return self.hardness * self.nominal_area
 
     @property

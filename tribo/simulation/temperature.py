@@ -96,9 +96,11 @@ def refined_scene(scene: Scene, state: State) -> Scene:
 
 
 def add_temperature(scene: Scene, before: State, state: State, velocity: float) -> State:
-    """Return `state` with its temperature due to all heat since the start, and with this heat.
+    """Return `state` with its temperature, which is due to all heat since the start.
 
-    `before` is the state one step earlier, with the histories of the heat until then.
+    `before` is the state one step earlier. The result has the heat histories of `before`, with the
+    heat of this step added. Its temperature, `State.heat`, is None if nothing touches. `velocity`
+    is the sliding velocity [m/s].
     """
     contact = state.pressure > 0
 

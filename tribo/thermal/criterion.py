@@ -89,8 +89,9 @@ class Criterion:
     name : str
         One of `CRITERIA`, or the name of `rule`.
     share : float
-        Share of the contact area above the critical temperature beyond which wear is severe, from 0
-        (the highest temperature) to below 1; only for the kind "share".
+        Wear is severe if more than this share of the contact area is above the critical
+        temperature. The share is at least 0 (the highest temperature counts) and below 1. The
+        criteria "highest" and "mean" do not use it.
     rule : Rule or None
         A rule of the user, which replaces the rule of `CRITERIA`.
 

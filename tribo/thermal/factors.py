@@ -65,11 +65,13 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
 
 
 def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
-    """Kernel's factor E at the element centres, in the transform's order, shape (nodes, length).
+    """Factor of the heat kernel along one axis, at the element centres, shape (nodes, length).
 
-    `s` are the diffusion lengths at the nodes, and `shift` is how far the source has moved [m].
-    Only the elements within reach of the source are evaluated. Along a periodic axis, values of
-    elements that lie a whole number of periods apart are added up.
+    It is erf((x + a − d)/s) − erf((x − a − d)/s) at the centre x, with half the side of an element,
+    a. The diffusion length s [m] is one of `s`, the nodes of a quadrature; d is its entry of
+    `shift`, the distance that the body has moved [m]. Centres are in the order of the discrete
+    Fourier transform: x = 0, positive x, negative x. Where hardly any heat has arrived, the result
+    is 0. Along a periodic axis, values of centres whole periods apart are added up.
     """
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)

@@ -79,7 +79,11 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Warming by the pass `rounds` revolutions ago, per unit friction coefficient [K]."""
+        """Temperature rise [K] that the pass `rounds` revolutions ago still causes in the track.
+
+        It is per unit friction coefficient, if the disk takes all heat, and has the shape of
+        `rounds`.
+        """
         age = rounds * round_trip
         load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)

@@ -67,8 +67,8 @@ class RungeKutta:
     ) -> Iterator[Stage]:
         """Yield the contacts to solve in a step, in order; the last contact is at the step's end.
 
-        `loads` are the loads at the step's begin and end, `mean_load` is the mean over the step
-        [N]. `distance` is slid in the step [m].
+        `loads` are the loads at the start and end of the step, `mean_load` is the mean load over
+        the step [N]. `distance` is the sliding distance of the step [m].
 
         Examples
         --------
@@ -144,7 +144,7 @@ class Wear:
             )
 
     def depth(self, pressure: Array, distance: float) -> Array:
-        """Depth [m] that a `pressure` [Pa] wears over a sliding distance [m], the same shape."""
+        """Depth [m] that a `pressure` [Pa] wears over a sliding `distance` [m], at each element."""
         source = pressure.mean(axis=1, keepdims=True) if self.pattern == "swept" else pressure
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
@@ -217,7 +217,7 @@ class RollingWear(Wear):
             )
 
     def depth(self, pressure: Array, distance: float) -> Array:
-        """Depth [m] that a `pressure` [Pa] wears over a sliding distance [m], the same shape."""
+        """Depth [m] that a `pressure` [Pa] wears over a sliding `distance` [m], at each element."""
         axes = (0, 1) if self.pattern == "swept" else (0,)
         source = pressure.mean(axis=axes, keepdims=True) * self.window_share
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
