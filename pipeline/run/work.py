@@ -3,7 +3,7 @@
 ::
 
     TriboError
-    └── ExecutionError       the workers do not start, are lost, or run other code
+    └── ExecutionError       points could not be computed, most often for lack of workers
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
 
 
 class ExecutionError(TriboError):
-    """Workers did not start, were lost, or run other code.
+    """Points of a sweep could not be computed.
+
+    Most often Dask workers did not start, were lost, or have another version of this package.
 
     Examples
     --------
@@ -83,7 +85,10 @@ class Run(WorkerPlugin):  # type: ignore[misc]
         return sweep
 
     def require_same_code(self, worker: str) -> None:
-        """Raise an `ExecutionError` if the worker runs other code than the driver."""
+        """Raise an `ExecutionError` if the source files of worker and driver differ.
+
+        `worker` is the address of the worker, for the message.
+        """
         if self.code != CODE:
             raise ExecutionError(
                 f"the Dask worker {worker} runs tribo and pipeline from {FOLDER} (hash {CODE}), "

@@ -116,7 +116,10 @@ class OperatingPoints:
 
 
 def columns_of(columns: Any) -> dict[str, list[Any]]:
-    """Convert a mapping or a data frame of columns to lists by heading."""
+    """Convert the columns of a mapping or a data frame to lists of values, by heading.
+
+    Raises an `InputError` if `columns` is of another type, or the columns differ in length.
+    """
     if not hasattr(columns, "keys"):
         raise InputError(
             f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
@@ -129,15 +132,18 @@ def columns_of(columns: Any) -> dict[str, list[Any]]:
     return listed
 
 
-def lines_of(listed: Mapping[str, Sequence[Any]]) -> Lines:
-    """Turn columns `listed` by heading into lines of a table; bare numbers are in SI."""
+def lines_of(columns: Mapping[str, Sequence[Any]]) -> Lines:
+    """Convert `columns`, values by heading, to the rows of a table, with all cells as text.
+
+    The first row has the headings. Numbers without a unit are taken to be in SI.
+    """
     heads = []
-    for head, cells in listed.items():
+    for head, cells in columns.items():
         heading = Heading.of(head)
         is_bare = not (heading.unit or any(isinstance(cell, str) for cell in cells))
         unit = UNITS.get(heading.name) if is_bare else ""
         heads.append(f"{head} [{unit}]" if unit else head)
-    rows = enumerate(zip(*listed.values(), strict=True), 1)
+    rows = enumerate(zip(*columns.values(), strict=True), 1)
     texts = (SheetRow(number, ["" if x is None else str(x) for x in row]) for number, row in rows)
     return Lines([SheetRow(0, heads), *texts], [])
 
@@ -183,7 +189,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
         "sweep.velocities": [f"{velocity!r} m/s" for velocity in sorted(velocities)],
     }
     first = {path: value for path, value in rows[0].items() if "." in path}  # no labels
-    return document.default(places | first), partial(_extend, rows)
+    return document.defaulted(places | first), partial(_extend, rows)
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:

@@ -55,8 +55,8 @@ class Document(NamedTuple):
         """Entries of all files in `layers`, merged; files that come earlier override later ones."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
-    def default(self, entries: Mapping[str, Any]) -> Document:
-        """Add a last layer of defaults to the document: `entries` by path."""
+    def defaulted(self, entries: Mapping[str, Any]) -> Document:
+        """A new document with default values, `entries` by path, which all its files override."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:

@@ -36,7 +36,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
     """
     over = entry_at(document.entries(), "sweep.over")
     listed = flat(over) if isinstance(over, dict) else ()
-    return document.default({p: v[0] for p, v in listed if isinstance(v, list) and v}), _extend
+    return document.defaulted({p: v[0] for p, v in listed if isinstance(v, list) and v}), _extend
 
 
 def _extend(sweep: Sweep) -> Sweep:
@@ -71,9 +71,10 @@ def _axis(path: str, values: Sequence[Any]) -> Variants:
 
 
 def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield pairs (path, value) to set for a `value` of the entry at `path`.
+    """Yield paths of entries and their new values, which set the entry at `path` to `value`.
 
-    An oil's name removes the other entries on the oil.
+    If `path` is "oil", `value` is the name of an oil of the library. It is set as "oil.like", and
+    all other entries of the table ``[oil]`` get the value None, which removes them.
     """
     if path in _LIKE:
         yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)

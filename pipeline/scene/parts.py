@@ -52,7 +52,11 @@ def material_of(table: Material) -> tribo.Material:
 
 @dataclass
 class Contents:
-    """Contents of files as arrays by SHA-256, and folders of files by the entry that names them."""
+    """Contents of the files that a scene names, and the folders in which to find the files.
+
+    `arrays` has the contents, each by its SHA-256. `folders` has the folder of each file, by the
+    path of the scene's entry with the file's name, such as "loading.file".
+    """
 
     arrays: dict[str, Array] = field(default_factory=dict)
     folders: Mapping[str, Path] = field(default_factory=dict)
@@ -129,7 +133,10 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
 
 
 def wear_of(table: Any) -> Any:
-    """Make the `tribo.Wear` of a table, or the wear law of this package that it names."""
+    """Make the wear law of a scene from `table`, the scene's table ``[wear]``.
+
+    If the table names a law of `tribo.LAWS`, it is that law; otherwise it is a `tribo.Wear`.
+    """
     values = dict(vars(table))
     law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
     return law(**values)

@@ -132,9 +132,10 @@ class SceneReader:
         return add_laws(keep_written(tables, entries), parts, like)
 
     def _read_tables(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
-        """Read entries into a `SceneFile`; return it, and the names of its changed tables.
+        """Read entries into a `SceneFile`; return it, and the names of the tables that were read.
 
-        Tables that have not changed since the last entries without faults are not read again.
+        If an earlier call read a scene without faults, tables that equal those of the earlier scene
+        are taken from it instead of being read again.
         """
         kind = table_of(SceneFile)
         before, scene = self.first

@@ -43,10 +43,10 @@ class Section(NamedTuple):
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
     def keys(self) -> dict[str, tuple[Entry, str]]:
-        """Keys that hold values, each with its entry and the name of the table that has the key.
+        """Keys of the section that hold values: for each, its declaration and a table's name.
 
-        An entry may be one of several tables, such as a random or a measured surface. The name is
-        empty if all of these tables have the key.
+        Some sections allow one of several tables, such as a random or a measured surface. The name
+        tells which of these tables has the key. It is empty if all of them have the key.
         """
         forms = forms_of(self.entry.kind)
         keys: dict[str, tuple[Entry, str]] = {}

@@ -59,7 +59,7 @@ class Row(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Rows of a text or a sheet that are not empty, and notes on how it was read."""
+    """Rows of a text or a sheet that are not empty, and notes on how they were read."""
 
     rows: list[Row]
     form: list[str]
@@ -230,9 +230,10 @@ def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator by which most cells are numbers, in rows as long as the headings.
+    """Find the separator that splits `lines` of text into the most cells with numbers.
 
-    With `names`, a separator by which headings name quantities is preferred.
+    Only rows with about the usual number of cells count. If `names` of quantities are given, a
+    separator that splits the headings into such names is preferred.
     """
     filled = [line for line in lines if line.strip()]
     sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
@@ -251,10 +252,11 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
 
 
 def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines]:
-    """Read the non-empty rows of a text file, or of a workbook.
+    """Read the non-empty rows of a text file, or of each sheet of a workbook.
 
-    `sheet` is the sheet of the workbook to read; None reads all sheets. `names` are quantities that
-    headings may name. They help to find the separator of a text.
+    Returns one `Lines` for a text file, or one for each sheet. `sheet` is the only sheet to read;
+    None reads all sheets. `names` are the quantities that headings may name, which help to find the
+    separator of cells in a text.
     """
     require_file(path)
     try:

@@ -20,10 +20,11 @@ _COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
 
 
 def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
-    """Checksum of a point: hash of scene, load, velocity, variant, and the CRC of each variable.
+    """Checksum of a point's scene, load, velocity, variant and stored values: 16 hex digits.
 
-    `scene_hash` is of the scene that is simulated at the point (`Sweep.scene_hash`), and `entries`
-    are the point's variables by name.
+    `scene_hash` is the hash of the scene that is simulated at the point (`Sweep.scene_hash`), and
+    `entries` are the point's values by variable. Variables that are no results, such as the
+    duration of the computation, are ignored.
     """
     digest = hashlib.blake2b(scene_hash.encode(), digest_size=8)
     digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())

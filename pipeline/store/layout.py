@@ -148,10 +148,11 @@ def points_on(
 def made_coordinates(
     sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
 ) -> dict[str, Array]:
-    """Coordinates that are computed from the scene, by name.
+    """Compute the coordinates that follow from the scene, and return their values by name.
 
-    They are time, load and sliding distance at each step, and the scene ids. Values are NaN at
-    unused steps before the first step of a point. `wanted` has the store's variables by name.
+    They are time [s], load [N] and sliding distance [m] at each step, and the scene ids. Values are
+    NaN at unused steps before the first step of a point. `axes` has the values along each dimension
+    of the store. `wanted` has the store's variables by name, with the dimensions of each result.
     `ids` are the scene ids of the sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims

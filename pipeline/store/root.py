@@ -192,10 +192,10 @@ def _is_left_over(key: str) -> bool:
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Convert the JSON of a root document to a `Root`.
+    """Convert the JSON text of a root document to a `Root`.
 
-    Raises a `StoreError` if the document is damaged, is of another version of this program or not
-    of a sweep, or if xarray wrote it in a copy.
+    Raises a `StoreError` if the document is damaged, comes from another version of this program,
+    does not describe a sweep, or was written by xarray when it copied the store.
     """
     version: Any = FORMAT
     fault = "damaged, or not that of a sweep"

@@ -41,9 +41,10 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    """Variable with a field (x, y) at the end of each point, in single precision to save space.
+    """Variable with a field over x and y for each point, as it is when the simulation ends.
 
-    It is in `units`; `long_name` is its meaning.
+    `units` is the unit of the field, and `long_name` its meaning. The variable has single
+    precision, to save space.
     """
     return Variable(_FIELD, units, long_name, "float32")
 
@@ -123,13 +124,13 @@ RECORDS = {
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS = "about", "fields"
-"""Zarr groups: one for texts and facts of the store, one for fields at the end of points."""
+"""Zarr groups: one for texts and facts of the store, one for the fields over x and y."""
 VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
-"""Variables at the end of a point."""
+"""Fields, which are stored only as they are when the simulation of a point ends."""
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:

@@ -170,9 +170,9 @@ def _note_chunk(store: Store, damage: _Damage, name: str, chunk: Index, block: S
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Read a chunk of a variable; fill values if the chunk is missing, None if damaged.
+    """Return the values in a chunk of the variable `name`; None if the chunk is damaged.
 
-    `block` has the slices of the chunk in the array.
+    The values of a missing chunk are fill values. `block` has the slices of the chunk in the array.
     """
     with suppress(DamagedError):
         return store.read(name, block)
@@ -180,9 +180,9 @@ def _read(store: Store, name: str, block: Any) -> Any:
 
 
 def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Read values by variable for the chunk of points at the slices `block`.
+    """Read the chunk of points at the slices `block`; return an array for each variable, by name.
 
-    ``status`` and ``asked`` are left out. A damaged variable is None.
+    Coordinates, ``status`` and ``asked`` are left out. A damaged variable has None for an array.
     """
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
@@ -226,10 +226,11 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Yield name, and correct data to write, of coordinates that differ from the root document.
+    """Yield each coordinate with wrong values in the store: its name, and what to write instead.
 
-    Coordinates differ if a run was killed while the store grew. A program that reads the store
-    without this package would get the wrong values.
+    What to write is a tuple: name, index of the whole array, and correct values, which follow from
+    the root document. Values are wrong if a run was killed while the store grew. A program that
+    reads the store without this package would get the wrong values.
     """
     for name, values in sorted(store.root.coordinates().items()):
         found = _read(store, name, ...)

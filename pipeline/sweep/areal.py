@@ -133,7 +133,7 @@ def remove_form(
 
 
 def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughness:
-    """Describe the roughness of an area.
+    """Compute the roughness parameters of a height map by ISO 25178-2.
 
     Parameters
     ----------
@@ -141,6 +141,12 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
         Heights [m], NaN where a height is missing.
     spacing : tuple of float
         Sides of a pixel along x and y [m].
+
+    Returns
+    -------
+    ArealRoughness
+        Sa, Sq, Ssk, Sku, Sal, Str and the direction of the lay, after the form (mean plane and
+        significant curvature) was removed. Also the mean height, and slopes and radii of the form.
 
     Raises
     ------

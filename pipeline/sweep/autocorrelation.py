@@ -79,14 +79,18 @@ def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
     kept = [np.arange(-far, far + 1) for far in reach]
     pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, kept, strict=True)))
     if not measured.all():
-        pairs = _lagged(measured.astype(float))[np.ix_(*kept)]
-    correlation: Array = _lagged(heights)[np.ix_(*kept)] / np.maximum(pairs, 1.0)
+        pairs = _lag_sums(measured.astype(float))[np.ix_(*kept)]
+    correlation: Array = _lag_sums(heights)[np.ix_(*kept)] / np.maximum(pairs, 1.0)
     origin = np.array(reach)
     return correlation / correlation[tuple(origin)], origin
 
 
-def _lagged(values: Array) -> Array:
-    """For each lag, the sum of the products of all pairs of values at this lag."""
+def _lag_sums(values: Array) -> Array:
+    """Sum over all (i, j) of values[i, j] · values[i + k, j + l], for each lag (k, l).
+
+    Values are not periodic: they count as 0 outside the array (nx, ny). The result is an array
+    (2 nx, 2 ny) with indices k, l; negative lags have negative indices.
+    """
     shape, axes = [2 * n for n in values.shape], (0, 1)
     result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
     return result

@@ -90,7 +90,7 @@ class Sweep:
     judged : mapping
         Conditions that replace the conditions of all variants, by field of `Conditions`.
     oil : str or None
-        Oil whose tests count; None for the scene's own oil.
+        Name of the oil whose tests are compared with results; None for the scene's own oil.
 
     Examples
     --------
@@ -165,7 +165,10 @@ class Sweep:
 
     @property
     def title(self) -> str:
-        """Title of the scene, with the name of the oil whose tests count."""
+        """Title of the scene, or the name of its file if it has no title.
+
+        If an oil was chosen whose tests are compared with results (`oil`), its name is added.
+        """
         title = self.declared.title or self.name
         return title if self.oil is None else f"{title}, oil {self.oil}"
 

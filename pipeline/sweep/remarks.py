@@ -37,10 +37,10 @@ def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
 
 
 def join_notes(notes: Iterable[str]) -> str | None:
-    """Join notes, each once, to the text of one table cell; None without notes."""
+    """Return the text of one table cell with all `notes`, without repeats; None without notes."""
     return _SEPARATOR.join(dict.fromkeys(notes)) or None
 
 
 def split_notes(cells: Iterable[str | None]) -> list[str]:
-    """Split `cells`, which `join_notes` wrote, into notes, each once."""
+    """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

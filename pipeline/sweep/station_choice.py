@@ -18,10 +18,11 @@ def choose_stations(sweep: Sweep) -> Stations:
 
 
 def _default_steps(sweep: Sweep) -> Steps:
-    """Default of ``sweep.steps``: store all steps of points ("course"), or only the "end".
+    """Default of ``sweep.steps``: which time steps of each point to store.
 
-    All steps are stored if the pin wears under a ramp, after which the load is not held, and no
-    variants share contacts.
+    The result is "course", for all steps, if the pin wears, the load is a ramp without a hold, and
+    no variant reuses the contact solutions of another variant. Otherwise it is "end", for only the
+    steps that verdicts use.
     """
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)

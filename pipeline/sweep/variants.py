@@ -122,7 +122,10 @@ class Variants:
 
     @cached_property
     def coordinates(self) -> dict[Column, dict[Label, Label]]:
-        """Columns that a dimension determines, each with its value by label of the dimension."""
+        """For each column whose value follows from a dimension's label, its values by that label.
+
+        For example, a row's own load follows from the number of the row.
+        """
         return {
             one: {row.labels[one.along]: row.labels[one.name] for row in self.rows}
             for one in self.columns
@@ -177,7 +180,11 @@ class Variants:
 
     @property
     def _drawn_columns(self) -> tuple[Column, ...]:
-        """Columns that number random surfaces or samples, or whose values the number determines."""
+        """Columns in which the random surfaces or samples of one variant differ.
+
+        One column has the seed or the number of the sample. The others have values that follow from
+        this seed or number.
+        """
         drawn = {one.name for one in self.columns if one.is_drawn}
         return tuple(one for one in self.columns if drawn & {one.name, one.along})
 
