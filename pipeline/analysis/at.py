@@ -163,11 +163,12 @@ def at(
 def _weigh_by_tests(
     ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
 ) -> xr.Dataset:
-    """Copy of a dataset with samples, whose unknown inputs are to be weighed by laboratory tests.
+    """Record in a copy of a dataset that laboratory tests shall weigh draws of the unknown inputs.
 
-    `scatter` is the relative scatter of measured velocities; None for the default. Raises an
-    `InputError` if the user did not ask for the weighing (`given_measured`), or the dataset has no
-    samples. `others` are names of conditions that the user changes; only "criterion" is allowed.
+    The draws are weighed later, by the functions that answer from the copy. `scatter` is the
+    relative standard deviation of measured velocities; None for the default. Raises an `InputError`
+    if the dataset has no samples, or if `given_measured` is False (only `scatter` was given).
+    `others` are names of conditions that the user changes; only "criterion" is allowed.
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
@@ -262,7 +263,11 @@ def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
 
 
 def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """Value in SI for the unknown input at `path`; raises an `InputError` if out of range."""
+    """Convert a value of the unknown input at `path` to SI.
+
+    `value` is a number in SI, or text with a unit. Raises an `InputError` if the value is outside
+    the range of the samples of `ds`.
+    """
     draw = whole_sweep(ds).variants.draw
     return float(extras.module("drawn").drawn_value(draw, path, value))
 

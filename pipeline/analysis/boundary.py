@@ -212,10 +212,12 @@ _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is 
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
-    """Add the ends of the error band by load to `boundaries`, and return it with more attributes.
+    """Add the error band to `boundaries`, and return a copy of them with further attributes.
 
-    The attributes are the model's own error, the caveats, and why tests contradict the model, if
-    they do.
+    The band is the range of velocities [m/s] in which the verdict is not decided. `boundaries` gets
+    its ends at each load, found from `field`, as variables ``mild_below`` and ``severe_above``. The
+    attributes are the model's own error, the caveats, and why tests contradict the model, if they
+    do.
     """
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities

@@ -104,7 +104,7 @@ def scene_sweep(ds: xr.Dataset) -> Sweep:
 
 
 def whole_sweep(ds: xr.Dataset) -> Sweep:
-    """Whole sweep from which a dataset was selected, under the conditions of `pipeline.at`."""
+    """Whole sweep from which a dataset was selected, with the values that `pipeline.at` has set."""
     return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
 
 

@@ -34,8 +34,8 @@ class Difference:
     boundary: pd.DataFrame
     #: Points that are done in only one store or have different rises: ``load [N]``, ``velocity
     #: [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``, ``change
-    #: [%]``. A rise is the highest in the contact at the point's end, per unit friction
-    #: coefficient.
+    #: [%]``. A rise is the highest in the contact at the end of the point's simulation,
+    #: per unit friction coefficient.
     points: pd.DataFrame
     alike: int  #: Number of points that are done in both stores with equal rises.
 
@@ -133,10 +133,10 @@ def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
     """Frame of points with load, velocity, variant, state and rise [K].
 
-    The rise is the highest in the contact at the point's end, per unit friction coefficient.
-    Pending points are included if the last run was to compute them. The variant is a text with the
-    labels of the point's dimensions. If there are none, it is the seed of the single surface if
-    `has_seeds`, else None.
+    The rise is the highest in the contact at the end of the point's simulation, per unit friction
+    coefficient. Pending points are included if the last run was to compute them. The variant is a
+    text: the seed of the point's surface, or the number of its sample. If `data` has no dimension
+    of surfaces or samples, the variant is the seed of the single surface if `has_seeds`, else None.
     """
     data.require("max_rise")
     values = {

@@ -89,7 +89,10 @@ class Field(Protocol):
         """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures, and whether wear is severe, at k pairs of load and velocity."""
+        """Contact temperatures [K] at k pairs of load and velocity, and whether wear is severe.
+
+        `Here.values`, the temperatures, have the shape (m, k), for each of m surfaces or draws.
+        """
 
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
@@ -111,7 +114,8 @@ class Field(Protocol):
         """Probability (k,) that the next run at each load and velocity is severe.
 
         `scatter` is the distribution of the model's own error. `shift` is added to ln(rise): one
-        value, a value for each pair (k,), or n of them (n, k), which makes the result (n, k).
+        value, a value for each pair of load and velocity (k,), or n alternatives (n, k), for each
+        of which the result (n, k) has a row.
         """
 
 
@@ -181,7 +185,11 @@ class PointField:
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures at k pairs of load and velocity, interpolated between points."""
+        """Contact temperatures [K] at k pairs of load and velocity, and whether wear is severe.
+
+        Temperatures are interpolated between computed points. `Here.values`, the temperatures, have
+        the shape (m, k), for each of m surfaces.
+        """
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
         is_known = np.all(np.isfinite(rises), axis=0)
@@ -309,9 +317,9 @@ class PointField:
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
-        The first axis has the parts of `RiseError`: interpolation, preset, warnings, and film and
-        friction counted after the run. They are of the surface with the largest error, and NaN if
-        unknown.
+        The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
+        and temperature-dependent friction. The errors are of the surface with the largest total
+        error. They are NaN if unknown.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -339,8 +347,9 @@ class PointField:
     ) -> Array:
         """Probability (k,) that the next run at each load and velocity is severe.
 
-        It is the mean over surfaces. `scatter` is the distribution of the model's own error.
-        `shift` is added to ln(rise); if it has the shape (n, k), so has the result.
+        The probability is the mean over surfaces. `scatter` is the distribution of the model's own
+        error. `shift` is added to ln(rise): one value, a value for each pair of load and velocity
+        (k,), or n alternatives (n, k), for each of which the result (n, k) has a row.
         """
         loads, velocities = places_of(loads, velocities)
         # Places at a load of the sweep share its line.
@@ -461,7 +470,10 @@ def fields(data: Results) -> list[Field]:
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
-    """Make the `PointField` of a scene (`whole`) under `conditions`, by default the scene's own."""
+    """Make a `PointField` from `whole`, the results of one scene.
+
+    Wear is judged under `conditions`; None for the conditions of `whole`.
+    """
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {
         name: (at, at) if place else range_of(scene, name)

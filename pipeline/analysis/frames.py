@@ -57,20 +57,22 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
 def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
     """Yield pairs (heading, column) for a single surface: critical value and outcome.
 
-    `name` is the variable of the critical value in the boundary, and `axis` the axis of the rows.
+    `name` is "critical_velocity" or "critical_load". A column has a value for each load (`axis` is
+    "load") or for each velocity ("velocity").
     """
     yield column_heads(name)[name], boundaries[name]
     yield "outcome", boundaries[f"words_at_{axis}"]
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield pairs (heading, column) of a boundary over several surfaces.
+    """Yield pairs (heading, column) of a boundary for several surfaces, or for samples.
 
-    The columns are the median and the outer quantiles of the critical value, and the number of
-    surfaces with each outcome. For samples of unknown inputs they are the velocities at which
-    severe wear has a certain probability.
+    For several surfaces, the columns are the median, the 10 and the 90 % quantile of the critical
+    value, and the number of surfaces with each outcome. For samples of unknown inputs, they are
+    only the velocities at which severe wear is 5, 50 and 95 % likely.
 
-    `name` is the variable of the critical value in the boundary, and `axis` the axis of the rows.
+    `name` is "critical_velocity" or "critical_load". A column has a value for each load (`axis` is
+    "load") or for each velocity ("velocity").
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]

@@ -149,11 +149,12 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
     severe wear count. `Comparison.turn` is infinite if wear is mild at all computed velocities, and
     -infinite if wear is severe at all of them.
 
-    A test outside the computed velocities is compared with wear at the nearest of them. If wear
-    there differs from the test's outcome, or if no transition is predicted, the comparison is
-    uncertain (`Comparison.is_known` is False) where wear may still change up to the test's
-    velocity. With rising velocity wear may turn severe, and also mild if friction depends on
-    velocity.
+    A test outside the computed velocities is compared with wear at the nearest computed velocity.
+    The comparison is uncertain (`Comparison.is_known` is False) if test and model disagree there,
+    but wear may still change between the computed velocity and the test's. Test and
+    model disagree if the computed wear is not the test's outcome, or if the test is a measured
+    transition and none is predicted. With rising velocity wear may turn severe, and also mild if
+    friction depends on velocity.
 
     Raises
     ------
@@ -213,7 +214,11 @@ def compared(data: Results) -> pd.DataFrame | None:
 
 
 def agreement(frame: pd.DataFrame) -> str:
-    """Sentence that counts the tests by agreement, such as "2 yes, 1 no"."""
+    """Sentence such as "Agreement with the tests: 2 yes, 1 no.", which counts the tests in `frame`.
+
+    `frame` is the result of `compared`. Its column "agrees" says whether each test agrees with the
+    model: "yes", "no", "not decided" or "not known".
+    """
     counts = Counter(frame["agrees"])
     said = ", ".join(f"{counts[key]} {key}" for key in _AGREES if counts[key])
     return f"Agreement with the tests: {said}."

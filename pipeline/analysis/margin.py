@@ -106,7 +106,7 @@ class Margin:
 
     @property
     def decided_by(self) -> str | None:
-        """What would help to decide the verdict, in words; None if the verdict is decided."""
+        """What would decide an undecided verdict, such as "a test at this point"; else None."""
         if self.verdict != NOT_DECIDED:
             return None
         if self.misfit or verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
@@ -123,7 +123,11 @@ class Margin:
 
     @property
     def sentence(self) -> str:
-        """Verdict, probability, distance from the critical temperature and tests, in a sentence."""
+        """Sentence that states the verdict and the probability of severe wear.
+
+        The sentence also states the distance [K] from the critical temperature, and the tests near
+        the operating point with their outcomes, if there are any.
+        """
         side = "below" if self.distance >= 0 else "above"
         ends = percent(self.lowest), percent(self.highest)
         within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
@@ -261,12 +265,13 @@ def verdict_plane(
 
 
 def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
-    """Velocities [m/s] below which wear is mild and above which it is severe, for k loads (k, 2).
+    """Lower and upper end [m/s] of the velocities at which the verdict is not decided (k, 2).
 
-    `scatter` is the model's own error, and `velocities` are those tried, in ascending order. An
-    unknown result is NaN. If wear is mild at every velocity, the results are infinite and NaN. If
-    wear is severe at every velocity, they are NaN and 0. The second result is searched up to the
-    last velocity whose numerical error is known.
+    Below the lower end the verdict is mild, and above the upper end it is severe, at each of k
+    `loads` [N]. `scatter` is the model's own error. `velocities` [m/s] are those tried, in
+    ascending order. An end is NaN if it is outside these velocities. But if the verdict is mild at
+    all of them, the lower end is infinite; if it is severe at all of them, the upper end is 0.
+    The upper end is sought up to the last velocity whose numerical error is known.
     """
     ends = []
     for lowest, highest in zip(*verdict_plane(field, loads, velocities, scatter), strict=True):

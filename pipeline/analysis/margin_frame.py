@@ -234,9 +234,11 @@ def _label_names(found: Sequence[Judged]) -> list[str]:
 
 
 def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
-    """Columns that the user's table had besides operating points, repeated for each scene.
+    """Frame of the columns of the user's table `points` other than load and velocity.
 
-    `answers` is the frame to which they are added.
+    The frame has the rows of `answers`, in which the operating points are repeated for each scene.
+    A heading that `answers` already has gets the suffix "(given)". If `points` is None, the frame
+    has no columns.
     """
     taken, count = {*answers}, len(answers)
     columns = {

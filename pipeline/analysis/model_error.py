@@ -38,7 +38,11 @@ class Scatter(Protocol):
         """Size and basis of the scatter, in words."""
 
     def below(self, distances: Array) -> Array:
-        """Probability that a run's deviation is below `distances` in ln(velocity)."""
+        """Probability that the next run's deviation from the model is below each of `distances`.
+
+        A deviation is in ln(velocity), and positive if wear is severer than in the model: a run at
+        velocity V is like the model at V·exp(deviation).
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +83,11 @@ class ModelError:
         return math.sqrt(max(total / count for count, total in sums))
 
     def below(self, distances: Array) -> Array:
-        """Probability that a run's deviation is below `distances` in ln(velocity)."""
+        """Probability that the next run's deviation from the model is below each of `distances`.
+
+        A deviation is in ln(velocity), and positive if wear is severer than in the model: a run at
+        velocity V is like the model at V·exp(deviation).
+        """
         severer, milder = self.scales
         with np.errstate(divide="ignore", invalid="ignore"):
             ratios = distances / np.where(distances > 0, severer, milder)

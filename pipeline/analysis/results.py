@@ -218,7 +218,11 @@ class Results:
         return self.take({"realization": seeds.index(seed)})
 
     def require_plane(self) -> None:
-        """Raise an `InputError` unless this is one scene on a grid, with the variables to draw."""
+        """Raise an `InputError` unless figures over load and velocity can be drawn.
+
+        They need results of one scene on a grid of loads and velocities, with the variables
+        ``normal_load`` and ``rise_quantile``.
+        """
         require_kind(self.kind, Kind.PLANE)
         require_one_scene(self.entry_dims)
         self.require_lists(*PLANE)
@@ -317,7 +321,10 @@ class Results:
 
     @property
     def asked(self) -> Mask:
-        """Mask of points that the last run was to compute: the whole scene, or a selection."""
+        """Mask of points that the last run was to compute, done or not.
+
+        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        """
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
     def rises(self, conditions: Conditions) -> Array:

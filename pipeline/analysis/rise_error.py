@@ -157,9 +157,10 @@ def totals(errors: Array) -> Array:
 class RisePlane:
     """Temperature rises [K] at the points of one surface, and the warnings of these points.
 
-    Rises are per unit friction coefficient, without the effect of velocity on friction. `rises`,
-    `flags`, `durations` and `is_solved` have the shape (n_load, n_velocity). `flags` are sums of
-    `WarningKind` codes, `durations` the times of loading [s].
+    Rises are per unit friction coefficient, without the effect of velocity on friction. `flags` are
+    sums of `WarningKind` codes, and `durations` the times of loading [s]. `is_solved` is True at
+    points that the run solved with temperature-dependent friction. These arrays have the shape
+    (n_load, n_velocity).
     """
 
     loads: Array
@@ -167,7 +168,7 @@ class RisePlane:
     rises: Array
     flags: Indices
     durations: Array
-    is_solved: Mask  # True where friction by temperature was solved for the conditions
+    is_solved: Mask
 
     def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
         """Mask (k,) of k pairs of load and velocity: True if all points around are solved.
@@ -229,7 +230,12 @@ class RisePlane:
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """`RisePlane` of each surface, with rises divided by the friction factor at their velocity."""
+    """Make a `RisePlane` for each surface of a scene.
+
+    The rises are those of the contact temperature that the criterion of `conditions` compares with
+    its limit. If friction depends on velocity, rises are divided by the ratio of friction at the
+    point's velocity to the nominal coefficient of friction.
+    """
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
@@ -322,10 +328,10 @@ def _interpolation(
 ) -> Array:
     """Relative errors (k,) of rises at k pairs of load and velocity due to interpolation.
 
-    `rows` (k, 2) and `columns` (k, 2, 2) are the indices of load and of velocity of the points
-    between which each rise is interpolated, from `RisePlane.rests_on`. Extrapolation to other
-    velocities counts, too. An error is NaN outside the loads of these points, or if `grid` has too
-    few points to estimate it.
+    Each rise is interpolated between points of `grid`. `rows` (k, 2) are the indices of two loads,
+    and `columns` (k, 2, 2) those of two velocities at each of these loads, from
+    `RisePlane.rests_on`. Beyond the two velocities the error is that of extrapolation. An error is
+    NaN outside the two loads, or if `grid` has too few points to estimate the error.
     """
     (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
     first, last = np.moveaxis(grid.velocities[columns], -1, 0)
