@@ -153,11 +153,11 @@ def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
         {**data.rows.coords, **own},
     )
     frame = points.to_dataframe().reset_index()
-    frame["variant"] = None
     if in_front:
         frame["variant"] = frame[in_front].astype(str).agg(", ".join, axis="columns")
-    elif has_seeds:
-        frame["variant"] = str(getattr(data.sweep.scene.roughness, "seed", None))
+    else:
+        seed = str(getattr(data.sweep.scene.roughness, "seed", None))
+        frame["variant"] = seed if has_seeds else None
     frame["state"] = frame["status"].map(_STATES).fillna("pending")
     here = (frame["status"] != PENDING) | frame["asked"]
     return frame.loc[here, ["load", "velocity", "variant", "state", "rise"]]

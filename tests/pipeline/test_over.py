@@ -137,10 +137,7 @@ def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     (legend,) = pipeline.plot(pipeline.at(swept, friction=0.12), "diagram").legends
     assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
     assert "friction 0.12, bulk 25" in legend.get_title().get_text()
-    for words in (
-        ("plot", "--kind", "temperature"),
-        ("diff", swept),
-    ):
+    for words in (("plot", "--kind", "temperature"), ("diff", swept)):
         said = irg(words[0], swept, *words[1:], code=2)
         assert 'take one of each: --at "pin.radius=..."' in said
     irg("explore", swept, "-o", folder / "p.html")

@@ -121,6 +121,9 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
     words, (there,) = irg_both("margin", store, *place)
     margin = pipeline.margin(store, "500 N", "1.3 m/s")
+    between = pipeline.diff(store, store)
+    assert between.alike == (pipeline.open_sweep(store)["status"] == 1).sum() > 16
+    assert between.points.empty
     assert margin.lowest < margin.probability == there["probability"] < margin.highest
     assert margin.sentence in words.replace("\n    ", " ")
     assert "16 samples may not suffice" in words
