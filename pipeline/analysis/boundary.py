@@ -72,8 +72,8 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           first.
 
         A sweep with samples of unknown inputs has only the error band and
-        ``critical_velocity_quantile``: the lowest velocities at which the next run is severe with a
-        probability of 5, 50 and 95 %.
+        ``critical_velocity_quantile``: the lowest velocities at which a further run is severe with
+        a probability of 5, 50 and 95 %.
 
     Raises
     ------
@@ -212,12 +212,12 @@ _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is 
 
 
 def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
-    """Add the error band to `boundaries`, and return a copy of them with further attributes.
+    """Add the error band to `boundaries`, and return a copy with attributes on errors and caveats.
 
-    The band is the range of velocities [m/s] in which the verdict is not decided. `boundaries` gets
-    its ends at each load, found from `field`, as variables ``mild_below`` and ``severe_above``. The
-    attributes are the model's own error, the caveats, and why tests contradict the model, if they
-    do.
+    The error band is the range of velocities [m/s] in which the verdict is not decided. The
+    variables ``mild_below`` and ``severe_above`` have its lower and upper end at each load, found
+    from `field`. They are added to `boundaries` itself, the attributes only to the copy:
+    ``model_error``, ``caveats``, and ``misfit`` if tests contradict the model.
     """
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities

@@ -82,10 +82,9 @@ class Field(Protocol):
         """Lines of text on the unknown inputs and tests behind the answers; empty if none."""
 
     def judged_by(self, own: Mapping[str, float]) -> Field:
-        """The field judged under conditions of one operating point.
+        """Return the field with conditions of one operating point in place of the scene's.
 
-        `own` has them by name: "friction", "bulk_temperature" [K] and "critical_temperature" [K],
-        or some of these.
+        `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
         """
 
     def temperatures(self, loads: Places, velocities: Places) -> Here:
@@ -111,7 +110,7 @@ class Field(Protocol):
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run at each load and velocity is severe.
+        """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
         `scatter` is the distribution of the model's own error. `shift` is added to ln(rise): one
         value, a value for each pair of load and velocity (k,), or n alternatives (n, k), for each
@@ -174,7 +173,10 @@ class PointField:
         return rise_limit(self.conditions)
 
     def judged_by(self, own: Mapping[str, float]) -> PointField:
-        """The field judged under conditions of one operating point, such as its "friction"."""
+        """Return the field with conditions of one operating point in place of the scene's.
+
+        `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
+        """
         return self.under(self.conditions.row_conditions(own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
@@ -289,10 +291,10 @@ class PointField:
 
     @functools.cached_property
     def _filled(self) -> Array:
-        """Rises [K] on m surfaces (m, n_load, n_velocity), with estimates by `filled`.
+        """Rises [K] on m surfaces (m, n_load, n_velocity), with estimates; NaN elsewhere.
 
-        At loads with only a single point, rises at other velocities are estimated from neighbouring
-        loads.
+        Rises at loads with a single computed point are estimated: they are interpolated between
+        neighbouring loads, and scaled to pass through that point. All other rises are as computed.
         """
         return filled(self._rises, self.loads, self.velocities)
 
@@ -345,7 +347,7 @@ class PointField:
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run at each load and velocity is severe.
+        """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
         The probability is the mean over surfaces. `scatter` is the distribution of the model's own
         error. `shift` is added to ln(rise): one value, a value for each pair of load and velocity

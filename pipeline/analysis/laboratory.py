@@ -142,24 +142,29 @@ class Comparison(NamedTuple):
 
 
 def comparison(own: PointField, test: Measurement) -> Comparison:
-    """Compare a test with the wear that the model predicts at the test's load.
+    """Compare a laboratory test with the wear that the model predicts at the test's load.
 
-    `own` predicts temperature rise and wear under the test's conditions. Velocities of the result
-    are medians over the surfaces. For a measured transition only predicted changes from mild to
-    severe wear count. `Comparison.turn` is infinite if wear is mild at all computed velocities, and
-    -infinite if wear is severe at all of them.
+    `own` has the rises computed on one surface or several, under the test's conditions. The test is
+    a run with an outcome, "mild" or "severe", or a measured transition from mild to severe wear.
 
-    A test outside the computed velocities is compared with wear at the nearest computed velocity.
-    The comparison is uncertain (`Comparison.is_known` is False) if test and model disagree there,
-    but wear may still change between the computed velocity and the test's. Test and
-    model disagree if the computed wear is not the test's outcome, or if the test is a measured
-    transition and none is predicted. With rising velocity wear may turn severe, and also mild if
-    friction depends on velocity.
+    `Comparison.turn` is the computed velocity [m/s], nearest to the test's, at which wear changes;
+    for a measured transition only changes to severe wear count. It is the median over the surfaces.
+    It is infinite if wear is mild at all computed velocities, and -infinite if wear is severe at
+    all of them.
+
+    A run agrees with the model if the model predicts the run's outcome on most surfaces. A test
+    outside the computed velocities is compared at the nearest of them. A measured transition has a
+    counterpart in the model if `Comparison.turn` is finite.
+
+    `Comparison.is_known` is False if a test outside the computed velocities does not agree or has
+    no counterpart, but wear may still change between the nearest computed velocity and the test's.
+    With rising velocity wear may turn severe, and also mild if friction depends on velocity.
 
     Raises
     ------
     InputError
-        If the load is outside the sweep, or too few points are done.
+        If the test's load is outside the sweep, or too few points near the test are computed for
+        the model to predict its outcome.
     """
     line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
     low, high = (float(end[0]) for end in line.transitions.computed)

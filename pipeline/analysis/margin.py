@@ -2,9 +2,9 @@
 
 Three errors count. The numerical error (`pipeline.analysis.rise_error`) shifts all rises. Surfaces,
 or draws of uncertain inputs, have rises that differ. The model's own error
-(`pipeline.analysis.model_error`) shifts the velocity of the next run. The verdict is mild if the
-next run is severe with a probability of at most 5 % at the worst numerical error. It is severe if
-this probability is at least 95 %. Otherwise it is not decided.
+(`pipeline.analysis.model_error`) shifts the critical velocity of a further laboratory run. The
+verdict is mild if this run is severe with a probability of at most 5 % at the worst numerical
+error. It is severe if this probability is at least 95 %. Otherwise it is not decided.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pipeline.sweep.shown import shown
 from tribo.types import Array, Mask
 
 NOT_DECIDED = "not decided"
-"""Verdict if the next run is neither mild nor severe with 95 % probability."""
+"""Verdict if a further run is neither mild nor severe with 95 % probability."""
 DECIDED = (0.05, 0.5, 0.95)
 """Probabilities of severe wear: up to the first the verdict is mild, from the last on severe."""
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
@@ -55,7 +55,7 @@ class Margin:
 
     load: float  #: Normal load on the whole pin [N].
     velocity: float  #: Sliding velocity [m/s].
-    probability: float  #: Probability that the next run is severe.
+    probability: float  #: Probability that wear is severe in a further run.
     lowest: float  #: This probability if the numerical error makes contacts colder.
     highest: float  #: This probability if the numerical error makes contacts hotter.
     #: Contact temperature that the criterion compares with the critical temperature [K].
@@ -86,7 +86,7 @@ class Margin:
 
     @property
     def verdict(self) -> str:
-        """Verdict on the next run: ``"mild"``, ``"severe"`` or ``"not decided"``."""
+        """Verdict on a further laboratory run: ``"mild"``, ``"severe"`` or ``"not decided"``."""
         return NOT_DECIDED if self.misfit else verdict_between(self.lowest, self.highest)
 
     @property
@@ -248,7 +248,7 @@ def probabilities(
 def verdict_plane(
     field: Field, loads: Array, velocities: Array, scatter: Scatter
 ) -> tuple[Array, Array]:
-    """Lowest and highest probability that the next run is severe, two arrays (load, velocity).
+    """Lowest and highest probability that a further run is severe, two arrays (load, velocity).
 
     The arrays differ because of the numerical error. They are 0 and 1 if the tests contradict the
     model. `scatter` is the model's own error. Loads and velocities may be outside the sweep.

@@ -64,11 +64,11 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
     -------
     Margin or DataFrame
         For one operating point in a single scene its `Margin`. Otherwise a data frame with a row
-        for each point: load, velocity, the ``verdict`` on the next run, the ``probability`` that it
-        is severe, the contact temperature that the criterion compares with the critical temperature
-        (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and its
-        ``distance [K]`` below the critical temperature. For velocity and for load it also has the
-        lowest critical value, its ratio to the point's own value, and the outcome. With several
+        for each point: load, velocity, the ``verdict`` on a further run, the ``probability`` that
+        it is severe, the contact temperature that the criterion compares with the critical
+        temperature (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and
+        its ``distance [K]`` below the critical temperature. For velocity and for load it also has
+        the lowest critical value, its ratio to the point's own value, and the outcome. With several
         surfaces, or draws of unknown inputs, these values are medians; ``distance low [K]`` and
         ``distance high [K]`` are the 5 and 95 % quantiles. Points outside the computed ones have no
         values, and ``notes`` give the reason.

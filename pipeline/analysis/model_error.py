@@ -1,8 +1,9 @@
-"""The model's own error: how far ln(velocity) of the next run is off, from the tests of a scene.
+"""The model's own error: how far the critical velocity of a further laboratory run may be off.
 
-It follows Student's t with 4 + n degrees of freedom and the scale √((4·s² + Σr²)/(4 + n)). r is
-ln(measured/computed) of n transitions at their own conditions. s is a prior of 10 %, which counts
-like four tests, so that few tests change little.
+The distribution of this error in ln(velocity) follows from the tests of a scene. It is Student's t
+with 4 + n degrees of freedom and the scale √((4·s² + Σr²)/(4 + n)). r is ln(measured/computed) of n
+transitions at their own conditions. s is a prior of 10 %, which counts like four tests, so that few
+tests change little.
 
 A wrong outcome, at the distance r from the computed transition, widens the half of the distribution
 on its side. The farthest wrong outcomes count, as many as make the scale largest, and they add no
@@ -31,14 +32,18 @@ WORTH = 4  # the prior weighs as much as this number of tests
 
 
 class Scatter(Protocol):
-    """Interface: distribution of the next run's deviation from the model, in ln(velocity)."""
+    """Interface: distribution of how far a further laboratory run deviates from the model.
+
+    The deviation is ln(critical velocity of the model / critical velocity of that run). It is
+    positive if wear is severer than in the model.
+    """
 
     @property
     def text(self) -> str:
         """Size and basis of the scatter, in words."""
 
     def below(self, distances: Array) -> Array:
-        """Probability that the next run's deviation from the model is below each of `distances`.
+        """Probability that a further run's deviation from the model is below each of `distances`.
 
         A deviation is in ln(velocity), and positive if wear is severer than in the model: a run at
         velocity V is like the model at V·exp(deviation).
@@ -83,7 +88,7 @@ class ModelError:
         return math.sqrt(max(total / count for count, total in sums))
 
     def below(self, distances: Array) -> Array:
-        """Probability that the next run's deviation from the model is below each of `distances`.
+        """Probability that a further run's deviation from the model is below each of `distances`.
 
         A deviation is in ln(velocity), and positive if wear is severer than in the model: a run at
         velocity V is like the model at V·exp(deviation).

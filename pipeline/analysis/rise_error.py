@@ -225,7 +225,10 @@ class RisePlane:
 
     @functools.cached_property
     def warned(self) -> Array:
-        """Relative errors (load, velocity) due to warnings of the points; NaN if unknown."""
+        """Relative errors (load, velocity) of the rises that the points' warnings imply.
+
+        An error is 0 at a point without warnings, and NaN if a warning's effect is unknown.
+        """
         return warned_errors(self.flags, self.durations)
 
 
@@ -396,9 +399,10 @@ def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
 
 
 def warned_errors(flags: Indices, durations: Array) -> Array:
-    """Relative errors of rises due to warnings of their points; NaN if unknown.
+    """Relative errors of rises that the warnings of their points imply.
 
-    `flags` are sums of `WarningKind` codes, and `durations` the times of loading [s].
+    An error is 0 at a point without warnings, and NaN if a warning's effect is unknown. `flags`
+    are sums of `WarningKind` codes, and `durations` the times of loading [s].
     """
     is_warm = (flags & int(WarningKind.PRESENT_HEAT)) > 0
     warm = np.interp(np.log(np.where(is_warm, durations, 1.0)), np.log(_DURATIONS), _TOO_WARM)

@@ -68,7 +68,11 @@ class Line:
 
     @property
     def computed(self) -> tuple[Array, Array]:
-        """Lowest and highest computed velocity or load of each curve; NaN if none is computed."""
+        """Lowest and highest computed value on the horizontal axis of each curve, as two arrays.
+
+        They are velocities [m/s] if the curves run along velocity, and loads [N] if along load. A
+        value is NaN if no point of the curve is computed.
+        """
         return np.fmin.reduce(self.done, axis=-1), np.fmax.reduce(self.done, axis=-1)
 
     @functools.cached_property

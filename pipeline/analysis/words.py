@@ -42,7 +42,7 @@ def boundary_lines(boundaries: xr.Dataset) -> list[str]:
 
 
 def next_run_line(boundary: xr.Dataset) -> str:
-    """Sentence on the velocities below which the next run is mild, and above which severe."""
+    """Sentence on the velocities below which a further run is mild, and above which severe."""
     said = []
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)

@@ -46,8 +46,8 @@ def ramp(
     velocity is the nearest to the transition. `realization` is the seed of the surface; by default
     the first one.
 
-    If a point's end was computed on smaller elements than its ramp, it is a mark that no line joins
-    to the ramp.
+    If a point's last step was computed on smaller elements than its earlier steps, a separate
+    marker shows the last step; the line ends at the step before.
     """
     data = data.take_row(realization)
     conditions = data.shown_conditions

@@ -92,8 +92,8 @@ def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> 
     """Read the tests of a log; faults are listed in the sheet of the result.
 
     `options` are entries by name of the scene's table for a log, such as ``columns``. `key` is the
-    scene's list that needs the tests ("measured" or "tested"); if it is None, the log's columns
-    decide.
+    scene's list that needs the tests ("measured" or "tested"); if it is None, the columns of
+    the log tell which list.
     """
     read = read_table(path, options)
     if is_one_run(read_table(path, options, OF_TRACE).sheet):
@@ -109,7 +109,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
 
     `words` has the outcome that the user gives to words such as "ok". Other words have their usual
     meaning; an unknown word is a fault. `key` is the scene's list that needs the tests ("measured"
-    or "tested"); if it is None, the log's columns decide.
+    or "tested"); if it is None, the log's columns tell which list.
     """
     sheet, export, missing = read
     row_class = Transition if key == "measured" else _row_class(sheet)

@@ -71,7 +71,11 @@ class Patterns(NamedTuple):
 
 @functools.cache
 def vocabulary() -> Mapping[str, Any]:
-    """Contents of ``words.toml``: patterns of headings by quantity, and words of outcomes."""
+    """Contents of ``words.toml``: words for a test's outcome, and patterns of column headings.
+
+    The patterns are regular expressions, by the name of the quantity that a column has. The words
+    are those that tables use for mild and severe wear, such as "passed" and "scuffed".
+    """
     text = resources.files("pipeline.laboratory").joinpath("words.toml").read_text("utf-8")
     return tomllib.loads(text)
 

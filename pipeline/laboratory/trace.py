@@ -401,9 +401,11 @@ def _rises(
 
 
 def _is_sudden(friction: Array, row: int, half: float) -> bool:
-    """True if friction rises by `half` or more near index `row`, in a small share of the stage.
+    """True if friction rises by `half` or more near index `row`, within a small share of a stage.
 
-    `half` is half of the whole rise.
+    `friction` (n,) is the coefficient of friction in each row of one stage: a level or ramp of
+    load and velocity. `half` is half of the rise, from the lowest friction before index `row` to
+    the median friction after it.
     """
     reach = max(2, math.ceil(_SUDDEN * len(friction)))
     near = friction[max(0, row - reach) : row + 2 * reach]

@@ -337,10 +337,14 @@ def node_errors(field: PointField, loads: Array, velocities: Array) -> Array:
 
 
 def _model_facts(data: Results) -> dict[str, Any]:
-    """Distribution of the model's own error, and probabilities at which a verdict is decided.
+    """Data for the verdicts of the page, by name.
 
-    The distribution, Student's t, depends on the number of transitions compared with the model. The
-    page finds this number under the reader's conditions. So there is a table for each number.
+    - ``model``: distribution of the model's own error, Student's t, as a table over its distances.
+      It depends on the number of measured transitions that can be compared with the model, which
+      the page counts under the conditions that the reader sets. So each number has a table.
+    - ``misfit``: why the tests contradict the model; empty if they do not.
+    - ``decided``: two probabilities of severe wear: up to the first a verdict is mild, from the
+      second on severe.
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))

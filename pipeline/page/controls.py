@@ -78,7 +78,10 @@ def controls(
 
 
 def surface_choice(surfaces: Sequence[int] | None) -> str:
-    """HTML to select one surface or all; empty if there is only one surface."""
+    """HTML to select one random surface or all; empty if there is only one.
+
+    `surfaces` has the seeds of the surfaces, or is None if the scene has a single surface.
+    """
     if not surfaces or len(surfaces) < 2:
         return ""
     numbered = {str(number): f"surface {name}" for number, name in enumerate(surfaces)}

@@ -78,7 +78,7 @@ def _html(part: str | pd.DataFrame) -> str:
 
 
 def _answer(data: Results) -> Iterator[str]:
-    """Yield sentences on the criterion of severe wear and the next run, then warnings."""
+    """Yield sentences on the criterion of severe wear and a further run, then warnings."""
     yield judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
     if data.kind is Kind.PLACES:
         yield counts_in_words(margin(data))

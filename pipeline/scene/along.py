@@ -193,7 +193,12 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
 
 
 def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Rows of ``sweep.along`` as written, each as entries by path; empty if absent or faulty."""
+    """Read the rows of the table ``sweep.along``, each as values by the path of the entry.
+
+    A path is an entry's dotted name; a row's load, velocity and hold have their names alone. Values
+    are as written. The list is empty if the table is absent or its file faulty; faults of the file
+    are added to `faults`.
+    """
     written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
     if isinstance(written, str) and written:

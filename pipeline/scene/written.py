@@ -22,9 +22,11 @@ _FEWEST, _MOST = 6, 17  # fewest and most digits of a number
 
 
 def entries_of(kind: Kind, value: Any) -> Any:
-    """Convert a value in SI to an entry that its kind would read as this value.
+    """Convert a value in SI to what a scene file would say for it, such as the text "600 N".
 
-    The result is None, for an entry that is left out, if the value is None, infinite or empty.
+    `kind` says how the entry is read: as a quantity, list or table, for example. A list gives a
+    list of converted values, a table a dictionary of them. The result is None if `value` is None,
+    infinite or an empty tuple: a scene file then leaves out the entry.
     """
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
@@ -73,11 +75,11 @@ def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None)
 
 
 def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str]:
-    """Texts of the values of a sweep's entries, by path.
+    """Text of each entry's value, by the path of the entry.
 
-    Conditions that were given instead of the scene's, `Sweep.judged`, stand at the paths of the
-    entries that they replace. The title and entries that differ between samples are left out.
-    `entries`, if given, are written instead of the sweep's.
+    The entries are those of the sweep, or `entries` if given. In both cases, the conditions in
+    `Sweep.judged` replace the entries that have the same paths. The title and entries that differ
+    between samples are left out.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
     tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}

@@ -23,9 +23,10 @@ def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
 
 
 def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
-    """Say in one line when wear is severe, for several conditions; equal words appear once.
+    """Say in one line when wear is severe: the limit, friction, bulk and corrections.
 
-    Values of entries whose paths are in `drawn` are replaced by the words "of each sample".
+    `several` has the conditions of each scene; where these differ, all are named. Values of entries
+    whose paths are in `drawn` are replaced by the words "of each sample".
     """
     each = [
         (

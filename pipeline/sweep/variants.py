@@ -161,10 +161,11 @@ class Variants:
         return tuple(row.labels[name] for row in self.rows) if is_there else None
 
     def values(self, name: Variant) -> Mapping[str, Any]:
-        """New values of the scene entries that the variant called `name` replaces, by path.
+        """New values of the scene's entries that a variant replaces, by path of the entry.
 
-        If `name` lacks the labels of random surfaces or samples, the result lacks the entries that
-        these labels stand for.
+        `name` has the pairs (dimension, label) of the variant. It may leave out the dimensions of
+        random surfaces and samples. Then the result leaves out the entries that differ between
+        surfaces or samples. Raises an `InputError` if the sweep has no such variant.
         """
         if name in self.by_name:
             labels, values = self.by_name[name]

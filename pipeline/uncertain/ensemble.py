@@ -187,11 +187,11 @@ class Ensemble:
         )
 
     def judged_by(self, own: Mapping[str, float]) -> Ensemble:
-        """Copy of the ensemble whose wear is judged under conditions of an operating point.
+        """Return the ensemble with conditions of an operating point in place of the scene's.
 
-        `own` has ``friction``, ``bulk_temperature`` [K] or ``critical_temperature`` [K]. They
-        replace the scene's conditions, and fix the unknown inputs that they concern. The emulated
-        rises are the same; raises an `InputError` if they depend on `own`.
+        `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
+        An unknown input among them becomes a fixed input. The emulated rises stay the same. Raises
+        an `InputError` if the conditions in `own` would change these rises.
         """
         if not own:
             return self

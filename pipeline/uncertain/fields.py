@@ -137,10 +137,10 @@ class SampleField:
         yield f"  {_describe_left_out(ensemble)}"
 
     def judged_by(self, own: Mapping[str, float]) -> SampleField:
-        """Copy of the field whose wear is judged under conditions of an operating point.
+        """Return the field with conditions of an operating point in place of the scene's.
 
-        `own` has ``friction``, ``bulk_temperature`` [K] or ``critical_temperature`` [K], which
-        replace the scene's. Raises an `InputError` if the draws have weights from tests.
+        `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
+        Raises an `InputError` if the draws have weights from tests.
         """
         if not own:
             return self
@@ -227,7 +227,7 @@ class SampleField:
     def probability(
         self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
     ) -> Array:
-        """Probability (k,) that the next run at each of k pairs of load and velocity is severe.
+        """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
         It is computed from the velocities at which wear changes in each draw. `scatter` is the
         distribution of a run about the model, in ln(velocity). `shift`, one value or (k,), is added
@@ -242,7 +242,7 @@ class SampleField:
         return result
 
     def _probability(self, load: float, velocities: Array, scatter: Scatter, shift: float) -> Array:
-        """Probability (n_velocity,) that the next run at a load [N] and `velocities` is severe.
+        """Probability (n_velocity,) that a further run at a load and `velocities` is severe.
 
         `scatter` is the distribution of a run about the model, and `shift` is added to ln(rise).
         """

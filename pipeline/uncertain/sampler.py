@@ -81,7 +81,10 @@ def _next_exponent(likelihood: Array, over: Array, power: float) -> float:
 
 
 class Mixture(NamedTuple):
-    """Mixture of Student's t distributions for the normal scores of the inputs."""
+    """Mixture of Student's t distributions for the unknown inputs, each as its normal score.
+
+    A normal score is the input, converted so that its prior is the standard normal distribution.
+    """
 
     shares: Array  # (n_part,)
     centres: Array  # (n_part, n_unknown)
@@ -89,9 +92,11 @@ class Mixture(NamedTuple):
 
     @classmethod
     def fit(cls, scores: Array, weights: Array, chance: np.random.Generator) -> Mixture:
-        """Fit components of the mixture to weighted scores, by expectation maximisation.
+        """Fit a mixture to the normal scores of weighted draws, by expectation maximisation.
 
-        `scores` are (n, n_unknown), `weights` (n,), and `chance` picks the first centres.
+        `scores` (n, n_unknown) are n draws of the unknown inputs, each converted to a standard
+        normal value. `weights` (n,) add up to 1. `chance` picks the first centres of the
+        components, whose number is fixed.
         """
         n = scores.shape[1]
         spread = np.cov(scores.T, aweights=weights, ddof=0).reshape(n, n) + 1e-9 * np.eye(n)

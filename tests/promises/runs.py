@@ -1,7 +1,7 @@
-"""Judge what samples with tests say of the next run, by hidden truths.
+"""Judge what samples with tests say of a further laboratory run, by hidden truths.
 
 Each truth is a rig whose runs scatter by as much as the tool assumes beforehand, or by a fixed
-share. Its tests are direct simulations. At each load the velocity is sought at which the next run
+share. Its tests are direct simulations. At each load the velocity is sought at which a further run
 is said to be severe with 1, 5 and 20 %; the true probability there follows from the rig's own
 transition, found by direct simulations, and its own scatter. No run is counted.
 
@@ -41,12 +41,12 @@ def law_scatters(seed):
 
 
 def next_run(ensemble, posterior):
-    """Field of samples weighed by tests, which predicts the next run."""
+    """Field of samples weighed by tests, which predicts a further laboratory run."""
     return SampleField(ensemble, draws_of(ensemble, posterior.draws), None, posterior)
 
 
 def true_probabilities(field, rig, load, bulk, scatter):
-    """True probabilities that the next run is severe where the predicted ones are `SAID`.
+    """True probabilities that a further run is severe where the predicted ones are `SAID`.
 
     None if such a velocity, or the transition, is outside the sweep.
     """

@@ -98,7 +98,7 @@ class MeasuredLoad:
 
     @property
     def peak(self) -> float:
-        """Load at which the record's loading ends [N]: its reference load, or its maximum."""
+        """Load at which the loading ends [N]: the reference load if given, else the highest."""
         return float(self.loads.max()) if self.reference_load is None else self.reference_load
 
     def time_at(self, share: float) -> float:
@@ -145,7 +145,12 @@ class MeasuredLoad:
         return _course(self)
 
     def _step_ends(self, number: int) -> Array:
-        """Ends of `number` steps [s], counted from the record's first row, shape (number,)."""
+        """Times [s] at which the `number` steps of the loading end, shape (number,).
+
+        Time 0 is the record's first row. At the last time the load reaches its peak. The steps are
+        equal in time if the load rises almost evenly. Otherwise they are shorter where the load
+        changes fast.
+        """
         begin, end = float(self.times[0]), self.time_at(1.0)
         shares = np.arange(1, number + 1) / number
         if (unequal := _step_times(self)) is None:

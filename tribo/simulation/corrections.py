@@ -386,10 +386,10 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, history: _History, speed: float) -> float:
-    """Warming of a track by earlier turns [K], if all heat goes into its body.
+    """Warming of a track by earlier turns [K], per unit friction coefficient.
 
-    The warming is per unit friction coefficient. `history` has the loads until the step, and
-    `speed` is the track's speed through the contact [m/s].
+    It is the warming at the end of `history`, the load over time, if all friction heat goes into
+    the track's body. `speed` is the track's speed through the contact [m/s].
     """
     width = track.width or track.aspect * history.contact_width
     return track_warming(

@@ -51,7 +51,10 @@ class Summits(NamedTuple):
 
 
 class _ExpectedContact(NamedTuple):
-    """A contact as expected at the lowest load of a ramp; lengths are in pixels."""
+    """Size of a contact at the lowest load of a ramp, as estimated before it is solved.
+
+    Lengths and areas are in pixels of the disk's height map.
+    """
 
     across: float  # width of the smooth contact along x
     touching: float  # pixels; squared for a plane scene, as if y were divided like x

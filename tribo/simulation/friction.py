@@ -251,6 +251,10 @@ class SolvedFriction:
     share: float
 
 
-def _interval_ends(ends: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
-    """Ends of a curve's intervals: (temperatures, frictions) at lower ends, then at upper ends."""
-    return (ends[:-1], frictions[:-1]), (ends[1:], frictions[1:])
+def _interval_ends(temperatures: Array, frictions: Array) -> tuple[tuple[Array, Array], ...]:
+    """Split a friction curve's n nodes into the lower and the upper ends of its n − 1 intervals.
+
+    `temperatures` [K] and `frictions` (n,) are in ascending order of temperature. Returns the pair
+    (temperatures, frictions) of the lower ends, then the pair of the upper ends.
+    """
+    return (temperatures[:-1], frictions[:-1]), (temperatures[1:], frictions[1:])

@@ -68,7 +68,11 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _is_worn(scene: Scene, state: State) -> Mask:
-    """True at elements where the pressure of a state wears the pin; swept wear wears whole rows."""
+    """True at elements of the pin that the pressure of a state wears, shape (nx, ny).
+
+    These are the elements under pressure. If the disk's roughness sweeps along x (pattern "swept"),
+    all elements with the same x as an element under pressure wear, too.
+    """
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)

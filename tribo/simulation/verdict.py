@@ -279,13 +279,14 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
 
 
 def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Rises per unit friction [K] for which the friction law gives the solved contact temperatures.
+    """Rises r [K] per unit friction coefficient that give the solved contact temperatures.
 
-    `rise` has the rises per unit friction without the effect of temperature on friction [K].
-    `coupled` has the solved rises divided by the friction coefficient [K], as in `CoupledRise`.
-    Where `coupled` is NaN (not solved), `rise` is returned. Where `coupled` is infinite (the
-    contact heats itself without bound), the contact temperature is taken at the law's highest
-    friction.
+    The contact temperatures are T = T_b + µ(T)·r. T_b is the bulk temperature of the colder body,
+    and µ(T) the friction coefficient at T. `rise` has the rises per unit friction coefficient,
+    without the effect of temperature on friction [K]. `coupled` has the solved rises T − T_b,
+    divided by the law's nominal coefficient [K], as in `CoupledRise`. Where `coupled` is NaN (not
+    solved), r is `rise`. Where `coupled` is infinite (the contact heats itself without bound), T is
+    T_b + the law's highest friction · `rise`.
     """
     if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
         return rise

@@ -53,8 +53,9 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
     """Fourier transform, along `axis`, of the thermal kernel's factor E, shape (nodes, modes).
 
     At a coordinate x, E is erf((x + a)/s − vs) − erf((x − a)/s − vs), with half the side of an
-    element, a, and v = `drift` = ``|V|/(4κ)`` [1/m]. `s` are diffusion lengths [m], the nodes of a
-    quadrature, ascending from `low` or above [m]. The result is real for a body at rest.
+    element, a, and v = `drift` = ``|V|/(4κ)`` [1/m]. V is the body's velocity [m/s], and κ its
+    thermal diffusivity [m²/s]. `s` are diffusion lengths [m], the ascending nodes of a quadrature,
+    and `low` is a lower bound of them [m]. The result is real for a body at rest.
     """
     factor: Spectrum
     if low >= axis.series_start(drift):

@@ -79,10 +79,11 @@ def track_warming(
     knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def remaining_rise(rounds: Array) -> Array:
-        """Temperature rise [K] that the pass `rounds` revolutions ago still causes in the track.
+        """Rise [K] that the pass `rounds` revolutions ago still causes in the track.
 
         It is per unit friction coefficient, if the disk takes all heat, and has the shape of
-        `rounds`.
+        `rounds`. Load and revolution time are the arguments `loads` and `round_trip` of
+        `track_warming`.
         """
         age = rounds * round_trip
         load = np.interp(time - age, *knots)

@@ -34,7 +34,7 @@ class WearLaw(Protocol):
         """
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear at the law's mean rate between the sliding distances `begin` and `end` [m]."""
+        """A `Wear` whose rate is the law's mean from sliding distance `begin` to `end` [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ class RunningIn:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
 
     def over(self, begin: float, end: float) -> Wear:
-        """Wear at the mean rate between the sliding distances `begin` and `end` [m]."""
+        """A `Wear` whose rate is the law's mean from sliding distance `begin` to `end` [m]."""
         way = (end - begin) / self.distance
         faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
@@ -90,7 +90,7 @@ LAWS: dict[str, type[WearLaw]] = {"running-in": RunningIn}
 
 
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
-    """Wear at the mean rate between the sliding distances `begin` and `end` [m].
+    """A `Wear` with a constant rate: the mean from sliding distance `begin` to `end` [m].
 
     `wear` is a law over the sliding distance, or a `Wear`, which has a constant rate and is
     returned unchanged. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
