@@ -41,8 +41,9 @@ class MeshPlace:
     pressure: float  #: Maximum Hertz pressure [Pa].
     flash: float  #: Maximum flash temperature after Blok [K].
     temperature: float  #: Bulk temperature + flash temperature [K].
-    film: float | None = None  #: Minimum film thickness [m]; None without an oil.
-    film_parameter: float | None = None  #: Λ, film over the combined Rq of both flanks.
+    #: Minimum film thickness [m]; None without an oil, or if its pressure coefficient is unknown.
+    film: float | None = None
+    film_parameter: float | None = None  #: Λ, film over the combined Rq; None without a film.
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +85,13 @@ def mesh(pair: Pair, places: int = 25, duty: Duty | None = None) -> Mesh:
     Returns
     -------
     Mesh
-        The mesh, with places in the order of their position. At B and D a single pair of teeth is
-        in contact.
+        The mesh, with places in the order of their position. Between B and D a single pair of
+        teeth is in contact; with a contact ratio of 2 or more, B and D are left out.
+
+    Raises
+    ------
+    InputError
+        If the pair has neither a coefficient of friction nor an oil.
 
     Examples
     --------

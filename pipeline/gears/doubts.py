@@ -10,7 +10,7 @@ from pipeline.sweep.remarks import Remark
 
 
 def doubts(one: Mesh) -> list[Remark]:
-    """Warnings on values of a gear pair and its duty that are outside their usual ranges."""
+    """Notes of the pair, then warnings on values of pair and duty outside their usual ranges."""
     pressure, sliding = (
         max(abs(getattr(at, of)) for at in one.places) for of in ("pressure", "sliding")
     )

@@ -74,15 +74,18 @@ def critical_temperature(pair: Pair, stage: int, **choices: Any) -> pd.DataFrame
     DataFrame
         One row with these columns. ``critical temperature [°C]`` is midway between the highest
         temperatures in both stages. ``standard deviation [K]`` combines a uniform distribution
-        between them with the simulation's error. ``hottest place, last stage passed [°C]`` and
-        ``hottest place, failed stage [°C]`` are the temperatures themselves. ``scuffing integral
-        temperature [°C]`` of ISO/TR 13989-2, Eq. 94, is for use with that report only. It is
-        missing if the pair is the test gears, without an oil.
+        between them with the simulation's error, and is infinite if this error is unknown.
+        ``hottest place, last stage passed [°C]`` and ``hottest place, failed stage [°C]`` are the
+        temperatures themselves. ``scuffing integral temperature [°C]`` of ISO/TR 13989-2, Eq. 94,
+        is for use with that report only. It is missing if the pair is the test gears, without an
+        oil.
 
     Raises
     ------
     InputError
         If the test has no such stage, or the pair is not the test gears and has no oil.
+    TriboError
+        If a place cannot be simulated.
     """
     if not 2 <= stage <= len(STAGES):
         raise InputError(
@@ -126,7 +129,10 @@ def predict_stages(pair: Pair, **choices: Any) -> pd.DataFrame:
 
 
 def first_failure(table: pd.DataFrame) -> str:
-    """Sentence on the first load stage in a `table` of `predict_stages` that is probably severe."""
+    """Sentence on the first load stage in a `table` of `predict_stages` that is probably severe.
+
+    If there is none, the sentence says that all stages are passed.
+    """
     failed = table[table["probability"] > 0.5]
     if failed.empty:
         return "Passes all load stages."

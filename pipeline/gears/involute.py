@@ -256,7 +256,7 @@ def fitting_distance(
 
     The working angle follows from inv αwt = inv αt + 2 tan αn (x1 + x2)/(z1 + z2), with the numbers
     of `teeth` z and the profile shifts x of pinion and wheel. The module [m] and the pressure angle
-    αn are in the normal section; angles are in radians.
+    αn are in the normal section; angles are in radians. Raises an `InputError` if no distance fits.
 
     Examples
     --------

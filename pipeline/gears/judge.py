@@ -42,7 +42,7 @@ def judge(
 ) -> pd.DataFrame:
     """Simulate each mesh at the places that may be the worst, and return its worst verdict.
 
-    A mesh whose bulk temperature is above the critical temperature is severe, and not simulated.
+    A mesh whose bulk temperature reaches the critical temperature is severe, and not simulated.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def _is_too_hot(one: Mesh) -> bool:
 
 
 def _severe_margin(one: Mesh) -> dict[str, Any]:
-    """Columns of `pipeline.margin` for a mesh with a bulk temperature above the critical one."""
+    """Columns of `pipeline.margin` for a mesh whose bulk temperature reaches the critical one."""
     severe = {"verdict": "severe", "probability": clipped(1.0), "sentence": f"Severe: {_TOO_HOT}"}
     return severe | {"notes": _notes(one, _TOO_HOT)}
 

@@ -103,7 +103,9 @@ def friction_coefficient(pair: Pair, duty: Duty) -> float:
     µ = 0.045 (w KBγ/(vΣC ρC))^0.2 η^−0.05 XR XL, with the load per face width w [N/mm], at least
     150; the helical load factor KBγ; the lubricant factor XL; the sum velocity vΣC [m/s] and the
     reduced radius ρC [mm] at the pitch point; the oil's viscosity η [mPa s], here at the bulk
-    temperature; and XR = 2.2 (Ra/ρC)^0.25 with the mean Ra [µm] of both flanks.
+    temperature; and XR = 2.2 (Ra/ρC)^0.25 with the mean Ra [µm] of both flanks. vΣC is that at a
+    pitch line velocity of at most 50 m/s. Raises an `InputError` if the rule is needed, but there
+    is no oil.
     """
     if pair.file.friction.coefficient is not None:
         return pair.file.friction.coefficient

@@ -48,7 +48,8 @@ def read_spectrum(
 
     Columns are ``torque`` and ``speed``, and optionally ``hours``, ``load factor``, and ``bulk
     temperature`` or ``oil temperature``, which replace the pair's values; see `warm_duty`. The
-    `source` is a file, or columns by heading; `sheet` is the name of a sheet in a workbook.
+    `source` is a file, or columns by heading; `sheet` is the name of a sheet in a workbook. Raises
+    an `InputError` that names the faults of the table.
     """
     given = Path(source) if isinstance(source, str | PathLike) else lines_of(columns_of(source))
     read = read_sheet(given, _UNITS, _DUTY[:2], _DUTY[:2], sheet)
@@ -96,6 +97,8 @@ def judge_spectrum(
     ------
     InputError
         If the table has faults; the message names them all.
+    TriboError
+        If a place cannot be simulated.
     """
     duties, read = read_spectrum(points, pair, sheet)
     table = judge([mesh(pair, duty=duty) for _, duty in duties], **choices)

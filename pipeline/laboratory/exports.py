@@ -52,7 +52,8 @@ def exports() -> Mapping[str, Export]:
 def find_export(tables: Sequence[Lines], named: str | None) -> Export:
     """Find the format of a file: the format `named`, else recognised by cells of its `tables`.
 
-    Returns an empty format if no format matches.
+    Returns an empty format if no format matches. Raises an `InputError` if there is no format
+    `named`.
     """
     if named is not None:
         if named not in exports():
@@ -68,5 +69,5 @@ def find_export(tables: Sequence[Lines], named: str | None) -> Export:
 
 
 def has_cell(cells: Iterable[str], pattern: str) -> bool:
-    """True if a regular expression matches the whole of a cell; empty cells do not count."""
+    """True if a regular expression, in any case, matches a whole cell; empty cells do not count."""
     return any(cell and re.fullmatch(pattern, cell, re.IGNORECASE) for cell in cells)

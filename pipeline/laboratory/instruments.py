@@ -46,7 +46,11 @@ class RawScan(NamedTuple):
 
 
 def read_instrument(path: Path) -> RawScan:
-    """Read an instrument's file; raises an `InputError` with the reason if it cannot be read."""
+    """Read an instrument's file.
+
+    Raises an `InputError` with the reason if the content cannot be read, and an `OSError` if the
+    file cannot be opened.
+    """
     suffix = path.suffix.lower()
     if suffix in _UNSURE:
         raise InputError(f"{path}: {_UNSURE[suffix]}; {_SAVE}")

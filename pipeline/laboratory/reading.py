@@ -46,7 +46,8 @@ class Read(NamedTuple):
 def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
     """Read a table file for the quantities `wanted`, with the options of a scene's log.
 
-    `options` may have the keys columns, given, skip, where, form, sheet and decimal.
+    `options` may have the keys columns, given, skip, where, form, sheet and decimal. Faults are
+    listed in the sheet; an `InputError` is raised if an option names no known quantity or form.
     """
     units, columns = units_of([*wanted]), options.get("columns") or {}
     tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
@@ -178,7 +179,10 @@ def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
 
 
 def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns for quantities that the file lacks, with the values `given` by the user."""
+    """Add columns for quantities that the file lacks, with the values `given` by the user.
+
+    Quantities that this kind of table does not use are ignored.
+    """
     for name, value in given.items():
         if name not in sheet.units:  # a log ignores what only traces need, and the reverse
             continue
@@ -269,7 +273,10 @@ def is_one_run(sheet: Sheet) -> bool:
 
 
 def read_trace(read: Read) -> Trace:
-    """Convert a table to a trace of friction over time; raises an `InputError` with all faults."""
+    """Convert a table to a trace of friction over time; raises an `InputError` with all faults.
+
+    Rows with gaps, and rows at rest, are left out of the trace and of the table's sheet.
+    """
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]

@@ -224,9 +224,10 @@ def surface_statistics(
 
     Notes
     -----
-    The mean plane is removed, and a significant curvature. Holes are left out. Eight random
-    surfaces are made with the fitted spectrum in the window of the scan. They are like the scan if
-    its Rq, Sal and Str are within 15 %, or twice the scatter, of the means over these surfaces.
+    The mean plane is removed, and a significant curvature. Holes are left out. If the scan's
+    spectrum is within a factor of 5 of the fit, eight random surfaces are made with the fitted
+    spectrum in the window of the scan. They are like the scan if its Rq, Sal and Str are within
+    15 %, or twice the scatter, of the means over these surfaces.
 
     Examples
     --------

@@ -149,6 +149,7 @@ class _Periodogram:
     def largest_factor(self, parameters: Array) -> float:
         """Largest factor between fitted spectrum and periodogram in any band of wavelength.
 
+        Bands of fewer than 50 modes are left out; the result is 1 without other bands.
         `parameters` are ln(correlation length [m]) along x and y, and the Hurst exponent.
         """
         ratio = self.power / self.spectrum(parameters)

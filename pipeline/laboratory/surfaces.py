@@ -63,9 +63,9 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     """Read a measured surface from a plain array, text, or the file of an instrument.
 
     In every format x increases along the rows of the file, and y is equal in a row. `height_unit`,
-    the length of one unit of height [m], replaces the file's unit. Isolated outliers become holes.
-    Raises an `InputError` if the unit is missing, the file is not a surface, or the optional
-    packages for its format are not installed.
+    the length of one unit of height [m], replaces the file's unit. Infinite heights and isolated
+    outliers become holes. Raises an `InputError` if the unit is missing, the file is not a surface,
+    or the optional packages for its format are not installed.
     """
     path = user_path(path)
     require_file(path)
@@ -207,9 +207,11 @@ def filled(heights: Array) -> Array:
 def window_heights(
     table: Mapping[str, Any], window: Mapping[str, Any], file: Path, faults: Faults
 ) -> Array | None:
-    """Heights of a measured surface [m] for the scene's window; None if a fault was reported.
+    """Heights of a measured surface [m] for the scene's window; None if it has no usable heights.
 
-    `table` and `window` are the entries ``disk.roughness`` and ``window`` of the scene.
+    `table` and `window` are the entries ``disk.roughness`` and ``window`` of the scene. Faults and
+    notes are added to `faults`; a wrong size of pixels is a fault, but does not make the result
+    None. Raises an `InputError` if the file cannot be read.
     """
     surface = oriented(read_surface(file, table["height_unit"]), table["transpose"], table["flip"])
     if table["pixel_size"]:

@@ -34,7 +34,10 @@ class Derived(NamedTuple):
 
 
 def _stage_force(stage: Array) -> Array:
-    """Normal force between the teeth in a load stage of the FZG test [N]; 0 in stage 0."""
+    """Normal force between the teeth in a load stage of the FZG test [N].
+
+    It is 0 in stage 0, and NaN beyond the last stage.
+    """
     known = np.where((stage >= 0) & (stage <= MOST_STAGES), stage, np.nan)
     torques = np.array([0.0, *_STAGES, np.nan])
     places = np.nan_to_num(known, nan=MOST_STAGES + 1.0).astype(int)

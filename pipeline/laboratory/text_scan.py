@@ -85,7 +85,7 @@ def read_text(path: Path) -> RawScan:
 
 
 def _step(line: Array) -> float:
-    """Step between the coordinates in `line`; NaN if they are not evenly spaced."""
+    """Step between the coordinates in `line`; NaN if they are uneven, or fewer than four."""
     steps = np.diff(line)
     if len(steps) < 3 or not np.allclose(steps, steps[0], rtol=_TOLERANCE) or not steps[0]:
         return math.nan
@@ -218,7 +218,7 @@ def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float
     """Heights (nx, ny) from rows of x, y, z on a regular grid; NaN where a row is missing.
 
     `table` has the rows, `units` the units of its columns in metres, by name. `unit` is the unit of
-    z in metres, or None.
+    z in metres, or None. If x or y is constant, the result is a profile, (n, 1).
     """
     axes, places = [], []
     for column in table.T[:2]:

@@ -72,7 +72,10 @@ class Trace:
 
     @cached_property
     def stages(self) -> list[Stage]:
-        """Stages of constant load and velocity, or a single ramp."""
+        """Stages of constant load and velocity, and ramps; short ramps between stages are left out.
+
+        Without load and velocity the whole trace is one stage.
+        """
         columns = [x for name in _COMMANDS if (x := getattr(self, name)) is not None]
         ends = [slice(0, len(self.time))]
         ramps = [False]
@@ -189,9 +192,9 @@ class Trace:
         """Entries of a test, by name: median friction of a stage, and median bulk temperature.
 
         `rows` are the rows of the stage. `severe` is the rise of friction at which the stage
-        scuffs, or None; both medians leave out the rows from this rise on. Bulk temperature, text
-        with a unit, is the median since the beginning of the trace. It is left out if it was not
-        recorded.
+        scuffs, or None; both medians leave out the rows from this rise on. If that leaves up to
+        three rows, friction is the median since the beginning of the trace. Bulk temperature, text
+        with a unit, is always such a median; it is left out if it was not recorded.
         """
         end = severe.row if severe else rows.stop
         begin = rows.start if end > rows.start + _LEAST_OF_STAGE else 0
@@ -282,6 +285,7 @@ def _cut_stages(commands: Array, time: Array) -> tuple[list[slice], list[bool]]:
     """Cut a trace into stages; return the rows of each, and whether it is a ramp.
 
     `commands` (n, n_command) are load and velocity at each `time` [s], divided by their maxima.
+    Rows of a short ramp beside a stage belong to no stage.
     """
     ends, level, count, away = [0], commands[0].copy(), 1, 0
     for row, now in enumerate(commands):

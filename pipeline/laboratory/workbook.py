@@ -21,7 +21,8 @@ def unpacked_size(path: Path) -> int:
 def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
     """Rows of each sheet of a workbook, or of the sheet `wanted`.
 
-    A formula without a stored value is read as text.
+    A formula without a stored value is read as text. Raises an `InputError` if the file is not a
+    sound .xlsx file, has no such sheet, or is too large, or if openpyxl is not installed.
     """
     if path.suffix.lower() not in (".xlsx", ".xlsm"):
         what = f'has no sheet "{wanted}"' if wanted else "is no text"
@@ -89,7 +90,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
 
 
 def _cell_text(value: Any, typed: Any) -> str:
-    """Text of a cell: its value, else what was typed in it (`typed`, a formula), else empty."""
+    """Text of a cell: its value, or a remark that its formula `typed` has none; else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
     return str(value).removesuffix(" 00:00:00").strip()

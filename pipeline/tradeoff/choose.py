@@ -26,7 +26,7 @@ def choose_accuracy(
 
     A fidelity is a set of numerical choices, and `accuracy` a relative error, such as 0.02 or "2%".
     An existing store keeps its fidelity. Raises a `StoreMismatchError` if this fidelity is less
-    accurate, or was not chosen for an accuracy.
+    accurate, or if its error was not measured.
     """
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     stored = None if store is None else find_sweep(store)

@@ -107,9 +107,10 @@ def points_near_boundary(
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
     """Find a point near the boundary for each target, and d ln(rise)/d ln(velocity) there.
 
-    Both are found with the preset ``standard``. `places` are the targets. Velocities from half the
-    sweep's lowest to twice its highest are searched. Without a transition there, the point is at
-    the end where the rise is closer to its limit.
+    Derivatives below 0.3 are replaced by 0.3. Both are found with the preset ``standard``.
+    `places` are the targets. Velocities from half the sweep's lowest to twice its highest are
+    searched. Without a transition there, the point is at the end where the rise is closer to its
+    limit.
     """
     scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
     points, exponents = [], []

@@ -98,7 +98,7 @@ class Trade:
 
         The errors are those of the critical velocity: the largest at the points measured, and the
         error to expect at any load. One time is in seconds, the other is relative to the time of
-        the preset ``fine``.
+        the preset ``fine``, or NaN if ``fine`` was not measured.
         """
         names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
         table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
@@ -132,8 +132,8 @@ def trade(
     A fidelity is a set of numerical choices, such as a preset. An error is the relative difference
     of the scene's critical velocity from that with the preset ``reference``.
 
-    Errors are measured near the boundary, at four loads from the lowest to the highest; with
-    several variants, at six pairs of load and variant.
+    Errors are measured near the boundary, at up to four loads from the lowest to the highest; with
+    several variants, at up to six pairs of load and variant.
 
     Parameters
     ----------

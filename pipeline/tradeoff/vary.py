@@ -93,7 +93,7 @@ def vary(
         Store of the points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
         Number of processes, Dask client, and callback for progress, as in `pipeline.run_sweep`. A
-        note is reported if the scene has several values of an entry.
+        note is reported if the scene has several values of an entry, of which one is used.
 
     Raises
     ------

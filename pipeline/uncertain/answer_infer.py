@@ -24,8 +24,9 @@ from tribo.inverse import specific_wear_rate
 def infer(options: argparse.Namespace) -> Result:
     """Answer ``irg infer``: infer from measurements what a rig cannot measure.
 
-    With samples of unknown inputs, these inputs are inferred from the tests. Without samples, a
-    contact width gives the wear rate; otherwise the tests give the critical temperature.
+    For a scene file, a contact width gives the wear rate. Otherwise, with samples of unknown
+    inputs, these inputs are inferred from the tests; without samples, the tests give the critical
+    temperature.
     """
     store = options.scene
     if not store.is_dir():
@@ -47,7 +48,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Result of ``irg infer`` for a scene without samples.
+    """Result of ``irg infer`` for a scene file, without samples that it may have.
 
     The result is the wear rate, if a contact width is given, else the critical temperature.
     """

@@ -96,16 +96,18 @@ def critical_temperatures(
 ) -> CriticalTemperatures:
     """Find the critical temperature of a lubricant from measured transitions.
 
-    It is the temperature that the scene's failing share of the contact area exceeds at a
-    transition. A good model gives the same temperature at all transitions (Bosman & de Rooij,
-    Table 6). A rig cannot measure this temperature.
+    It is the contact temperature that the scene's criterion judges, at a transition: by default
+    that which the failing share of the contact area exceeds. A good model gives the same
+    temperature at all transitions (Bosman & de Rooij, Table 6). A rig cannot measure this
+    temperature.
 
     Parameters
     ----------
     sweep : Sweep, str or path
         Scene with measured transitions, or its path or name. Each of its random surfaces is
-        simulated. If tests are of several oils, only the first oil counts. A transition without
-        friction, bulk temperature or time at full load takes the scene's value.
+        simulated. If tests are of several oils, only those that name no oil count; if all name
+        one, those of the alphabetically first. A transition without friction, bulk temperature or
+        time at full load takes the scene's value.
     out : path, optional
         Store of the simulated points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
@@ -116,6 +118,8 @@ def critical_temperatures(
     ------
     InputError
         If no transition was measured, or the friction at a transition is not above 0.
+    ExecutionError
+        If a point cannot be computed.
 
     Examples
     --------

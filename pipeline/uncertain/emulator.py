@@ -267,9 +267,9 @@ def band_factor(scores: Array, count: int) -> float:
     """Factor on standard errors that makes 90 % bands hold 90 % of new samples.
 
     `scores` are errors of samples divided by predicted errors, in `count` independent groups. The
-    factor is the quantile that the next group stays below with 90 % probability (Dunn, Wasserman &
-    Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). With too few groups for a quantile, the factor is
-    the largest score, and at least 1.
+    factor is a quantile of their size over 1.645: the next group stays below this quantile with
+    90 % probability (Dunn, Wasserman & Ramdas, J. Am. Stat. Assoc. 118, 2491, 2023). With too few
+    groups for it, the largest size replaces the quantile, and the factor is at least 1.
     """
     if count < 1:
         return 1.0
@@ -414,7 +414,7 @@ def load_or_compute(
 ) -> Array:
     """Numbers that `find` computes from `data`, or that the store has kept from an earlier call.
 
-    `keeper` is the store's cache; None for no store.
+    `keeper` is the store's cache, which also keeps new numbers; None for no store.
     """
     if keeper is None:
         return find()

@@ -127,7 +127,8 @@ class Ensemble:
         Raises
         ------
         InputError
-            If the sweep has no samples, or too few of them are done.
+            If the sweep has no samples, too few of them are done, or the dataset has several
+            scenes or a single sample.
         """
         if isinstance(ds, Ensemble):
             return ds

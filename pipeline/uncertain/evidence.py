@@ -251,7 +251,8 @@ class Joint:
         """Collect the unknown inputs and the tests of an ensemble.
 
         `scatter` is the assumed relative scatter of measured velocities. Raises an `InputError` if
-        the ensemble's samples do not cover the load, velocity or duration of a test.
+        the ensemble's samples do not cover the load, velocity or duration of a test, or tests are
+        of several oils but the critical temperature is known.
         """
         require_possible(ensemble)
         unknown, oils = join_oils(ensemble)

@@ -113,7 +113,7 @@ class SampleField:
     def rig_scatter(self) -> Array | float:
         """Standard deviation of ln(friction) between tests of the rig, for each draw (n,).
 
-        It is 0 if no test measured friction.
+        It is 0 if it was not inferred from tests.
         """
         return self.posterior.rig_scatter if self.posterior else 0.0
 
@@ -355,7 +355,7 @@ _MOST_CACHED = 64  # loads whose lines are kept, 1.3 MB each
 
 
 def _normal_below(sd: float, distances: Array) -> Array:
-    """Normal distribution function of standard deviation `sd` at `distances`."""
+    """Probability that a normal variable of mean 0 and this `sd` is below each of `distances`."""
     return np.asarray(ndtr(distances / sd))
 
 

@@ -113,7 +113,7 @@ class Posterior:
     def rig_scatter(self) -> Array | float:
         """Standard deviation of ln(friction) between tests of the rig, for each draw (n,).
 
-        It is 0 if no test measured friction.
+        It is 0 if it was not inferred from the tests.
         """
         return self.draws.inputs[:, self.rig[1]] if self.rig else 0.0
 

@@ -32,9 +32,10 @@ _ROUNDED = 0.005  # least relative error of a measured friction: logs have two o
 def acting_friction(rig: Array, test: Mapping[str, Any], change: Array) -> tuple[Array, ...]:
     """ln(friction) that acted in a test, its variance, and ln(likelihood), for each draw.
 
-    The likelihood is for the friction measured in the test. `rig` (n, 2) has draws of the rig's
-    friction coefficient and of its scatter. `change` (n,) is what velocity and temperature of the
-    test add to the logarithm of that coefficient.
+    The likelihood is for the friction measured in the test; without one, ln(likelihood) is 0, of
+    shape (1,). `rig` (n, 2) has draws of the rig's friction coefficient and of its scatter.
+    `change` (n,) is what velocity and temperature of the test add to the logarithm of that
+    coefficient.
     """
     of_rig = np.log(np.maximum(rig[:, 0], LEAST_FRICTION)) + change
     by_test = rig[:, 1] ** 2
@@ -73,6 +74,7 @@ def join_oils(ensemble: Ensemble) -> tuple[tuple[Unknown, ...], dict[str, int]]:
     """Add the critical temperatures of other oils in the tests to the unknown inputs.
 
     Returns all inputs, and for each other oil the index of its critical temperature among them.
+    Raises an `InputError` if there are other oils, but the critical temperature is known.
     """
     unknown = ensemble.unknown
     others = oils_of(test.get("oil") for test in ensemble.tests)[1:]

@@ -155,7 +155,10 @@ class Draw:
         return {one.path: one for one in (*stored, *self.unknown)}
 
     def fixed_at(self, values: Mapping[str, float]) -> Draw:
-        """Copy in which the inputs in `values` are fixed at these values [SI], by path."""
+        """Copy in which the inputs in `values` are fixed at these values [SI], by path.
+
+        Paths that are not among `open_inputs` are ignored.
+        """
         inputs = self.open_inputs
         new = {path: Fixed(inputs[path], value) for path, value in values.items() if path in inputs}
         fixed = {one.unknown.path: one for one in self.fixed} | new

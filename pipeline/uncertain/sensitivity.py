@@ -46,7 +46,7 @@ class Sensitivity:
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data."""
+        """Return all fields as plain data; intervals have their two ends on the last axis."""
         data: dict[str, Any] = {"inputs": [quantity.path for quantity in self.unknown]}
         for one in fields(self)[1:]:
             values = np.asarray(getattr(self, one.name))

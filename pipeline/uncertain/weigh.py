@@ -53,8 +53,9 @@ def posterior(ensemble: Samples, scatter: float = SCATTER) -> Posterior:
     Raises
     ------
     InputError
-        If a test lies outside the sweep, tests are of several oils but the critical temperature is
-        known, there are too few samples, or no draw agrees with the tests.
+        If the scatter is not between 0 and 1, no input is unknown, a test lies outside the sweep,
+        tests are of several oils but the critical temperature is known, there are too few samples,
+        or no draw agrees with the tests.
 
     Examples
     --------

@@ -198,8 +198,9 @@ def hertz_contact(
 ) -> HertzContact:
     """Hertzian contact of a ball, of a cylinder with `length`, or of a pin with `crown_radius`.
 
-    The pin is a ball if neither is given. Sizes are in metres; `radius` lies in the plane x, z, and
-    `crown_radius` in the plane y, z. The load is in N, the contact modulus in Pa.
+    The pin is a ball if neither is given; with a `crown_radius`, `length` is not used. Sizes are in
+    metres; `radius` lies in the plane x, z, and `crown_radius` in the plane y, z. The load is in N,
+    the contact modulus in Pa.
 
     Examples
     --------

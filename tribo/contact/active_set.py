@@ -92,9 +92,9 @@ def _conjugate_gradients(
     """Find the pressure [Pa] at the free nodes that makes the gap at all of them equal.
 
     The pressure may leave its bounds. Free nodes are `judged.nodes`. The search begins at
-    `pressure`, whose gap is `judged.gap`. The residual is the gap's deviation from its mean [m].
-    `goals` are a fraction of the first residual, and a residual [m]; reaching either is enough.
-    Returns the pressure, and the number of iterations, at most `most`.
+    `pressure`, which is overwritten, and whose gap is `judged.gap`. The residual is the gap's
+    deviation from its mean [m]. `goals` are a fraction of the first residual, and a residual [m];
+    reaching either is enough. Returns the pressure, and the number of iterations, at most `most`.
     """
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)

@@ -40,7 +40,7 @@ def gradient_step(
 
     `judged` has the gap and the nodes of the iterate, and `gradient` the state of the gradient
     steps. The displacement is updated along with the pressure, not computed from the pressure. That
-    saves a convolution, but loses digits.
+    saves a convolution, but loses digits. If no lower energy is found, neither changes.
     """
     pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
     metric = problem.metric_on(nodes)

@@ -27,11 +27,11 @@ _MULTIPLE = 8  # the number of elements along a window is a multiple of it, for 
 def coarser_guess(problem: Problem) -> tuple[Array, float]:
     """Guess the pressure [Pa] by solving the contact on a grid of blocks of 2 × 2 elements.
 
-    The contact of blocks is itself guessed from a coarser grid; elements of the coarsest grid are
-    taken as independent springs. All elements of a block get the block's pressure, so that too many
-    are loaded: the iteration drops surplus elements in fewer steps than it finds missing ones.
-    Returns the guess and its cost in convolutions. A convolution on a coarser grid counts as a
-    fraction, by the number of elements.
+    The contact of blocks is itself guessed from a coarser grid. Elements of the coarsest grid are
+    taken as independent springs: a grid of few elements, or with an odd number along an axis. All
+    elements of a block get the block's pressure, so that too many are loaded: the iteration drops
+    surplus elements in fewer steps than it finds missing ones. Returns the guess and its cost in
+    convolutions. A convolution on a coarser grid counts as a fraction, by the number of elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -54,8 +54,8 @@ def window_guess(problem: Problem, guess: Array, limits: Limits) -> tuple[Array,
     The part is a rectangle around the elements that the guess loads. Along periodic axes it has all
     elements. `limits` end the iteration on the part. Returns the better guess, which is 0 outside
     the part, and its cost in convolutions on the whole grid. A convolution on the part counts as a
-    fraction, by the number of elements. If the part is not much smaller than the grid, the guess is
-    returned unchanged.
+    fraction, by the number of elements. If the part is not much smaller than the grid, or cannot
+    carry the load, the guess is returned unchanged.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)
@@ -96,7 +96,8 @@ def _spring_pressure(heights: Array, total: float, hardness: float) -> Array:
     """Pressure [Pa] if elements were independent springs, and a tenth of them carried the load.
 
     The loaded elements are those with the least separation. `heights` is the separation [m],
-    `total` the sum of the pressure, and `hardness` the highest pressure [Pa].
+    `total` the sum of the pressure [Pa]. Pressures above the `hardness` [Pa] are cut to it, so that
+    the sum may be lower.
     """
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)

@@ -183,7 +183,7 @@ def approach_of(gap: Array, loaded: Mask, free: Nodes) -> float:
 
     Subtracted from `gap`, it makes the gap 0 on average at these nodes, whose flat indices are
     `free`. If there are none, the approach is halfway between the widest gap of `loaded` nodes and
-    the narrowest gap of unloaded ones.
+    the narrowest gap of unloaded ones; if all nodes are loaded, it is the widest gap.
     """
     if free.size:
         return float(gap.take(free).sum()) / free.size

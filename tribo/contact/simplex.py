@@ -21,7 +21,8 @@ _NEAR = 2.0
 def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
     """Scale a guess of the pressure to the sum `total` [Pa], within 0 and the hardness.
 
-    What would exceed the hardness is spread evenly over the other loaded elements.
+    What would exceed the hardness is spread evenly over the other loaded elements. If the loaded
+    elements cannot carry the load, all elements share it.
 
     Examples
     --------

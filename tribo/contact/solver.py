@@ -45,7 +45,7 @@ class ContactSolution:
         Rigid displacement α of the bodies towards each other [m], counted from the position with
         the `separation` given. With a periodic axis it is known up to a constant.
     iterations : int
-        Number of convolutions with the solid's kernel; a convolution on a part of the elements
+        Number of convolutions with the solid's kernel, rounded up. A convolution on fewer elements
         counts as a fraction.
     residual : float
         Largest violation of the conditions on the gap, plus a bound on the rounding error. Both are
@@ -103,9 +103,9 @@ def solve_contact(
     hardness : float
         Highest pressure that is carried, H [Pa].
     tolerance : float
-        Bound on `ContactSolution.residual`. Rounding allows 1e-12 on 240 × 240 elements, and less
-        on fewer. If it is 1e-2 or more, transforms on large grids are in single precision; the
-        residual includes their rounding errors.
+        Bound on the measure that `criterion` names. Rounding allows 1e-12 on 240 × 240 elements,
+        and less on fewer. If it is 1e-2 or more, transforms on large grids are in single precision;
+        the residual includes their rounding errors.
     initial_pressure : ndarray, shape (nx, ny), optional
         A guess [Pa], which is scaled to the load. A better guess saves iterations.
     max_iterations : int
@@ -127,8 +127,8 @@ def solve_contact(
     Raises
     ------
     InputError
-        If the load exceeds what the hardness can carry, or an input is not finite or of the
-        wrong shape.
+        If the load is negative or exceeds what the hardness can carry, an input is not finite or
+        of the wrong shape, another value is not allowed, or rounding cannot resolve the contact.
     ConvergenceError
         If the tolerance is not reached within `max_iterations`, or is too small for rounding. The
         error carries the `ContactSolution` found.

@@ -212,6 +212,7 @@ class Convolution:
         """Return this convolution for fields of means over blocks of 2 × 2 elements.
 
         An axis of one element is unchanged; other axes must have an even number of elements.
+        Attributes of a subclass keep their values, such as the influence of an element on itself.
         """
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         fx, fy = min(nx, 2), min(ny, 2)

@@ -30,10 +30,11 @@ class Neighbourhood:
     The kernel must be even along y.
 
     A stencil, shape (3, 2), has the factors of the elements at −1, 0 and 1 along x, and 0 and ±1
-    along y. `influence` has the middle values of the kernel. `inverse` inverts `influence` on a
-    block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong. The `coupling` is
-    the displacement that elements of a row along `soft_axis` add to each other at any distance (see
-    `tribo.contact.rows`). Stencils leave the coupling out; `Preconditioner` adds it.
+    along y. `influence` has the middle values of the kernel. `inverse` inverts the kernel without
+    the coupling on a block of 3 × 3 elements, or on 3 elements of a row if the coupling is strong;
+    if this could not precondition, `inverse` has only its middle factor. The `coupling` is the
+    displacement that elements of a row along `soft_axis` add to each other at any distance (see
+    `tribo.contact.rows`). `Preconditioner` adds it to `inverse`.
 
     Examples
     --------
@@ -70,7 +71,8 @@ class Neighbourhood:
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
         """Return a function that applies a stencil to values at `nodes`, ascending flat indices.
 
-        The function takes the stencil and the values, and returns new values at the same nodes.
+        The function takes the stencil and the values, and returns new values at the same nodes,
+        computed in single precision. Threads must not share the function.
         """
         nx, ny = self._shape
         (along_x, along_y), even = self._periodic, self._even

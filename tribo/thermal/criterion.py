@@ -131,7 +131,10 @@ class Criterion:
 
     @property
     def takes_share(self) -> bool:
-        """True if the criterion uses `share`, the share of the contact area that may be too hot."""
+        """True if the criterion uses `share`, the share of the contact area that may be too hot.
+
+        A user's rule counts as using it if the rule's words `temperature` contain it.
+        """
         return "{share" in (self.rule or CRITERIA[self.name]).temperature
 
     @property
@@ -202,8 +205,9 @@ def add_bulk_ratio(columns: Columns, bulk_ratio: float) -> Columns:
 
     Rises are above the pin's bulk temperature. The bulk ratio is (disk's − pin's bulk
     temperature)/(friction coefficient) [K]. Returns the columns with new values of
-    ``rise_quantile``, ``max_rise`` and ``mean_rise``, if present; `columns` is not changed.
-    Quantiles need the column ``bulk_rise_quantile``, the mean needs ``mean_bulk_response``.
+    ``rise_quantile``, ``max_rise`` and ``mean_rise``, if present; `columns` is not changed, and is
+    itself returned at a bulk ratio of 0. Quantiles need the column ``bulk_rise_quantile``, the mean
+    needs ``mean_bulk_response``; without both an `InputError` is raised.
 
     Examples
     --------

@@ -113,7 +113,8 @@ def partition_heat(
     Raises
     ------
     InputError
-        If "uniform" has no heat to divide, or the shapes of fields differ.
+        If a value or field is not allowed, such as heat outside the contact, shapes or grids
+        differ, "uniform" has no heat to divide, or the bodies have had no time to conduct.
     ConvergenceError
         If the local method does not reach `tolerance`; it carries the `HeatPartition` found.
 
@@ -233,7 +234,7 @@ def _iterate_flux(
 
     `both` is the sum of the maps of pin and disk, and `near` has the stencils of this sum. `target`
     is the temperature that `both` must give for the flux on the nodes [K]. The iteration ends once
-    the residual, relative to `target`, is below `tolerance`, or after `max_iterations`.
+    the residual, relative to `target`, is at most 0.9 `tolerance`, or after `max_iterations`.
     """
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))

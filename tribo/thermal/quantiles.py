@@ -38,6 +38,8 @@ outermost ratios the frictional rise is next to nothing."""
 def contact_quantiles(rise: Array, contact: Mask) -> Array:
     """Quantiles of the temperature rise over the contact area [K], one for each of `QUANTILES`.
 
+    Raises an `InputError` if no element is in contact.
+
     Parameters
     ----------
     rise : ndarray, shape (nx, ny)
@@ -118,7 +120,8 @@ def rise_exceeded(
 ) -> Array:
     """Rise that exactly a `share` of the contact area exceeds [K]; the inverse of `failed_share`.
 
-    The rise is linear between the quantiles, which are on the last axis of `rise_quantiles`.
+    The rise is linear between the quantiles, which are on the last axis of `rise_quantiles`. Raises
+    an `InputError` for a share beyond the `quantiles`, the probabilities on that axis.
 
     Examples
     --------

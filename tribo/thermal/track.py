@@ -46,7 +46,7 @@ def track_warming(
     time : float
         Time since the start of the loading at which the warming is computed [s].
     round_trip : float
-        Time of one revolution, T [s].
+        Time of one revolution, T [s]; at 0 the warming is 0.
     loads : tuple of ndarray
         Times, ascending [s], and loads at these times [N], linear in between and 0 at time 0.
     width : float
