@@ -79,7 +79,9 @@ class ConvergenceError(TriboError, RuntimeError):
 
 
 class InvariantError(TriboError):
-    """A result that violates a law of physics: a defect of the program, not a wrong input.
+    """A result that breaks a law it must obey, for example a law of physics.
+
+    It shows a defect of the program, or of a user's own wear law, surface or criterion.
 
     Examples
     --------

@@ -143,9 +143,9 @@ class Ramp:
         """Times at which the contact is solved, with their loads: of the ramp, then of the hold.
 
         The ramp ends at `normal_load` [N], the load of the hold. `increments` is the number of
-        steps in which a ramp reaches its `reference_load`. Each step of the hold multiplies the
-        impulse since the start (∫F dt) by at most exp(10/n). Here n is `hold_increments`, or
-        `increments` if `hold_increments` is 0.
+        steps up to `reference_load`; small loads have smaller steps, see `increment`. Each step of
+        the hold multiplies the impulse since the start (∫F dt) by at most exp(10/n). Here n is
+        `hold_increments`, or `increments` if `hold_increments` is 0.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)
@@ -181,7 +181,7 @@ class Ramp:
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
         """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one at that load.
 
-        `increments` is the number of steps in which the ramp reaches its `reference_load`.
+        `increments` is the number that `Ramp.increment` takes.
         """
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)

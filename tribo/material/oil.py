@@ -74,7 +74,10 @@ class Oil:
         return 1e-6 * kinematic * self.density
 
     def pressure_coefficient(self, temperature: float) -> float:
-        """Pressure-viscosity coefficient α [1/Pa]; ln α is linear in the temperature [K]."""
+        """Pressure-viscosity coefficient α [1/Pa]; ln α is linear in the temperature [K].
+
+        Raises an `InputError` if the oil's `pressure_coefficients` are None.
+        """
         if self.pressure_coefficients is None:
             raise InputError("the oil has no pressure-viscosity coefficient; give it one")
         require_positive(temperature=temperature)

@@ -65,7 +65,7 @@ def mechanics(scene: Scene) -> Scene:
     """Copy of a scene with wear rate and thermal constants set to 1, and without `solved_friction`.
 
     If two scenes have equal copies, they have the same contacts at equal load and equal
-    `wear_number`, specific wear rate times velocity.
+    `wear_number`, specific wear rate times velocity, unless `inseparable` gives a reason.
 
     Examples
     --------
@@ -144,7 +144,8 @@ def contacts(
     Yields
     ------
     State
-        State after every step that `trunks` did not have yet.
+        State after every step that `trunks` did not have yet. Without wear and with the heat model
+        "elapsed", only the states with `State.is_requested`.
 
     Raises
     ------

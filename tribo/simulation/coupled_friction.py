@@ -14,10 +14,10 @@ further partition adds the change of heat by the last temperature. So where fric
 temperatures only rise on the way, and reach the lowest solution, as a contact that warms up does.
 
 Near a steep rise of friction there may be no solution close to the cold one: the contact ignites.
-That is the outcome if the mean rise has grown by a quarter, and an iteration adds more than the
-iteration before. It cannot happen where friction rises more slowly than T − T_b to the power of
-0.7. Where friction falls, the plain iteration would oscillate: there the last few iterations are
-combined (Anderson, J. ACM 12, 1965).
+That is the outcome if the mean rise has grown by a quarter, and an iteration adds at least as much
+as the iteration before. It cannot happen where friction rises more slowly than T − T_b to the power
+of 0.7. Where friction falls, the plain iteration would oscillate. So the last few iterations are
+combined (Anderson, J. ACM 12, 1965), unless the contact may ignite and no temperature falls.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ class Pass(NamedTuple):
 
 
 def part_count(scene: Scene, wear: Wear, distance: float) -> int:
-    """Number of parts into which a step is cut; in each part the disk has another position.
+    """Number of parts into which a step is cut; in each part the disk has other positions.
 
     The deeper the imprint that the disk's roughness would wear into the pin over the `distance`
     [m] slid in the whole step, the more parts there are, up to a limit.

@@ -48,7 +48,8 @@ class Fidelity:
     imprint : float
         Largest depth to which the roughness may wear itself into the pin within a part of a step,
         divided by the height of the roughness. Steps are cut into as many parts as this takes, at
-        most 4; 0 for no parts. Local wear and ridges along y leave such imprints.
+        most 4; 0 for no parts. With 25 `increments` or more they are not cut. Local wear and ridges
+        along y leave such imprints.
     kernel : {"periodic", "nearest-image"}
         Periodic images of the pressure that deform the patch: all images, or of each element only
         the nearer one. See `tribo.contact.ElasticHalfSpace`.

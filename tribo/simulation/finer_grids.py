@@ -23,6 +23,9 @@ def refine_step(
 
     `levels` has the scene on each grid, coarsest first, and `station` is the end of the step. Each
     grid starts from the result on the grid before, so that it solves the contact only once.
+
+    If heat of earlier steps counts, `after` is returned. If the wear is a mean over positions of
+    the disk, `after` keeps its wear, and only its contact is solved on the finest grid.
     """
     finest = levels[-1]
     if finest.remembers_heat:  # it has one grid, and its steps have had their implicit ends
@@ -45,7 +48,8 @@ def refine_step(
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
     """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`.
 
-    `before` and `after` are the states at both ends of the step, and `station` is its end.
+    `before` and `after` are the states at both ends of the step, and `station` is its end. If
+    nothing wears, or the load falls to zero, it is the wear depth of `before`.
     """
     way = before.sliding_distance, after.sliding_distance
     wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)

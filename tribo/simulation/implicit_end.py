@@ -29,7 +29,7 @@ _NEW, _RIM = 0.01, 0.75
 def end_implicitly(
     scene: Scene, before: State, after: State, station: Station, velocity: float
 ) -> State:
-    """Repeat the last sixth of a step by the implicit wear scheme, if much new area touches.
+    """Repeat a step, its last sixth by the implicit wear scheme, if much new area touches.
 
     The step leads from the state `before` to the state `after`, at `station`, on one grid. Returns
     the new state at the station, or `after` if nothing was repeated.

@@ -39,10 +39,10 @@ def solve_friction(
 ) -> CoupledRise:
     """Solve for the rise at a point's worst time, if friction depends on temperature.
 
-    The worst time is the step with the highest rise. The rise is solved only if the solution may
-    change the verdict: if the rise in `columns` is within 30 % of its limit, if the critical
-    temperature is not known, or if a mild contact may heat itself until wear is severe
-    (`Judging.may_ignite`). Otherwise `UNSOLVED` is returned.
+    The worst time is the step at full load with the highest rise. The rise is solved only if the
+    solution may change the verdict: if the rise, with corrections, is within 30 % of its limit, if
+    the critical temperature is not known, or if a mild contact may heat itself until wear is severe
+    (`Judging.may_ignite`). Otherwise, and with the heat model "history", `UNSOLVED` is returned.
 
     Parameters
     ----------
@@ -102,7 +102,8 @@ def judge(
     load, velocity : float
         Load on the whole pin [N] and sliding velocity [m/s].
     conditions : Conditions
-        Friction, temperatures and criterion.
+        Friction, temperatures and criterion. The motion and the loading in their `corrections` are
+        replaced by those of the scene.
     trunks : Trunks, optional
         Cached ramps of other points. Their steps are not repeated, and new ones are added.
 

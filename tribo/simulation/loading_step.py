@@ -203,9 +203,10 @@ def _element_area(scene: Scene) -> float:
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
     """Pressure [Pa] and elastic displacement [m] at a load [N], linear through the last two states.
 
-    The states are `state` and the one before it. If the load changes much more than between them,
-    the pressure is that of `state`. The displacement is None if it is not known. Both are None if
-    `state` is unloaded.
+    The states are `state` and the one before it. If the load changes at least twice as much as
+    between them, or the earlier state is unloaded, the pressure is that of `state`, and the
+    displacement is None. The displacement is also None if it is not known. Both are None if `state`
+    is unloaded.
     """
     if state.normal_load == 0.0:
         return None, None

@@ -91,7 +91,9 @@ class Motion:
             require_positive(track_length=self.track_length)
 
     def velocities(self, sliding: float) -> Velocities:
-        """Velocities of pin and disk [m/s]; disk minus pin is the sliding velocity.
+        """Velocities of pin and disk [m/s].
+
+        Disk minus pin is the sliding velocity, or its negative if `slide_roll_ratio` is negative.
 
         Parameters
         ----------

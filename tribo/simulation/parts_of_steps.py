@@ -25,7 +25,8 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
     """Cut a step into parts of equal duration; yield time and load at the end of each part.
 
     The step leads from the state `before` to `station`, which is yielded last. The step has so many
-    parts, at most 4, that in each the roughness wears only a shallow imprint into the pin.
+    parts that in each the roughness wears only a shallow imprint into the pin, but at most 4, and
+    only one with 25 increments or more.
     """
     count = _part_count(scene, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):

@@ -16,9 +16,10 @@ def position_means(scene: Scene, before: State, state: State, velocity: float) -
     """Solve the contact at further positions of the disk, to average the heat over them.
 
     Returns `state` with its temperature averaged over the positions, if it has a temperature. Else
-    returns it with the pressures at these positions, `State.passing`. Its own pressure and wear
-    remain those with the unshifted disk. `before` is the state one step earlier, with the history
-    of the heat, and `velocity` the sliding velocity [m/s].
+    returns it with the pressures at these positions, `State.passing`. If one position is enough,
+    `state` is returned unchanged. Its own pressure and wear remain those with the unshifted disk.
+    `before` is the state one step earlier, with the history of the heat, and `velocity` the sliding
+    velocity [m/s].
     """
     stage, contacts = Stage(state.normal_load, 0.0, 0.0), []
     for shift in further_positions(scene, state.normal_load):

@@ -25,7 +25,7 @@ def simulate(
     trunks: Trunks | None = None,
     requested: Container[int] = (),
 ) -> Iterator[State]:
-    """Simulate a loading up to `normal_load` at constant `velocity`; yield the state of each step.
+    """Simulate a loading up to `normal_load` at constant `velocity`; yield the states of its steps.
 
     The load grows as the scene's loading prescribes. If the loading has a hold, the load then stays
     at `normal_load`.
@@ -48,12 +48,13 @@ def simulate(
     ------
     State
         State after every step that `trunks` did not have yet. The state that reaches `normal_load`,
-        the last state and the states of `requested` have their temperature.
+        the last state and the states of `requested` have their temperature, if anything touches.
+        Without wear and with the heat model "elapsed", these are the only states.
 
     Raises
     ------
     InputError
-        If the load exceeds what the hardness carries, or a value is not finite and positive.
+        If the load is not positive, or exceeds what the hardness carries, or a value is not finite.
     ConvergenceError
         If a contact or a heat partition does not reach its tolerance.
 
@@ -75,9 +76,9 @@ def simulate(
 def heated(scene: Scene, contact: State, velocity: float) -> State:
     """Copy of a state from `contacts` with its contact temperature at a sliding velocity [m/s].
 
-    The temperature, `State.heat`, is None unless `contact.is_requested` is True. Velocity and
-    thermal constants may differ from those used for the contact. The product of specific wear rate
-    and velocity must be the same.
+    The copy also has the sliding distance at this velocity. Its temperature, `State.heat`, is None
+    unless `contact.is_requested` is True. Velocity and thermal constants may differ from those used
+    for the contact. The product of specific wear rate and velocity must be the same.
 
     Examples
     --------

@@ -165,7 +165,8 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
     """Reasons for caution about a point whose friction depends on temperature.
 
-    `coupled` is the solution for the rise. The list is empty unless the solution failed.
+    `coupled` is the solution for the rise. The list is empty unless the contact ignites or the
+    solution did not converge.
 
     Examples
     --------
@@ -338,7 +339,10 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
 
 
 def _is_heavily_worn(scene: Scene, state: State) -> bool:
-    """True if the roughness wears the pin by much more than the roughness's own height."""
+    """True if the roughness wears the pin by much more than the roughness's own height.
+
+    Always False unless the wear is a mean over positions of the disk, `Scene.sweeps_over`.
+    """
     if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
         return False
     return bool(state.wear_depth.max() > _HEAVY * average_roughness(heights))

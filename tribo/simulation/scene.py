@@ -207,14 +207,16 @@ class Scene:
     def grid(self) -> Grid:
         """The grid of elements. An element is a block of n × n pixels, n = ``pixels_per_element``.
 
-        For a smooth cylinder on a smooth disk, on a patch that repeats along y, nothing depends on
-        y. Then an element is as long along y as the patch.
+        If nothing depends on y (`is_plane`), an element is as long along y as the patch.
         """
         return _element_grid(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
     @property
     def is_plane(self) -> bool:
-        """True if nothing depends on y: smooth bodies in an endless line contact."""
+        """True if nothing depends on y: smooth bodies, a line contact and a periodic y.
+
+        False if a kernel of the fidelity is "nearest-image".
+        """
         smooth = self.roughness is None and self.pin.length is not None
         kernels = self.fidelity.kernel, self.fidelity.heat_kernel
         return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels

@@ -15,7 +15,7 @@ class Heat:
     """Temperature rises of the contact, per unit friction coefficient.
 
     If a ball or crowned pin touches on few elements, all values except the arrays of shape (nx, ny)
-    are means over positions of the disk.
+    are means over positions of the disk, except `iterations`, which is a sum.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Heat:
     max_rise, mean_rise : float
         Largest and mean rise over the contact area [K].
     pin_heat_share : float
-        Share of the friction heat that goes into the pin.
+        Share of the friction heat that goes into the pin; NaN without friction heat.
     iterations : int
         Iterations of the heat partition, each one convolution.
     bulk_response : ndarray, shape (nx, ny), or None
@@ -95,7 +95,7 @@ class State:
         Number of convolutions to solve the contact, on all grids.
     residual : float
         Largest relative violation of the conditions on the gap, among the contacts solved in the
-        last step; see `tribo.contact.ContactSolution`.
+        last step, or in its last part, on the finest grid; see `tribo.contact.ContactSolution`.
     previous_pressure : ndarray, shape (nx, ny)
         Contact pressure one step earlier [Pa], from which the next pressure is extrapolated.
     previous_load : float
@@ -105,7 +105,8 @@ class State:
     is_requested : bool
         True to solve for the temperature of the contact.
     heat : Heat or None
-        Temperature of the contact, if it was requested.
+        Temperature of the contact, if it was requested, or if it depends on the heat of earlier
+        steps.
     history : State or None
         State from which the ramp continues, at the same time but on a coarse grid or without an
         implicit end (see `tribo.simulation.implicit_end`). None if the ramp continues from this

@@ -19,12 +19,12 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         window), ``contact_width`` (between the outermost elements in contact along x) [m],
         ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction`` (of
         the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole pin)
-        [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K] and
-        ``pin_heat_share``; and with unequal bulk temperatures ``mean_bulk_response``, the mean rise
-        over the contact for each kelvin by which the disk's bulk is warmer than the pin's [K/K].
-        The last four are NaN if the temperature was not computed. Values that depend on the size of
-        elements are for the state's elements, which are larger before the last step; see
-        `Fidelity.history_coarsening`.
+        [m³], ``iterations`` and ``residual`` of the contact; ``max_rise`` and ``mean_rise`` (per
+        unit friction coefficient) [K], ``pin_heat_share``; and with unequal bulk temperatures
+        ``mean_bulk_response``, the mean rise over the contact for each kelvin by which the disk's
+        bulk is warmer than the pin's [K/K]. The last four are NaN if the temperature was not
+        computed. Values that depend on the size of elements are for the state's elements, which are
+        larger before the last step; see `Fidelity.history_coarsening`.
 
     Notes
     -----

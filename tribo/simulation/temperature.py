@@ -28,7 +28,7 @@ from tribo.types import Array, Mask
 
 @guard_range("the temperature of a contact")
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature rises of a state, per unit friction coefficient.
+    """Temperature rises of a state, per unit friction coefficient; `InputError` if nothing touches.
 
     The rise is computed for equal bulk temperatures of pin and disk. If `Scene.unequal_bulks` is
     True, the result also has `Heat.bulk_response`: how much the pin's surface warms for each kelvin
@@ -53,7 +53,8 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 def mean_heat(heats: Sequence[Heat]) -> Heat:
     """`Heat` with mean values over positions of the disk, from the `heats` at each position.
 
-    The arrays `Heat.rise` and `Heat.bulk_response` are those at the first position.
+    The arrays `Heat.rise` and `Heat.bulk_response` are those at the first position, and
+    `Heat.iterations` is the sum over positions.
     """
     first, *others = heats
     if not others:

@@ -92,8 +92,8 @@ class Judging(ABC):
     def solved_friction(self) -> SolvedFriction | None:
         """Law, bulk temperature and criterion to solve friction and contact temperature together.
 
-        None if the two are not solved together: friction does not depend on temperature, or the
-        criterion is a user's rule.
+        None if the two are not solved together: friction is 0 or does not depend on temperature, or
+        the criterion is a user's rule.
         """
         law = self.friction_law
         if not (law.by_temperature and law.coefficient):
@@ -248,7 +248,8 @@ class Verdict:
 def rise_limit(conditions: Judging) -> float:
     """Temperature rise per unit friction coefficient [K] above which wear is severe.
 
-    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal.
+    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
+    `InputError` if the critical temperature is not known.
     """
     if conditions.critical_temperature is None:
         raise InputError("critical_temperature is None, and a limit needs it; give one [K]")

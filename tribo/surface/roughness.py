@@ -40,7 +40,7 @@ class SelfAffineRoughness:
     ra : float
         Mean absolute height on the pixels, Ra [m].
     hurst_exponent : float
-        Hurst exponent, from 0 (rough at all lengths) to 1 (smooth at short lengths).
+        Hurst exponent, above 0 (rough at all lengths) and at most 1 (smooth at short lengths).
     correlation_length : tuple of float
         Correlation lengths along x and y [m].
     seed : int
@@ -76,7 +76,8 @@ class MeasuredRoughness:
     Parameters
     ----------
     array : ndarray, shape (nx, ny)
-        Heights [m], positive towards the pin. Axis 0 is x, the sliding direction.
+        Heights [m], positive towards the pin. Axis 0 is x, the sliding direction. An array of
+        float64 may be kept without a copy, so it must not be changed later.
 
     Examples
     --------

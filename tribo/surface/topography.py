@@ -85,6 +85,8 @@ def block_average(heights: Array, factor: int) -> Array:
 def block_sample(heights: Array, factor: int) -> Array:
     """Middle pixel of each block of ``factor × factor`` pixels, shape ``(nx/factor, ny/factor)``.
 
+    For an even `factor` it is the pixel after the middle, along both axes.
+
     Examples
     --------
     >>> block_sample(np.arange(9.0).reshape(3, 3), 3)

@@ -68,7 +68,9 @@ class RungeKutta:
         """Yield the contacts to solve in a step, in order; the last contact is at the step's end.
 
         `loads` are the loads at the start and end of the step, `mean_load` is the mean load over
-        the step [N]. `distance` is the sliding distance of the step [m].
+        the step [N]. `distance` is the sliding distance of the step [m]. If the stages would carry
+        less than half of `mean_load` on average, there are two contacts instead: one at `mean_load`
+        that wears the pin, and one at the end without wear.
 
         Examples
         --------
@@ -151,7 +153,8 @@ class Wear:
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
         """Return a copy of `solid` whose displacement includes the wear by the same pressure.
 
-        The pressure wears over the sliding `distance` [m].
+        The pressure wears over the sliding `distance` [m]. Raises an `InputError` for the pattern
+        "swept" if y is not periodic.
         """
         compliance = self.specific_wear_rate * distance
         if self.pattern == "swept" and not solid.grid.periodic[1]:
