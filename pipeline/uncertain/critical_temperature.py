@@ -105,9 +105,9 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene with measured transitions, or its path or name. Each of its random surfaces is
-        simulated. If tests are of several oils, only those that name no oil count; if all name
-        one, those of the alphabetically first. A transition without friction, bulk temperature or
-        time at full load takes the scene's value.
+        simulated. If tests are of several oils, only those of the scene's own oil count; without
+        any, those of the alphabetically first oil. A transition without friction, bulk temperature
+        or time at full load takes the scene's value.
     out : path, optional
         Store of the simulated points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
@@ -170,9 +170,9 @@ def critical_temperatures(
 def take_own_tests(sweep: Sweep, key: str) -> Sweep:
     """Return the sweep with tests of the scene's own oil as its only measured transitions.
 
-    The tests are taken from the scene's list `key`, "measured" or "tested". Tests that name no oil
-    ran on the scene's own oil. If every test names an oil, the alphabetically first oil counts as
-    the scene's own.
+    The tests are taken from the scene's list `key`, "measured" or "tested". If the scene names no
+    oil, its own tests are those that name none. Without tests of the scene's own oil, the
+    alphabetically first oil counts as its own.
     """
     tests = getattr(sweep, key)
     own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)

@@ -27,8 +27,8 @@ _HIDDEN = 0.5  # correlation above which tests cannot tell two inputs apart
 def shown_test(tests: Sequence[Test]) -> int:
     """Index of the test that represents a run of tests.
 
-    It is the severe test with the least load × velocity. Without a severe test it is the mild test
-    with the greatest load × velocity.
+    It is the severe test, or measured transition, with the least load × velocity. If all tests are
+    mild, it is the one with the greatest load × velocity.
     """
 
     def severity(number: int) -> tuple[bool, float]:
@@ -56,9 +56,9 @@ class Judged(NamedTuple):
 
     @property
     def test(self) -> Test:
-        """Test that stands for the run: the severe test of least load × velocity, if any.
+        """Test that stands for the run: severe test or transition of least load × velocity, if any.
 
-        In a run without a severe test it is the mild test of greatest load × velocity.
+        In a run of mild tests only, it is the mild test of greatest load × velocity.
         """
         return self.tests[shown_test(self.tests)]
 
