@@ -40,13 +40,13 @@ class Station:
     normal_load : float
         Load on the whole pin [N].
     time : float
-        Time since the load began to grow [s].
+        Time since the loading began [s].
     on_trunk : bool
         True if higher loads pass through this station too.
     index : int
         Number of steps from the unloaded state to this station.
     impulse : float
-        Integral of the load over the time since the load began to grow, ∫F dt [N s].
+        Integral of the load over the time since the loading began, ∫F dt [N s].
     holding : bool
         True if the load has been the same since the station before.
 

@@ -32,7 +32,8 @@ class Fidelity:
         coarsened.
     elements_per_summit : float
         Least width of the surface's summits, in elements. If it is above 0, elements are made small
-        enough for this, down to the pixels; see `tribo.simulation.element_size`.
+        enough for this, down to the pixels; see `tribo.simulation.element_size`. Half of it is
+        enough under a ball or crowned pin with the wear pattern "swept".
     fewest_summits : int
         If fewer summits are expected to touch, elements are single pixels. Used only if
         `elements_per_summit` is above 0.
