@@ -92,10 +92,10 @@ def at(
         also a rule of your own, like those in `tribo.CRITERIA`.
     given_measured : bool
         True to weigh draws of the unknown inputs by the measured transitions and tests of the
-        scene, for a sweep with samples.
+        scene, for a sweep with samples. Of the conditions above only `criterion` may be changed.
     scatter : float, optional
-        Relative standard deviation of measured velocities whose scatter the scene does not
-        give, as for `pipeline.posterior`.
+        Relative standard deviation of measured velocities whose scatter the scene does not give, as
+        for `pipeline.posterior`; only with `given_measured`.
     oil : str, optional
         Name of the oil whose tests count. It is needed if the tests are of several oils, and each
         test names its oil. The critical temperature must be the one of this oil.
@@ -107,7 +107,8 @@ def at(
     Returns
     -------
     Dataset
-        The same sweep, judged at these values.
+        The same sweep, judged at these values. A single selected load or velocity becomes a
+        dimension of size 1.
 
     Raises
     ------
@@ -275,7 +276,8 @@ def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
     """Restrict a dataset to `values` of the entries that vary in it.
 
-    Returns the restricted dataset, and the `values` of all other entries.
+    Returns the restricted dataset, and the `values` of all other entries. A scalar load or velocity
+    of the dataset becomes a dimension of size 1.
     """
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken}
@@ -313,7 +315,7 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Error message: another value of the entry at `path` needs a new run, and which run."""
+    """Error message: a value of the entry at `path` needs a new run, or there is no such entry."""
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of a path is enough
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""

@@ -45,9 +45,9 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the lowest value at
-        which wear turns severe. NaN if wear never does so, or is severe at the lowest computed
-        value. ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the error band.
-        Outside the band the verdict of `pipeline.margin` is decided.
+        which wear turns severe. NaN if wear never does so, is severe at the lowest computed value,
+        or is not known. ``mild_below(load)`` and ``severe_above(load)`` [m/s] are the ends of the
+        error band. Outside the band the verdict of `pipeline.margin` is decided.
 
         The names of further variables have the suffix ``_at_load`` or ``_at_velocity``:
 
@@ -56,7 +56,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           Too few points may be done. Or wear is severe at some point and mild at a higher one.
         - ``words``: the outcome in words, with the ranges of severe wear if there are several.
         - ``turns(load, turn)``: all loads or velocities at which wear changes.
-        - ``film_parameter`` at the critical velocity or load, if the scene gives an oil.
+        - ``film_parameter`` at the critical velocity or load, if oil and roughness are known.
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, the
         size of the model's own error and its basis; ``caveats``, limits of the answer;
@@ -73,12 +73,13 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
         A sweep with samples of unknown inputs has only the error band and
         ``critical_velocity_quantile``: the lowest velocities at which a further run is severe with
-        a probability of 5, 50 and 95 %.
+        a probability of 5, 50 and 95 %. A velocity is 0 if the lowest velocity of the sweep already
+        exceeds the probability, and infinite if no velocity reaches it.
 
     Raises
     ------
     InputError
-        If no critical temperature is known.
+        If no critical temperature is known, or the sweep lists pairs of load and velocity.
     StoreError
         If the path is not a readable store.
 
@@ -237,7 +238,10 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
 
 
 def _samples_boundary(scene: Results) -> xr.Dataset:
-    """Velocities at which severe wear is 5, 50 and 95 % likely, by load, and the error band."""
+    """Velocities at which severe wear is 5, 50 and 95 % likely, by load, and the error band.
+
+    A velocity is 0 or infinite if the probability is not found within the sweep's velocities.
+    """
     (field,) = fields(scene)
     loads = scene.loads
     low, high = (float(end) for end in field.ends["velocity"])
@@ -262,11 +266,12 @@ BAND = (0.1, 0.5, 0.9)
 
 @np.errstate(invalid="ignore")
 def _quantiles(line: Line) -> Array:
-    """Quantiles, over all surfaces, of the critical velocity [m/s] or critical load [N].
+    """Quantiles, over surfaces, of the critical velocity [m/s] or critical load [N].
 
     Returns an array (3, k) of the three quantiles in `BAND`. `line` has a curve for each of m
     surfaces and k loads or velocities. Quantiles are interpolated between ranked surfaces. They are
-    NaN next to a surface whose critical value is infinite, or outside the computed points.
+    NaN next to a surface whose critical value is infinite, or outside the computed points. Surfaces
+    with an unknown outcome are left out.
     """
     begin, end = line.computed
     is_kind = [np.isfinite(line.first), *(line.outcome == kind for kind in (MILD, SEVERE, ABOVE))]

@@ -41,10 +41,11 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Velocities, in words, above which wear is severe if heat of a body's earlier turns counts.
+    """Velocities, in words, from which wear is severe if heat of a body's earlier turns counts.
 
-    The text is empty unless the scene leaves that heat out, and the results are one grid of loads
-    and velocities under the scene's own conditions.
+    They are the lowest of all surfaces, at the lowest and the highest load. The text is empty
+    unless the scene leaves that heat out, the results are of a single scene with a grid of loads
+    and velocities, and `conditions` are those of `data.sweep`.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions

@@ -156,7 +156,8 @@ class Curve:
     def crossings(self, limit: Array | float, rows: Any = ...) -> Array:
         """Abscissae (..., n) at which curves pass `limit`, ascending, padded with NaN.
 
-        `limit` has a value for each curve, or for each of the curves numbered `rows`.
+        `limit` has a value for each curve, or for each of the curves numbered `rows`. A curve that
+        only reaches its limit, at its last point, crosses there.
         """
         limit, rows = np.broadcast_arrays(limit, self._numbers[rows])
         limits, of_limit = limit.ravel(), rows.ravel()

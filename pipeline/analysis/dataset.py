@@ -120,7 +120,7 @@ def name_at(table: Variants, ds: xr.Dataset) -> Variant:
     """Name of the variant that a dataset was selected to: pairs (varied entry, value).
 
     The values are written as in the `table` of variants. The name is empty if an entry still has
-    several values in the dataset.
+    several values in the dataset, or no coordinate.
     """
     if any(one.name in ds.dims or one.name not in ds.coords for one in table.chosen):
         return ()
@@ -186,9 +186,10 @@ def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Open the dataset of a store, or check a given one; load lazy data, except contact fields.
+    """Open the dataset of a store; or check a given one, sort its axes and load its Dask arrays.
 
-    Time, load and distance of each step, which a store has only once, are repeated for every point.
+    Contact fields, and data of a store, are read only when used. Time, load and distance of each
+    step, which a store has only once, are repeated for every point.
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
@@ -206,7 +207,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
 
 
 def _require_axis(ds: xr.Dataset, name: str) -> None:
-    """Raise an `InputError` if a dataset lacks the axis `name`, or has a value twice on it."""
+    """Raise an `InputError` unless the axis `name` of a dataset has finite values, each once."""
     if name not in ds.coords:
         raise InputError(f"the dataset has no {name}; keep its coordinates, and their names")
     if not ds[name].size:
@@ -221,7 +222,7 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
 
 
 def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
-    """Raise an `InputError` for dimensions, coordinates or units that the sweep does not have."""
+    """Raise an `InputError` for dimensions or units that the sweep lacks, or a lost coordinate."""
     units = _UNITS | {column.name: column.unit for column in table.columns}
     dims = entry_dims(ds["status"]) if "status" in ds else ()
     if unknown := [dim for dim in dims if dim not in units]:
@@ -318,8 +319,8 @@ def require_one_scene(names: Sequence[str]) -> None:
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a dataset; put points that are stored as a list on a grid.
 
-    A run that computes only the boundary stores a list of points. The grid has the axes load and
-    velocity.
+    A run that computes only the boundary stores a list of points. The grid has axes for load,
+    velocity, varied entries and surfaces.
     """
     if POINT in ds.dims:
         axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
@@ -332,7 +333,7 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
 
 
 def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Names of random dimensions of a dataset: surfaces and samples."""
+    """Names of random dimensions that a dataset may have: surfaces, and samples if it has any."""
     return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
@@ -369,6 +370,11 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     -------
     Dataset
         The dataset at ``step`` 0, without this dimension; NaN at points that are not done.
+
+    Raises
+    ------
+    InputError
+        If step 0 was not selected from the dataset.
 
     Examples
     --------

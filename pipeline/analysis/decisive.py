@@ -51,6 +51,11 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
         has the friction at its own temperature. A run solves this only for the temperature that the
         criterion compares with the critical temperature.
 
+    Raises
+    ------
+    InputError
+        If the dataset lacks a variable, or some of the shares ``cooler_share``.
+
     Examples
     --------
     >>> import pipeline

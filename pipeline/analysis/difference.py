@@ -30,7 +30,8 @@ class Difference:
 
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
     #: Critical velocities at loads of both stores, each store under its own conditions: ``load
-    #: [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``.
+    #: [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``. With
+    #: several surfaces or samples they are medians. The frame is empty if no boundary is found.
     boundary: pd.DataFrame
     #: Points that are done in only one store or have different rises: ``load [N]``, ``velocity
     #: [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``, ``change
@@ -59,6 +60,8 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     ------
     StoreError
         If there is no readable store.
+    InputError
+        If a store has several scenes, or lists pairs of load and velocity.
 
     Examples
     --------
@@ -79,7 +82,10 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
 
 
 def _boundary(a: Results, b: Results) -> pd.DataFrame:
-    """Frame of critical velocities at common loads; empty without a critical temperature."""
+    """Frame of critical velocities at common loads.
+
+    It is empty if `boundary` raises an `InputError`, such as without a critical temperature.
+    """
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(data) for data in (a, b))
@@ -94,7 +100,11 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 
 
 def _critical_velocities(data: Results) -> pd.DataFrame:
-    """Frame of critical velocity and outcome by load; medians for several surfaces or samples."""
+    """Frame of critical velocity [m/s] and outcome in words, by load.
+
+    With several surfaces or samples the velocity is the median; NaN if it is 0 or infinite. The
+    outcome lists those of all surfaces, each once; for samples it is that of the median.
+    """
     boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values

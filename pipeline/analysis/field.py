@@ -189,8 +189,9 @@ class PointField:
     def temperatures(self, loads: Places, velocities: Places) -> Here:
         """Contact temperatures [K] at k pairs of load and velocity, and whether wear is severe.
 
-        Temperatures are interpolated between computed points. `Here.values`, the temperatures, have
-        the shape (m, k), for each of m surfaces.
+        Temperatures are interpolated between computed points, or extrapolated along velocity within
+        the sweep's range. `Here.values`, the temperatures, have the shape (m, k), for each of m
+        surfaces.
         """
         loads, velocities = places_of(loads, velocities)
         rises, is_within = self._rise(loads, np.where(velocities > 0, velocities, math.nan))
@@ -235,7 +236,8 @@ class PointField:
     def _rise(self, loads: Array, velocities: Array) -> tuple[Array, Mask]:
         """Rises [K] at k pairs of load and velocity on m surfaces, and a mask; both (m, k).
 
-        The rises are per unit friction coefficient. The mask is False where a rise is extrapolated.
+        The rises are per unit friction coefficient. The mask is True where a rise is interpolated,
+        False where it is extrapolated, estimated by `filled`, or unknown.
         """
         rises, marks, _ = self._rises_and_marks(velocities)
         rise, mark = (Curve(self.loads, part)(loads[:, None])[..., 0] for part in (rises, marks))
@@ -320,8 +322,8 @@ class PointField:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
         The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
-        and temperature-dependent friction. The errors are of the surface with the largest total
-        error. They are NaN if unknown.
+        and temperature-dependent friction. The first three errors are of the surface where their
+        total is largest, the last is of the hottest surface. They are NaN if unknown.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -349,9 +351,10 @@ class PointField:
     ) -> Array:
         """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
-        The probability is the mean over surfaces. `scatter` is the distribution of the model's own
-        error. `shift` is added to ln(rise): one value, a value for each pair of load and velocity
-        (k,), or n alternatives (n, k), for each of which the result (n, k) has a row.
+        The probability is the mean over surfaces, and over the likely values of an uncertain
+        critical temperature. `scatter` is the distribution of the model's own error. `shift` is
+        added to ln(rise): one value, a value for each pair of load and velocity (k,), or n
+        alternatives (n, k), for each of which the result (n, k) has a row.
         """
         loads, velocities = places_of(loads, velocities)
         # Places at a load of the sweep share its line.
@@ -419,7 +422,7 @@ def _inserted(x: Array, y: Array, places: Array, values: Array) -> tuple[Array, 
     """Insert a point into each curve y(x); return ascending x, and y, each (..., n + 1).
 
     `places` are the abscissae of the points, and `values` their ordinates. If an ordinate is NaN,
-    its abscissa becomes NaN and comes last.
+    its abscissa becomes NaN and comes last. A point replaces one of the curve at the same abscissa.
     """
     is_there = np.isfinite(values)[..., None]
     others = np.where(is_there & (x == places[:, None]), np.nan, x)
@@ -474,7 +477,8 @@ def fields(data: Results) -> list[Field]:
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:
     """Make a `PointField` from `whole`, the results of one scene.
 
-    Wear is judged under `conditions`; None for the conditions of `whole`.
+    Wear is judged under `conditions`; None for the conditions of `whole`. Points at velocity 0 are
+    left out.
     """
     conditions, place, scene = conditions or whole.conditions, whole.place, whole.take_moving()
     ends = {

@@ -68,8 +68,9 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     """Yield pairs (heading, column) of a boundary for several surfaces, or for samples.
 
     For several surfaces, the columns are the median, the 10 and the 90 % quantile of the critical
-    value, and the number of surfaces with each outcome. For samples of unknown inputs, they are
-    only the velocities at which severe wear is 5, 50 and 95 % likely.
+    value, and the number of surfaces with each outcome that occurs. For samples of unknown inputs,
+    they are only the velocities at which severe wear is 5, 50 and 95 % likely; a velocity of 0
+    becomes minus infinity.
 
     `name` is "critical_velocity" or "critical_load". A column has a value for each load (`axis` is
     "load") or for each velocity ("velocity").

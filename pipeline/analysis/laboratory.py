@@ -67,7 +67,12 @@ def require_one_oil(sweep: Sweep) -> None:
 
 
 def own_conditions(data: Results, test: Measurement) -> Conditions:
-    """Conditions of a test: its own friction and bulk temperature, if given, else the scene's."""
+    """Conditions of a test.
+
+    Friction and bulk temperatures are the test's, if given, else those stored in the scene, without
+    changes by `pipeline.at`. The test's bulk temperature is that of both pin and disk. All other
+    conditions are those by which `data` are judged.
+    """
     judged, scene = data.sweep.conditions, data.stored.conditions
     bulks = {body: getattr(scene, body) for body in ("bulk_temperature", "disk_temperature")}
     if test.bulk_temperature is not None:
@@ -79,6 +84,7 @@ def model_error(data: Results, field: Field) -> Scatter:
     """Distribution of the model's own error in ln(critical velocity), from tests and a prior.
 
     If tests weigh draws of the unknown inputs, it is the distribution inferred with the weights.
+    For other draws it is the prior.
     """
     scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
     require_one_oil(data.sweep)
@@ -102,8 +108,8 @@ def untested_error(sweep: Sweep) -> ModelError:
 def _known_comparison(data: Results, field: PointField, test: Measurement) -> Comparison | None:
     """Comparison of a test with the model under the test's conditions; None without a result.
 
-    There is no result if the load is outside the sweep, or if points at further velocities might
-    change whether test and model agree.
+    There is no result if the load is outside the sweep, if points at further velocities might
+    change whether test and model agree, or if no critical velocity is found even by extrapolation.
     """
     try:
         found = comparison(field.under(own_conditions(data, test)), test)

@@ -76,8 +76,8 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
     Raises
     ------
     InputError
-        If the operating point is outside the sweep, too few points are done, or the table has
-        faults; the message names them all.
+        If a single operating point is outside the sweep, or too few points are done for it; or if
+        the table has faults, all of which the message names.
 
     Examples
     --------
@@ -249,7 +249,10 @@ def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd
 
 
 def counts_in_words(frame: pd.DataFrame) -> str:
-    """Numbers of operating points by verdict, and the point with the least margin, in words."""
+    """Numbers of operating points by verdict, and the point with the least margin, in words.
+
+    The point is left out if it is the only one, or no margin is known.
+    """
     counts = Counter(frame["verdict"])
     said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
     if len(frame) == 1 or frame["distance [K]"].isna().all():

@@ -69,10 +69,10 @@ class Results:
     loads, velocities : ndarray
         Ascending loads [N] and velocities [m/s] of the points; velocities of samples are in `rows`.
     cut : tuple of str
-        Which of the axes load and velocity have only a single value.
+        Which of load and velocity are a scalar in the dataset, not a dimension.
     columns : mapping
-        Variables by name, shape (*front, load, velocity, step, share), each with some of these
-        axes.
+        Variables by name, of shape (*front, load, velocity), and then those axes of step, bulk
+        ratio and share that the variable has.
     shares : ndarray
         Shares of the contact area for which quantiles are stored.
     rest : Dataset
@@ -119,7 +119,7 @@ class Results:
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] if there is only one pair; None for a grid of both."""
+        """Load [N] and velocity [m/s] if both are scalars, or of one listed pair; else None."""
         is_row = self.kind is Kind.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None
@@ -208,7 +208,10 @@ class Results:
         )
 
     def take_surface(self, seed: int | None) -> Results:
-        """Results on the surface with this seed of its roughness; on all surfaces if None."""
+        """Results on the surface with this seed of its roughness; on all surfaces if None.
+
+        Raises an `InputError` unless the surface is one of several.
+        """
         if seed is None:
             return self
         seeds = self.rows["realization"].values.tolist() if "realization" in self.front else []
@@ -330,8 +333,9 @@ class Results:
     def rises(self, conditions: Conditions) -> Array:
         """Temperature rise [K] per unit friction coefficient at each point; NaN if it is not done.
 
-        It is the rise of the temperature that the criterion compares with the critical temperature.
-        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        It is the rise of the temperature that the criterion compares with the critical temperature,
+        at the worst step of the point. The axes are varied entries, surfaces or samples
+        (`Results.front`), load and velocity.
         """
         if self.place is None:
             self.require_lists(*PLANE)

@@ -392,7 +392,10 @@ def _slope_spread(grid: RisePlane) -> float:
 
 
 def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of abscissae `x`, and of the curves' ordinates `rows`; NaN if not positive."""
+    """Logarithms of the known points of curves: abscissae `x` and ordinates `rows`, then NaN.
+
+    Points that are not positive count as unknown.
+    """
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)
@@ -401,8 +404,9 @@ def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
 def warned_errors(flags: Indices, durations: Array) -> Array:
     """Relative errors of rises that the warnings of their points imply.
 
-    An error is 0 at a point without warnings, and NaN if a warning's effect is unknown. `flags`
-    are sums of `WarningKind` codes, and `durations` the times of loading [s].
+    An error is 0 at a point without warnings, and NaN if a warning's effect is unknown. Of several
+    warnings the one with the largest error counts. `flags` are sums of `WarningKind` codes, and
+    `durations` the times of loading [s].
     """
     is_warm = (flags & int(WarningKind.PRESENT_HEAT)) > 0
     warm = np.interp(np.log(np.where(is_warm, durations, 1.0)), np.log(_DURATIONS), _TOO_WARM)

@@ -24,7 +24,7 @@ _NAMED = 6  # most values of an axis in a message
 
 
 def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
-    """Add to a dataset the scene id of the row that each point belongs to.
+    """Copy of a dataset with the scene id of each point as a coordinate, and `ids` as attribute.
 
     `ids` has the id of each row of the sweep's `table` of variants.
     """
@@ -39,7 +39,8 @@ def identify(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Dataset:
 def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
     """Raise an `InputError` if points belong to another scene than the attributes describe.
 
-    `table` has the rows of the sweep that the attributes describe.
+    `table` has the rows of the sweep that the attributes describe. A dataset without the coordinate
+    ``scene_id`` is not checked.
     """
     if SCENE_ID not in ds.variables:
         return

@@ -204,8 +204,8 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
 def notes_of(frame: pd.DataFrame, said: Collection[str] = ()) -> list[str]:
     """Notes in a frame of operating points, each once.
 
-    A note that is not on all points names its points. Notes in `said` were printed before, and are
-    left out.
+    A note names the first point that has it and the number of the others, unless all points of
+    several have it. Notes in `said` were printed before, and are left out.
     """
     noted, lines = frame[["load [N]", "velocity [m/s]", "notes"]].dropna(), list[str]()
     noted = noted.assign(notes=[split_notes([cell]) for cell in noted["notes"]]).explode("notes")

@@ -264,7 +264,8 @@ class Transitions(NamedTuple):
     def outcome_texts(self, along: str) -> Iterator[str]:
         """Yield the outcome in words for each operating point, along "velocity" or "load".
 
-        If surfaces or draws differ, the words count the surfaces or draws with each outcome.
+        If surfaces or draws differ, the words count those on which wear changes, by outcome; if it
+        changes on none, those with each outcome.
         """
         words = outcomes(along)
         for number, all_codes in enumerate(self.outcome.T.tolist()):

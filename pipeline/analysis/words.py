@@ -21,7 +21,7 @@ ONSET = "the median is not the onset: the hottest patch under the pin scuffs fir
 def model_error_line(errors: Iterable[str]) -> str:
     """Line of text on the model's own error, from the errors of all scenes.
 
-    It states the first, and how many scenes have another one.
+    It states the first, and the number of different others.
     """
     first, *others = dict.fromkeys(errors)
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
@@ -42,7 +42,10 @@ def boundary_lines(boundaries: xr.Dataset) -> list[str]:
 
 
 def next_run_line(boundary: xr.Dataset) -> str:
-    """Sentence on the velocities below which a further run is mild, and above which severe."""
+    """Sentence on the velocities below which a further run is mild, and above which severe.
+
+    They are stated at the lowest and the highest load.
+    """
     said = []
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)

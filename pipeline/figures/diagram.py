@@ -51,7 +51,8 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
     the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`, the
-    seed of a surface, chooses a single one. `log` makes both axes logarithmic.
+    seed of a surface, chooses a single one. Of several scenes only the boundaries are drawn, each a
+    median in its own colour. `log` makes both axes logarithmic, without velocity 0.
     """
     if data.kind is Kind.SAMPLES:
         if realization is not None:
@@ -150,8 +151,8 @@ def _shade_verdicts(
 ) -> list[Artist]:
     """Shade regions by the verdict on a new test there: mild, severe or not decided.
 
-    The verdicts are those of `pipeline.margin`. The list has the legend entry of the region that is
-    not decided, if there is such a region.
+    The verdicts are those of `pipeline.margin`. Mild and severe regions are also named. The list
+    has the legend entry of the region that is not decided, if there is such a region.
 
     `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
     velocities `x` [m/s] and loads `y` [N]. It is NaN where unknown; nothing is shaded there.

@@ -32,7 +32,8 @@ def chosen_points(
 
     There is one point for each pair of the wanted loads and velocities: the nearest one. By default
     the load is the highest with a computed point, and the velocity the nearest to the transition
-    under `conditions`.
+    under `conditions`; without a transition the contact is hottest there. Raises an `InputError` if
+    a point is not done.
     """
     rises = data.rises(conditions)
     is_done = np.isfinite(rises)

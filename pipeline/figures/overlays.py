@@ -138,7 +138,7 @@ _LEAST_ROOM = 0.1  # least room around a name, as a share of the figure's width
 def name_regions(axes: Axes, x: Array, y: Array, mild: Mask, severe: Mask) -> None:
     """Write "mild" and "severe" where the regions of these masks (load, velocity) are widest.
 
-    `x` are velocities [m/s], `y` loads [N].
+    A region without room has no name. `x` are velocities [m/s], `y` loads [N].
     """
     for inside, name, colour in ((mild, MILD, BLUE), (severe, SEVERE, VERMILION)):
         padded = np.pad(inside, 1)  # the edges of the diagram bound the region, too

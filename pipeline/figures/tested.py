@@ -31,7 +31,10 @@ _ROOM = 1.25  # factor on velocity between the outermost tests and the axes' end
 
 @style.house_style
 def measured_over_computed(data: Results) -> Figure:
-    """Draw the velocity of each test against the critical velocity computed for it."""
+    """Draw the velocity of each test against the critical velocity computed for it.
+
+    The legend counts the tests for which none is computed.
+    """
     require_kind(data.kind, Kind.PLANE)
     require_one_scene(data.entry_dims)
     tests = number_tests(laboratory_tests(data))
