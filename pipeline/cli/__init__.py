@@ -62,7 +62,7 @@ def _run_command(options: argparse.Namespace) -> Any:
 
 
 def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
-    """Run the `function` of a command and return its exit code; print an error in one message."""
+    """Run the `function` of a command, print its result or its error, and return the exit code."""
     # Imported here, as they import NumPy, which --help does not need.
     from pipeline.cli import output
     from pipeline.store.place import is_lack_of_memory

@@ -48,7 +48,7 @@ class Result:
 def show(options: argparse.Namespace, result: Result) -> None:
     """Print a result as text or as one JSON document, and write its table or figure to a file.
 
-    With --json, sentences that the document lacks are printed as notes on stderr.
+    With --json, and without a `Result.document`, sentences are printed as notes on stderr.
     """
     text = [*result.text, *wrapped(result.warned.lines() if result.warned else ())]
     out = getattr(options, "output", None)
@@ -131,7 +131,8 @@ _SOON = 2.0  # [s] before a slow command reports that it is working
 def run_line(silent: float = 0.0) -> Iterator[Report]:
     """Context manager: yield a function that shows progress, as a bar on a terminal, else as lines.
 
-    It shows nothing for the first `silent` seconds.
+    A message (`Progress.words`) is printed at once. Counts are not shown for the first `silent`
+    seconds.
     """
     begins = time.monotonic() + silent
     in_place = sys.stderr.isatty() and not QUIET.is_set()

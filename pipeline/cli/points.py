@@ -82,9 +82,10 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
 
 
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
-    """Frame of one row: the contact at the end of a point, and its highest temperatures.
+    """Frame of one row: the contact at the end of a point, and its temperature over all steps.
 
-    If friction depends on temperature (`solved`), the highest temperatures are left out.
+    The highest temperature and the failed share are the largest of all steps. Both are left out if
+    friction depends on temperature (`solved`).
     """
     both = pipeline.end_of_point(ds)
     if not solved:

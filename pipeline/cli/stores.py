@@ -54,7 +54,10 @@ def _is_store(path: Path) -> bool:
 
 
 def _stores_below(folder: Path) -> Iterator[Path]:
-    """Paths of the stores in a folder and its subfolders, skipping unreadable ones."""
+    """Paths of the stores in a folder and its subfolders.
+
+    Subfolders that are unreadable, hidden or symbolic links are not searched.
+    """
     for path in sorted(folder.iterdir()):
         with suppress(OSError):
             if _is_store(path):

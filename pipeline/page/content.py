@@ -67,7 +67,8 @@ _NUMBERS = (
 def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """Data of the page for one scene with a grid of loads and velocities, as JSON values.
 
-    Contact fields are included for at most `most_fields` points: those nearest to the transition.
+    Velocity 0 is left out. Contact fields are included for at most `most_fields` points: those
+    nearest to the transition.
     """
     data = results(ds).take_moving()
     data.require_plane()

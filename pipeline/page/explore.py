@@ -86,7 +86,7 @@ def explore(
     ds : Dataset or path
         Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of the store.
     out : path
-        File to write, with the suffix .html.
+        File to write, with the suffix .html or .htm.
     most_fields : int, optional
         Largest number of points with fields on the page, if the sweep has stored fields. The points
         nearest to the transition are taken; the fields of a point take about 10 kB.
@@ -102,7 +102,7 @@ def explore(
     Raises
     ------
     InputError
-        If the suffix is not .html, the number is negative, the file cannot be written, or the
+        If the suffix is another one, `most_fields` is negative, the file cannot be written, or the
         operating points have faults.
 
     Examples

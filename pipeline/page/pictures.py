@@ -33,8 +33,8 @@ def packed_fields(
     pin's bulk temperature)/friction [K].
 
     Returns a dictionary. ``points`` has the list made by `packed_point` for each point, by the flat
-    index of the point. ``scales`` are pictures of the three colour scales. ``note`` is a caption,
-    and ``aspect`` the width of a picture over its height.
+    index of the point. ``scales`` are pictures of the three colour scales. If there are points,
+    ``note`` is a caption, and ``aspect`` the width of a picture over its height.
     """
     points: dict[str, Any] = {}
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
@@ -57,9 +57,9 @@ def packed_point(pressure: Array, rise: Array, wear_depth: Array) -> list[Any]:
     """List of extreme values of three fields (x, y) at a point, then a picture of each field.
 
     The values are the highest pressure [Pa], the lowest and the highest rise [K] in the contact,
-    and the greatest wear depth [m]. The pictures show pressure, rise and wear depth, as base64
-    text. `rise` is the temperature above the bulk temperature of the colder body, divided by
-    friction.
+    and the greatest wear depth [m], of means over the elements of a pixel. The pictures show
+    pressure, rise and wear depth, as base64 text. `rise` is the temperature above the bulk
+    temperature of the colder body, divided by friction.
     """
     contact = pressure > 0
     block = _block(pressure.shape[0]), _block(pressure.shape[1])
