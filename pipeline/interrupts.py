@@ -32,8 +32,9 @@ def handle(handler: Callable[[int, FrameType | None], None]) -> dict[int, Any]:
 def keyboard_interrupts() -> Iterator[None]:
     """Context manager: SIGINT, SIGTERM and SIGHUP raise `KeyboardInterrupt`.
 
-    If a signal causes another error, such as that of an interrupted import, this error is
-    replaced by `KeyboardInterrupt`.
+    Once SIGTERM or SIGHUP has come, the same signal is ignored until the end of the block. If a
+    signal causes another error, such as that of an interrupted import, this error is replaced by
+    `KeyboardInterrupt`.
     """
     came: list[int] = []
 

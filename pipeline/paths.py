@@ -48,9 +48,10 @@ def path_hint(path: Path) -> str:
 
 
 def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Decode the content of a file as UTF-8 or UTF-16, else as Latin-1.
+    """Decode the content of a file as UTF-8 or UTF-16, else as Windows Latin-1 (cp1252).
 
-    Returns the text and a list of notes for the user, which names Latin-1 or is empty.
+    Null characters are removed. Returns the text and a list of notes for the user, which names
+    Latin-1 or is empty.
     """
     is_wide = content[:2] in (b"\xff\xfe", b"\xfe\xff") or content[1:200:2].count(0) > 50
     with suppress(UnicodeDecodeError):

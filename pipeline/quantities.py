@@ -56,7 +56,7 @@ DIMENSIONS = {
 The limits are far beyond any machine, and far from where products of them leave double precision.
 """
 ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
-"""Temperatures that these units have at 0 [K]."""
+"""Temperatures at which these units are 0 [K]."""
 _OTHERS = {
     "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9", "mm² K/W": "1e-6",
     "MJ/(m³ K)": "1e6", "N m": "1",

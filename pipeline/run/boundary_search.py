@@ -71,9 +71,11 @@ class BoundarySearch:
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
         """Set up the search between a sweep's lowest and highest velocity.
 
-        `tolerance` is the relative error allowed in velocity. If contact solutions of another
-        variant are reused, `scale` is its velocity divided by the sweep's. Raises an `InputError`
-        if the sweep has only one velocity, or no friction.
+        `tolerance` is the relative error allowed in velocity; if friction depends on velocity, a
+        tenth of it is used. If contact solutions of another variant are reused, `scale` is its
+        velocity divided by the sweep's. Raises an `InputError` if the tolerance is not between 0
+        and 1, the critical temperature is not known, the limit is infinite without friction, or the
+        sweep has fewer than two velocities above 0.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
@@ -126,7 +128,8 @@ class BoundarySearch:
 
         `x` is ln(velocity) of the points whose rise is known, and `y` is ln(rise/factor) there,
         where the factor is the one by which velocity changes friction. Between the points y is
-        linear in x, and the factor at each velocity then gives the rise.
+        linear in x, and the factor at each velocity then gives the rise. Without a crossing, the
+        result is the highest velocity of the search if the lowest is mild, else the lowest.
         """
         fine = np.linspace(math.log(self.lowest), math.log(self.highest), _EXPECTED)
         fine = np.union1d(fine, x)
@@ -270,8 +273,9 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Rises of the done points of a store by point [K], and the set of its failed points.
 
-    A rise is the temperature rise per unit friction coefficient that the criterion compares with
-    its limit, at the worst step of the point.
+    Only points at the loads and in the variants of `sweep` are returned. A rise is the temperature
+    rise per unit friction coefficient that the criterion compares with its limit, at the worst step
+    of the point.
     """
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims

@@ -136,7 +136,10 @@ class Connection:
 
     @contextmanager
     def reached(self) -> Iterator[None]:
-        """Context manager: turn errors of a lost scheduler into an `ExecutionError`."""
+        """Context manager: turn errors of a lost scheduler into an `ExecutionError`.
+
+        Before the block it waits, up to `patience`, for a client that is connecting again.
+        """
         limit = time.monotonic() + self.patience
         while self.client.status == "connecting" and time.monotonic() < limit:
             time.sleep(0.1)  # the scheduler may be starting again
@@ -197,7 +200,8 @@ def connected(
 
     Workers that were started here are ended with the block. Raises an `ExecutionError` if they do
     not start. `patience` is how long to wait for an answer of the scheduler, or for a worker [s].
-    `dashboard` also serves Dask's page on the progress of the workers.
+    `dashboard` reports the link of Dask's page on the progress of the workers, and serves the page
+    of workers that were started here.
     """
     with ExitStack() as stack:
         cluster = None

@@ -116,8 +116,9 @@ class Jobs:
     def lost(self, has_looked: bool) -> list[tuple[Job, Loss]]:
         """Return tasks that were lost since the last call, as pairs of job and reason.
 
-        A task with a result is lost, too, if its worker is gone before the result was fetched. Gone
-        workers are looked for only if the list of workers was just updated (`has_looked`).
+        Tasks that have ended with a result move from `running` to `computed`. Such a task is lost,
+        too, if its worker is gone before the result was fetched. Gone workers are looked for only
+        if the list of workers was just updated (`has_looked`).
         """
         lost, self._without_result = self._without_result, []
         while self._ended:
@@ -135,7 +136,10 @@ class Jobs:
         return lost
 
     def _loss(self, job: Job) -> Loss:
-        """Find the reason why a task was lost; `ExecutionError` if the run cannot go on."""
+        """Find the reason why a task was lost; `ExecutionError` if the run cannot go on.
+
+        If a worker died, `job.worker` becomes the address of this worker.
+        """
         error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker
@@ -151,7 +155,7 @@ class Jobs:
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
 
     def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Yield pairs (job, reason) of tasks whose worker is gone; Dask may never end these."""
+        """Give up tasks whose worker is gone, which Dask may never end; yield (job, reason)."""
         present = {ANYWHERE, *self._link.workers}
         for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
             for key, job in [*jobs.items()]:
@@ -162,9 +166,10 @@ class Jobs:
                     yield job, loss
 
     def results(self) -> Iterator[bytes]:
-        """Yield pickled results that have arrived; request further results at most once a second.
+        """Yield pickled results that have arrived, and request further results.
 
-        A worker that hangs delays only the results that are requested together with its own.
+        While tasks are running, results are requested at most once a second. A worker that hangs
+        delays only the results that are requested together with its own.
         """
         for answer in [one for one in self._gathering if one.done()]:
             del self._gathering[answer]

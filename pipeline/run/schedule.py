@@ -106,7 +106,7 @@ class Losses:
     def failed(self) -> list[tuple[Point, list[str]]]:
         """Remove and return the points that were lost `TRIALS` times or more often.
 
-        Each comes with the addresses of the workers that were lost while they computed the point.
+        Each comes with the addresses of the workers that were lost while they had the point.
         """
         failed = [point for point in self._suspects if len(self._workers[point]) >= TRIALS]
         for point in failed:

@@ -75,24 +75,25 @@ def run_sweep(
         Path of the store, which is created, resumed or extended. If it is a folder, all done points
         are first compared with their checksums, and computed again if they differ.
     workers : int, optional
-        Number of processes; by default one for each core that this process may use.
+        Number of processes; by default one for each core that this process may use. There are no
+        more than tasks, or with `boundary_only` than cores.
     client : distributed.Client, optional
         Client of a Dask cluster to compute on instead. Its workers need this package, but no access
         to the store. A worker computes one point at a time, however many threads it has.
     progress : callable, optional
-        Called with a `Progress` at the start, after each point, and for messages to the user, such
-        as a note on a store that is resumed. If it is not given, a notebook shows a line of
-        progress.
+        Called with a `Progress` at the start, whenever points were written, and for messages to the
+        user, such as a note on a store that is resumed. If it is not given, a notebook shows a line
+        of progress.
     retry_failed : bool, optional
         True to compute points again that failed in an earlier run.
     boundary_only : float, optional
-        Compute only the boundary, for each surface, to this relative error of the critical
-        velocity. The run chooses velocities between the sweep's lowest and highest. The error is in
-        addition to that of the scene's numerical choices. The store then has single points, which a
-        store of the whole sweep may take over later by `source`.
+        Compute only the boundary, for each variant, to this relative error of the critical
+        velocity, between 0 and 1. The run chooses velocities between the sweep's lowest and
+        highest. The error is in addition to that of the scene's numerical choices. The store then
+        has single points, which a store of the whole sweep may take over later by `source`.
     patience : float, optional
-        Time to wait for an answer of the scheduler, and for the first worker [s]. Choose it long if
-        workers wait in a queue.
+        Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
+        it long if workers wait in a queue.
     dashboard : bool, optional
         True to report the link of Dask's dashboard, which everybody on this machine can read.
     source : str or path, optional
@@ -102,8 +103,9 @@ def run_sweep(
     Raises
     ------
     InputError
-        If `boundary_only` is given for a sweep without friction, with a single velocity above 0,
-        with samples, or with rows of ``sweep.along``.
+        If `workers`, `client`, `patience` or `boundary_only` cannot be used; or if `boundary_only`
+        is given for a sweep without friction or critical temperature, with a single velocity above
+        0, with samples, or with rows of ``sweep.along``.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -157,7 +159,10 @@ def run_sweep(
 
 
 def _require_cluster(client: Client | None) -> None:
-    """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
+    """Raise an `InputError` unless the client is None, or connected and not asynchronous.
+
+    A worker that imports, and so runs, the driver's script exits here.
+    """
     end_if_imported()
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:

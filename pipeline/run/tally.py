@@ -41,7 +41,10 @@ class Tally:
 
 
 def shown_progress(progress: Report | None) -> Report:
-    """Return `progress`, or if it is None a function that shows progress in a notebook."""
+    """Return `progress`, or if it is None a function that shows progress in a notebook.
+
+    Outside a notebook this function shows nothing.
+    """
     ipython: Any = sys.modules.get("IPython")
     if progress is not None or not hasattr(ipython and ipython.get_ipython(), "kernel"):
         return progress or silent

@@ -170,7 +170,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     """Add defaults for the rows of ``sweep.along`` to a document, and prepare their variants.
 
     The defaults are the loads and velocities of all rows, and the entries of the first row. Returns
-    the document, and the function that adds a variant for each row to a sweep; None without rows.
+    the document, and the function that adds a variant for each row to a sweep. The function is None
+    if there are no rows, or a row is faulty.
     """
     rows, before = _rows(document, faults), len(faults)
     loads, velocities = set[float](), set[float]()
@@ -212,7 +213,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     """Add a variant to a sweep for each of `rows`, and return the new sweep.
 
     `rows` are the rows of the scene's table ``sweep.along``, each as entries by path. Raises an
-    `InputError` if a row is faulty.
+    `InputError` if a row is faulty, there are too many rows, or the sweep has samples, too.
     """
     if entry_at(sweep.plane, "samples"):
         raise InputError(

@@ -60,7 +60,7 @@ class Document(NamedTuple):
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
-        """The document with an entry replaced in all layers, or removed if the value is None."""
+        """The document with an entry replaced, or removed if it is None, in layers that have it."""
         return Document(
             tuple(
                 layer
@@ -89,8 +89,9 @@ class Document(NamedTuple):
 def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
     """Read a scene file and the files that it extends.
 
-    `above` are the files that extend the file at `path`. Wrong paths in ``without`` are added to
-    `faults`. `SceneFileError` is raised if a file cannot be read.
+    If the file sets ``fidelity.preset``, the other files' ``[fidelity]`` is left out. `above` are
+    the files that extend the file at `path`. Wrong paths in ``without`` are added to `faults`.
+    `SceneFileError` is raised if a file cannot be read.
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
@@ -121,7 +122,8 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
 def override_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
     """Return a document with entries set to `overrides`, values by key path such as "pin.radius".
 
-    Entries that `overrides` lists under ``without`` are removed first.
+    Entries that `overrides` lists under ``without`` are removed first, and with a new
+    ``fidelity.preset`` the whole table ``[fidelity]``.
     """
     overrides = dict(overrides)
     without = overrides.pop("without", None)

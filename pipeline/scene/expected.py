@@ -56,7 +56,7 @@ def expect_contacts(
 
 
 def _course(scene: Scene, load: float) -> tuple[float, float]:
-    """Duration of the loading until a load [s], and the load integrated over this time [N s]."""
+    """Duration of the loading to a load and of its hold [s], and the load's time integral [N s]."""
     stations = list(scene.all_stations(load))
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])

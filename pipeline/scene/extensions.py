@@ -23,7 +23,8 @@ Extend = Callable[[Sweep], Sweep]
 def begin(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
     """Let each extension change the document of a scene.
 
-    Returns the document, and the functions that later add variants to the sweep.
+    Returns the document, and the functions that later add variants to the sweep. If an extension
+    raises an error, a fault is added and its entries are removed from the document.
     """
     extensions, entries = list[Extend](), document.entries()
     named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]

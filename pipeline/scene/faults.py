@@ -55,7 +55,7 @@ class Faults(list[Fault]):
 
     @contextmanager
     def at(self, key: str) -> Iterator[None]:
-        """Context manager: turn an error into a fault in the entry at a key path."""
+        """Context manager: turn an `InputError` or `UnitError` into a fault of the entry `key`."""
         try:
             yield
         except (InputError, UnitError) as error:
@@ -103,7 +103,7 @@ class SceneFileError(TriboError):
 
 
 def fault_lines(name: str, faults: Sequence[str]) -> str:
-    """Join faults to a message that names the file, with a line for each of several faults."""
+    """Join faults to a message that names the file; several have a line each, up to 100."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
     lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]

@@ -156,7 +156,10 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """Replace fields of a law by `values`; values that do not fit are added to `faults`."""
+    """Copy of a law with new `values` of its fields.
+
+    If a value does not fit, a fault is added to `faults`, and the law itself is returned.
+    """
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

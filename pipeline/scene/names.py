@@ -82,7 +82,7 @@ class Names:
         return not unit or (not is_unit(unit) if like is None else is_unit(unit, like))
 
     def count(self, headings: Sequence[Heading]) -> int:
-        """Number of quantities that the headings name."""
+        """Number of columns in which quantities are found by their headings."""
         return len({*self.columns(headings)[0].values()})
 
     def columns(self, headings: Sequence[Heading]) -> tuple[dict[str, int], dict[str, str]]:

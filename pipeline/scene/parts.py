@@ -79,7 +79,7 @@ class Contents:
     def find(self, table: Any, path: str, faults: Faults) -> Path | None:
         """Path of the file that a table names; None if the file's content is known from a store.
 
-        `path` is the table's key path.
+        `path` is the table's key path. Raises a `MissingError` if a store lacks the content.
         """
         if table.content in self.arrays:
             return None
@@ -97,8 +97,8 @@ def loading_of(
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
     `table` is the scene's ``[loading]``, and `contents` has the contents of files. While the full
-    load is held after a ramp, steps end at the times `stops` [s]. A line fitted to a record is
-    noted in `faults`.
+    load is held after a ramp, steps end at the times `stops` [s]. If the table asks for a fit, the
+    result is the ramp fitted to the record, and a note on it is added to `faults`.
     """
     if isinstance(table, Ramp):
         return tribo.Ramp(**vars(table), stops=tuple(s for s in stops if s < table.hold)), None
@@ -235,7 +235,8 @@ def roughness_of(
 ) -> Roughness | None:
     """Roughness of the disk, made from a seed or read from a scan; None if the scan is faulty.
 
-    `table` has the scene's entries on the roughness, and `contents` the contents of files.
+    It is a `MissingSurface` if the heights were not stored. `table` has the scene's entries on the
+    roughness, and `contents` the contents of files.
     """
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):

@@ -72,7 +72,10 @@ class SceneReader:
         return parts
 
     def read_all(self, entries: Entries, faults: Faults) -> Parts | None:
-        """Convert entries to `Parts`; if an entry is faulty, add to `faults` and return None."""
+        """Convert entries to `Parts`; if an entry is faulty, add to `faults` and return None.
+
+        The parts are returned despite a fault that only they show, such as a too short track.
+        """
         laws, tables = take_laws(self.laws, dict(entries), faults)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
@@ -154,7 +157,8 @@ class SceneReader:
         """Make a part of a scene by calling `make`, and cache the part.
 
         The arguments of `make` are the scene's tables at `paths`, then the values in `more`.
-        Returns None if the first table is missing, or a table is faulty.
+        Returns None if the first table is missing, a table is faulty, or `make` raises an error,
+        which is added to `faults`.
         """
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):

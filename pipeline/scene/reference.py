@@ -103,7 +103,7 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
 
 
 def find_entry(path: str) -> Entry | None:
-    """The entry of the scene format at a path; None if there is no such entry."""
+    """The entry of the scene format that holds a value at a path; None if there is none."""
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
@@ -166,7 +166,7 @@ def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> 
     like : str, optional
         Name of a shipped scene to copy. By default a short scene whose diagram takes seconds.
     full : bool
-        Add every other entry as a comment, with its meaning.
+        Add every other entry as a comment, with its meaning; not used with `like`.
 
     Returns
     -------
@@ -255,9 +255,9 @@ def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
 def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
     """Write a line of a scene file, followed by a comment: `meaning`, then `form`.
 
-    `mark` stands before the line: "#" makes a comment of it, "" does not. A long meaning is cut
-    after a clause. `form` is text such as " (run by stages)" for a key that only one form of its
-    table has.
+    `mark` stands before the line: "#" makes a comment of it, "" does not. Only the first sentence
+    of the meaning is written, or its first clause if the sentence is long. `form` is text such as
+    " (run by stages)" for a key that only one form of its table has.
     """
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
     sentence = re.split(r"[;.](?: |$)", plain)[0]

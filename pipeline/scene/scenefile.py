@@ -177,16 +177,18 @@ def run_point(
     velocity : float or str
         Sliding velocity. A number in m/s, or text with a unit.
     realization : int, optional
-        Seed of the random surface in place of the sweep's own.
+        Seed of one of the scene's several random surfaces, ``sweep.realizations``; by default the
+        seed of the scene itself.
     sample : int, optional
-        Number of the sample whose inputs replace the sweep's own.
+        Number of one of the scene's samples, whose inputs replace the sweep's own.
     progress : callable, optional
         Called with a `Progress` after each of the point's steps.
 
     Raises
     ------
     TriboError
-        If a text is not a load or a velocity, or `tribo.simulate` raises an error.
+        If a text is not a load or a velocity, the scene has no such surface or sample, or
+        `tribo.simulate` raises an error.
 
     Examples
     --------

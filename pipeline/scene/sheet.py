@@ -125,9 +125,10 @@ class Sheet:
         self.rows = [row for row in self.rows if row.number not in reasons]
 
     def require(self, needed: Collection[str], moving: Collection[str] = ()) -> None:
-        """Add a fault for each missing column; leave out rows in which a `needed` cell is empty.
+        """Add a fault if columns are missing; leave out rows in which a `needed` cell is empty.
 
-        Rows in which a quantity of `moving` is 0 are left out, too.
+        Missing columns add no fault if the sheet has faults already. Rows in which a quantity of
+        `moving` is 0 are left out, too.
         """
         missing = {name: self.units[name] for name in needed if name not in self.places}
         if missing and not self.faults:

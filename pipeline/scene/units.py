@@ -187,7 +187,7 @@ def as_entry(cell: str, unit: str = "") -> str | float:
 def is_unit(unit: str, like: str | None = None) -> bool:
     """True for a unit, or if `like` is given, for a unit of the same dimension as `like`.
 
-    Without `like`, % is a unit.
+    Without `like`, % is a unit. With an empty `like` only % is.
     """
     try:
         found = si_unit(f"1 {unit}")

@@ -26,7 +26,7 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
     `kind` says how the entry is read: as a quantity, list or table, for example. A list gives a
     list of converted values, a table a dictionary of them. The result is None if `value` is None,
-    infinite or an empty tuple: a scene file then leaves out the entry.
+    infinite or an empty tuple, or `kind` is `ByPath`: a scene file then leaves out the entry.
     """
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
@@ -69,7 +69,7 @@ def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
-    """Replace the numerical choices of a sweep by `made`; `preset` is their name, or None."""
+    """The sweep with numerical choices replaced by `made`; `preset` is their name, or None."""
     choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 

@@ -37,7 +37,10 @@ def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
 
 
 def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
-    """Convert the values of a record to the types that are stored, and add the checksum."""
+    """Copy of a record with values of the types that are stored, and with its checksum.
+
+    A message is cut to 2000 characters. A record that has a checksum is returned unchanged.
+    """
     if record.checksum is not None:
         return record
     data = {

@@ -46,6 +46,7 @@ from pipeline.sweep.stages import Report, silent
 def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
     """Context manager: create the store of a sweep, or open it with room for the sweep's points.
 
+    The points are marked as asked for, and files that an earlier run began to write are removed.
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
@@ -61,7 +62,7 @@ def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator
 
 
 def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
-    """Create or open a store, with room for a sweep's points.
+    """Create or open a store, with room for a sweep's points, which are marked as asked for.
 
     `lock` is the store's lock, which this process must already hold. With None, later writes do
     not check that the lock is still in its place. Raises a `StoreMismatchError` if the store
@@ -122,7 +123,8 @@ def _write_root(place: StorePlace, root: Root) -> None:
 def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
     """Raise a `StoreError` unless new axes only append values to the axes of a store.
 
-    `before` is the store's present root document.
+    It is also raised if an array that a user added lies along a dimension that grows. `before` is
+    the store's present root document.
     """
     old = before.axes
     for name, values in axes.items():

@@ -43,7 +43,7 @@ def open_file(root: Path, key: str) -> int:
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Create or replace files (`contents` by key) atomically; return once all are on the disk."""
+    """Create or replace files (`contents` by key), each atomically; return once on the disk."""
     paths = [_path_of(root, key) for key in contents]
     folders = {path.parent for path in paths}
     for folder in folders:

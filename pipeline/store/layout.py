@@ -32,11 +32,11 @@ _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have
 
 
 def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Number of points in a chunk along each dimension: 1024 in total, fewer if points are large.
+    """Number of points in a chunk along each dimension; at most 1024 in total.
 
-    `sizes` are the lengths of the dimensions, and `bytes_of_a_point` is for the largest variable. A
-    chunk has all loads, since one ramp computes them, then neighbouring velocities, then surfaces
-    or samples.
+    They are fewer if points are large. `sizes` are the lengths of the dimensions, and
+    `bytes_of_a_point` is for the largest variable. A chunk has all loads, since one ramp computes
+    them, then neighbouring velocities, then surfaces or samples.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):
@@ -46,7 +46,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
 
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
-    """Bytes of a point in the largest of the variables `wanted`."""
+    """Bytes of a point in the largest of the variables `wanted`, at 8 bytes a value."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
@@ -83,10 +83,11 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
 
 
 def row_axes(sweep: Sweep) -> Axes:
-    """Sorted values along each dimension of the table of variants, such as "realization".
+    """Values along each dimension of the table of variants, such as "realization".
 
-    Keys are names of dimensions, and of columns of the table that a dimension determines. Such a
-    column has a value for each value of the dimension, in the same order.
+    Numbers ascend, texts keep their order. Keys are names of dimensions, and of columns of the
+    table that a dimension determines. Such a column has a value for each value of the dimension, in
+    the same order.
     """
     axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
     followers = sweep.variants.coordinates.items()

@@ -92,7 +92,10 @@ def _is_in_place(folder: Folder, descriptor: int) -> bool:
 
 
 def holder_of(place: StorePlace) -> str | None:
-    """Process and host that write to a store, in words; None if no process does."""
+    """Process and host that write to a store, in words; None if no process does.
+
+    It is also None if that is not known, as on an object store.
+    """
     if isinstance(place, Bucket):
         return None
     with suppress(OSError):

@@ -113,9 +113,9 @@ def _require_chunks(store: Store) -> None:
 def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
     """Arrange on a grid the single points that a boundary search has stored.
 
-    Returns a root document whose axes are all loads and velocities of these points, and an array
-    over these axes with the number of the stored point, or −1 without a point. The root document of
-    any other store is returned unchanged, with None.
+    Returns a root document whose axes are all loads and velocities of these points, with the other
+    loads of the sweep, and an array over these axes with the number of the stored point, or −1
+    without a point. The root document of any other store is returned unchanged, with None.
     """
     if POINT not in root.axes:
         return root, None

@@ -146,7 +146,7 @@ def _group(attributes: Document) -> Document:
 
 
 def with_others(found: Any, new: Document) -> Document:
-    """Add to document `new` the attributes that users have added to its old version, `found`."""
+    """Copy of document `new` with the attributes that users added to its old version, `found`."""
     others = found.get("attributes") if isinstance(found, dict) else None
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
@@ -229,7 +229,10 @@ def _parse(place: StorePlace, content: bytes) -> Root:
 
 
 def read_metadata(place: StorePlace) -> dict[str, Document]:
-    """Read the Zarr metadata of all groups and arrays of a store from their own documents."""
+    """Read the Zarr metadata of the groups and arrays in a store from their own documents, by path.
+
+    The root's own and damaged documents are left out.
+    """
     found = {}
     with io_errors(place):
         for key in sorted(place.keys()):

@@ -164,7 +164,11 @@ def _variable_of(column: Column, label: Label) -> Variable:
 
 
 def require_free_names(sweep: Sweep) -> None:
-    """Raise an `InputError` if a column of the table of variants has the name of a variable."""
+    """Raise an `InputError` if a column of the table of variants has the name of a variable.
+
+    The error is also raised if two columns have the same name. A load or a velocity of each row is
+    allowed.
+    """
     names = Counter(one.name for one in sweep.variants.columns)
     used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
     for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):

@@ -18,7 +18,8 @@ def take_points(store: Store, other: Store) -> int:
     """Copy done points of `other` that are pending in `store`; return their number.
 
     Points of the two stores are the same if scene, load and velocity are the same, whatever their
-    variants are called. Points with a wrong checksum are not copied.
+    variants are called. Points with a wrong checksum are not copied. Nothing is copied if the
+    stores keep results at different times, or `other` lacks a variable of `store`.
     """
     data = store.arrays.keys() & {*STEPPED, *AT_END, *OF_POINT}
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():

@@ -207,7 +207,10 @@ class Store:
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        """Context manager: check that the lock is held before and after writing."""
+        """Context manager: check that the lock is held before and after writing.
+
+        Errors of disk or network become a `StoreError`.
+        """
         self._require_lock()
         with io_errors(self.place, "written"):
             yield
@@ -267,7 +270,7 @@ class Writer:
     def written(self, at_once: bool = False) -> list[PointRecord]:
         """Return records written since the last call, and begin to write waiting records.
 
-        Writing begins `at_once`, or else only if enough time has passed since it last ended.
+        Writing begins once the last writing has ended, and unless `at_once` after a pause.
         """
         records = []
         if self._writing and self._writing.done():

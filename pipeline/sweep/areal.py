@@ -88,7 +88,7 @@ def remove_form(
     Raises
     ------
     InputError
-        If all heights are missing, or are a plane.
+        If all heights are missing, or there is no roughness beside the form.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
     Raises
     ------
     InputError
-        If all heights are missing, or are a plane.
+        If all heights are missing, or there is no roughness beside the form.
 
     Examples
     --------

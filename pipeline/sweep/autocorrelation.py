@@ -34,6 +34,11 @@ def autocorrelation_lengths(
         over half the side; and the direction of the longest distance, from x towards y, from −90 to
         90 [°].
 
+    Raises
+    ------
+    InputError
+        If all heights are missing, or are equal.
+
     Notes
     -----
     The surface need not be periodic: for each lag the mean is over the pairs of heights at this

@@ -50,7 +50,8 @@ class Conditions(Judging):
         Kind of criterion, one of `tribo.CRITERIA`, or the name of a rule. Only the kind "share"
         uses the failing share.
     rule : Rule, Law or None
-        A criterion of your own; a `Law` if it comes from a store, which has only its name.
+        A criterion of your own; a `Law` if it comes from a store, which has only its name. It is
+        dropped if `criterion` is not its name.
     critical_sd : float or None
         Standard deviation of the critical temperature [K]; None if the latter is taken as exact.
 
@@ -103,7 +104,10 @@ class Conditions(Judging):
         return Criterion(self.criterion, self.failing_share, self.rule)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all values as plain data; a rule becomes its name."""
+        """Return the values as plain data, without the rule, whose name is the criterion.
+
+        A disk temperature, a standard deviation or corrections that are None are left out.
+        """
         plain = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "rule"}
         plain["corrections"] = self.corrections and self.corrections.as_dict()
         rare = ("disk_temperature", "critical_sd", "corrections")

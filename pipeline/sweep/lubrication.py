@@ -46,9 +46,10 @@ class Lubrication:
         return self.scene.pin.film_thickness(oil, load, modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ at loads [N] and velocities [m/s], which broadcast; NaN without a load.
+        """Film parameter Λ at loads [N] and velocities [m/s], which broadcast.
 
-        `temperature` is the oil's at the inlet [K].
+        It is NaN if the load is not above 0, or the velocity is not finite. `temperature` is the
+        oil's at the inlet [K].
         """
         loads, velocities = np.broadcast_arrays(load, velocity)
         parameters = np.full(loads.shape, np.nan)

@@ -37,7 +37,7 @@ class Measurement:
         """Copy of the test for a scene with the oil named `oil`; the same test if `oil` is None.
 
         The field `oil` of the copy is None if the test ran on the scene's oil. Otherwise the field
-        is the name of the oil on which the test ran.
+        is the name of the oil on which the test ran, or "without a name" if the test names none.
         """
         if oil is None:
             return self

@@ -119,7 +119,10 @@ class Sweep:
         return {one.name: getattr(self, one.name) for one in fields(self)}
 
     def __eq__(self, other: object) -> bool:
-        """True if the entries of both sweeps have the same meaning, in each variant."""
+        """True if the entries of both sweeps have the same meaning, in each variant.
+
+        Points, oil and conditions that were chosen must be the same, too.
+        """
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
     def __hash__(self) -> int:
@@ -221,6 +224,9 @@ class Sweep:
     def changed(self, path: str, value: Any) -> Self:
         """The sweep with another value of an entry, as in a scene file; None removes the entry.
 
+        A preset (``fidelity.preset``) replaces all numerical choices, and a coefficient of friction
+        scales the curves of friction. Variants that set the entry keep their own value.
+
         Raises
         ------
         InputError
@@ -315,7 +321,7 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def take_surface(self, seed: int | None) -> Self:
-        """The sweep on only the random surface of a seed; the sweep itself if the seed is None.
+        """The sweep on the random surface of a seed, without variants; itself if the seed is None.
 
         Raises an `InputError` if the scene's surface is not random.
         """

@@ -14,7 +14,8 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
 
     Values are `Track` objects. Keys are "pin_track" and "track" (of the disk), as in `Corrections`.
-    The result is empty if no body rolls, or the heat of earlier turns is included.
+    The result is empty if no body rolls, all velocities are 0, or the heat of earlier turns is
+    included.
     """
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
@@ -28,7 +29,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
 
 
 def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of a track's earlier turns is left out; None if it is included.
+    """Caveat that heat of a track's earlier turns is left out; None if none is left out.
 
     `severe` states, if known, where wear is severe with that heat.
     """
@@ -39,7 +40,7 @@ def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
 
 
 def note_on_turns(sweep: Sweep) -> str | None:
-    """Note on how to include the heat of a track's earlier turns; None if it is included."""
+    """Note on how to include the heat of a track's earlier turns; None if none is left out."""
     tracks = cold_tracks(sweep)
     if not tracks:
         return None
@@ -54,7 +55,10 @@ def note_on_turns(sweep: Sweep) -> str | None:
 
 
 def note_on_ends(sweep: Sweep) -> str | None:
-    """Note that severe wear begins earlier at the sharp ends of a cylinder; None for other pins."""
+    """Note that severe wear begins earlier at the sharp ends of a cylinder.
+
+    None for other pins, and for a pin that turns.
+    """
     pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None

@@ -75,8 +75,8 @@ class PointResult:
         They are ``pressure`` [Pa], temperature ``rise`` per unit friction coefficient [K] and
         ``wear_depth`` [m]. With unequal bulk temperatures there is also ``bulk_response`` [K/K]:
         how much the pin's surface warms for each kelvin by which the disk's bulk is warmer than the
-        pin's. If the point was computed on smaller elements than the scene's, values are means over
-        the scene's elements.
+        pin's. Rise and response are NaN without a contact. If the point was computed on smaller
+        elements than the scene's, values are means over the scene's elements.
         """
         heat, pressure = self.state.heat, self.state.pressure
         unknown = np.full_like(pressure, np.nan)
@@ -131,7 +131,7 @@ class PointRecord:
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
-    """All points of a sweep, sorted by variant, then by velocity, then by load."""
+    """All points of a sweep, by variant, then by velocity, then by load."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
     plane = sweep.plane
@@ -177,7 +177,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
 
 def step_count(scene: Scene, load: float) -> int:
-    """Number of steps of the ramp up to a load [N]."""
+    """Number of steps at which the contact is solved up to a load [N] and while it is held."""
     return sum(1 for _ in scene.stations(load))
 
 
@@ -243,9 +243,10 @@ def run_points(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """Add to a solved contact its temperature at a sliding velocity [m/s].
+    """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s].
 
-    The contact may have been solved at another velocity, if wear rate × velocity is the same.
+    A temperature that the contact already has is kept. A contact without pressure gets none. The
+    contact may have been solved at another velocity, if wear rate × velocity is the same.
     """
     warm = contact.heat
     if warm is None and contact.pressure.any():

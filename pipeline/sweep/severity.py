@@ -46,7 +46,8 @@ MOLTEN = (
 def rise_limit(conditions: Conditions) -> float:
     """Temperature rise per unit friction coefficient above which wear is severe [K].
 
-    It is infinite if the friction coefficient is 0.
+    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
+    `InputError` if the critical temperature is not known.
     """
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)

@@ -20,9 +20,9 @@ def choose_stations(sweep: Sweep) -> Stations:
 def _default_steps(sweep: Sweep) -> Steps:
     """Default of ``sweep.steps``: which time steps of each point to store.
 
-    The result is "course", for all steps, if the pin wears, the load is a ramp without a hold, and
-    no variant reuses the contact solutions of another variant. Otherwise it is "end", for only the
-    steps that verdicts use.
+    The result is "course", for all steps, if the pin wears in some variant, the load is a ramp
+    without a hold in all of them, and no variant reuses the contact solutions of another variant.
+    Otherwise it is "end", for only the steps that verdicts use.
     """
     scenes = [sweep.variant(name).scene for name in sweep.variants.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)

@@ -24,7 +24,10 @@ def entry_at(tables: Any, path: str) -> Any:
 
 
 def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
-    """Return tables with the entry at a path set to a value, or removed if the value is None."""
+    """Return tables with the entry at a path set to a value, or removed if the value is None.
+
+    A table from which the last entry is removed is removed, too.
+    """
     first, _, rest = path.partition(".")
     if value is None and first not in tables:
         return dict(tables)
@@ -52,7 +55,7 @@ def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterat
 def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any]]:
     """Yield paths at which nested tables differ, each with its value in `after`, or None.
 
-    Paths begin with `place`.
+    Paths begin with `place`. A table that has keys with a dot counts as one value.
     """
     for key in {**before, **after}:
         one, other = before.get(key), after.get(key)
