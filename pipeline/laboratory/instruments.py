@@ -124,7 +124,7 @@ def _read_gwy(path: Path) -> RawScan:
     units = [_gwy_unit(one.get("si_unit_z")) for one in fields]
     if not fields or all(unit == 0 for unit in units):
         raise InputError(f"{path}: no channel of heights; {_SAVE}")
-    best = min(range(len(fields)), key=lambda k: (units[k] is None or units[k] == 0, k))
+    best = min(range(len(fields)), key=lambda k: (units[k] == 0, units[k] is None, k))
     one, across = fields[best], _gwy_unit(fields[best].get("si_unit_xy"))
     nx, ny = one["xres"], one["yres"]
     pixel = (one["xreal"] / nx * across, one["yreal"] / ny * across) if across else None
