@@ -341,14 +341,12 @@ def _hardness_pressure(number: Decimal, scale: str) -> Decimal:
 def in_si(name: str, value: float | str, like: str) -> float:
     """Convert text with a unit to SI; return a number as it is.
 
-    `like` is any quantity of the required dimension. The message of the `InputError` for other text
-    begins with `name`.
+    `like` is any quantity of the required dimension. Raises an `InputError` that begins with `name`
+    if the value is neither.
     """
-    if not isinstance(value, str):
-        return float(value)
     try:
-        return to_si(value, like)
-    except UnitError as error:
+        return to_si(value, like) if isinstance(value, str) else float(value)
+    except (UnitError, TypeError, ValueError) as error:
         raise InputError(f'{name}: {error}; give one such as "{like}"') from error
 
 
