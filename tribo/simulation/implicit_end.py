@@ -58,6 +58,8 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
+    if not after.normal_load:
+        return False
     worn = _is_worn(scene, after)
     new = worn & ~_is_worn(scene, before)
     # An element that comes into contact between the stages has to lose in the last one what it did

@@ -52,7 +52,8 @@ def between(before: State, station: Station, share: float) -> Station:
     """
     begin, end = before.normal_load, station.normal_load
     load = begin + share * (end - begin)
-    impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)
+    part = share * (begin + load) / (begin + end) if begin + end else 0.0  # of an unloaded step
+    impulse = part * (station.impulse - before.impulse)
     return replace(
         station,
         normal_load=load,

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import small_scene
-from tribo import MeasuredLoad, Ramp, simulate
+from tests.helpers.scenes import last, small_scene
+from tribo import PRESETS, MeasuredLoad, Ramp, simulate
 
 TIMES = np.linspace(0.0, 8.0, 81)
 
@@ -91,3 +91,13 @@ def test_a_record_that_begins_under_load_is_fitted_from_there():
     record = MeasuredLoad([1.0, 2.0, 3.0], [50.0, 75.0, 100.0])
     assert record.time_at(0.1) == 1.0
     assert record.linear_fit() == pytest.approx((25.0, -1.0))
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+def test_a_record_that_begins_unloaded_ends_as_one_that_begins_with_the_load(pattern):
+    loads, fidelity = np.array([0.0, 0.0, 300.0]), replace(PRESETS["fine"], elements_per_summit=0.0)
+    records = MeasuredLoad(np.array([0.0, 4.0, 6.0]), loads), MeasuredLoad([0.0, 2.0], loads[1:])
+    scene = replace(small_scene(pattern), fidelity=fidelity)
+    late, early = (last(replace(scene, loading=record), 300.0, 1.25) for record in records)
+    assert late.wear_depth.sum() == pytest.approx(early.wear_depth.sum(), rel=1e-12)
+    assert late.heat.max_rise == pytest.approx(early.heat.max_rise, rel=0.01)
