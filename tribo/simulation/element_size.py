@@ -105,12 +105,12 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     most = min(math.sqrt(alike / fewest), across) / size
     history = max(1, min(fidelity.history_coarsening, int(most)))
     # With few elements each one matters: a loose tolerance or a long step must not miss any.
-    share = min(1.0, expected.touching / size**2 / _MANY)
+    share, tolerance = min(1.0, expected.touching / size**2 / _MANY), fidelity.contact_tolerance
     changed = replace(
         fidelity,
         pixels_per_element=size,
         history_coarsening=history,
-        contact_tolerance=max(share * fidelity.contact_tolerance, TIGHTEST),
+        contact_tolerance=max(share * tolerance, min(tolerance, TIGHTEST)),
         imprint=share * fidelity.imprint,
     )
     return scene if changed == fidelity else replace(scene, fidelity=changed)
