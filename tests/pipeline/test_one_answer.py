@@ -11,15 +11,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.margin import clipped
-from pipeline.analysis.transition import (
-    ABOVE,
-    BELOW,
-    CROSSES,
-    MILD,
-    SEVERAL,
-    SEVERE,
-    outcomes,
-)
+from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERAL, SEVERE, outcomes
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.sweeps import decisive_rise, with_fields

@@ -12,10 +12,7 @@ import xarray as xr
 import tribo
 from pipeline import run_point
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import (
-    end_of_point,
-    open_sweep,
-)
+from pipeline.analysis.dataset import end_of_point, open_sweep
 from pipeline.analysis.decisive import temperatures
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned

@@ -58,12 +58,7 @@ def test_facts_of_the_test_gears_are_those_of_the_standard(irg, mesh):
 
 @pytest.mark.parametrize(
     ("quality", "at_end", "beside"),
-    [
-        (5, 1 / 3, 2 / 3),
-        (7, 1 / 3, 2 / 3),
-        (8, 6 / 15, 6 / 15 + 1 / 3),
-        (12, 10 / 15, 1.0),
-    ],
+    [(5, 1 / 3, 2 / 3), (7, 1 / 3, 2 / 3), (8, 6 / 15, 6 / 15 + 1 / 3), (12, 10 / 15, 1.0)],
 )
 def test_coarser_teeth_share_worse(fzg, quality, at_end, beside):
     path = fzg.gears.path

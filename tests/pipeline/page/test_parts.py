@@ -15,9 +15,7 @@ import pipeline
 from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.words import boundary_lines, next_run_line
-from pipeline.page.content import (
-    content,
-)
+from pipeline.page.content import content
 from pipeline.page.controls import controls
 from pipeline.page.pictures import coloured
 from pipeline.store.schema import DONE

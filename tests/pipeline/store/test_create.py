@@ -131,9 +131,7 @@ def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, mon
 def test_conditions_and_titles_follow_the_scene_file(path):
     commit(path, SWEEP, [POINT])
     commit(
-        path,
-        tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), measured=()),
-        (),
+        path, tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), measured=()), ()
     )
     kept = opened(path).sweep
     assert kept.title == "Renamed"
