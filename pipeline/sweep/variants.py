@@ -172,7 +172,7 @@ class Variants:
             paths = [one for one in self.columns if "." in one.key and one.key not in values]
             return {one.key: as_written(labels[one.name], one.unit) for one in paths} | {**values}
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
-        if not own or len(name) != len(self.chosen):
+        if not own or {key for key, _ in name} != {one.name for one in self.chosen}:
             wanted = " and ".join(f"{key} {value}" for key, value in name)
             ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
             raise InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
