@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -138,7 +138,7 @@ def at(
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
     if given_measured or scatter is not None:
-        ds = _weigh_by_tests(ds, given_measured, scatter, [_NAMES[path] for path in wanted])
+        ds = _weigh_by_tests(ds, given_measured, scatter, wanted | entries)
     if oil is not None:
         ds = _choose_oil(ds, oil)
     ds, wanted = _select_entries(ds, wanted | entries)
@@ -149,7 +149,7 @@ def at(
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _record_values(ds, {k: v for k, v in wanted.items() if k not in several})
     for path, values in reversed(several.items()):
-        if path not in _UNITS:
+        if path not in _UNITS or path in ds.coords:  # a column of the rows
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
         # Only the status gets the new dimension; other variables would be read just to be repeated.
@@ -162,21 +162,21 @@ def at(
 
 
 def _weigh_by_tests(
-    ds: xr.Dataset, given_measured: bool, scatter: float | None, others: Sequence[str]
+    ds: xr.Dataset, given_measured: bool, scatter: float | None, paths: Iterable[str]
 ) -> xr.Dataset:
     """Record in a copy of a dataset that laboratory tests shall weigh draws of the unknown inputs.
 
     The draws are weighed later, by the functions that answer from the copy. `scatter` is the
     relative standard deviation of measured velocities; None for the default. Raises an `InputError`
     if the dataset has no samples, or if `given_measured` is False (only `scatter` was given).
-    `others` are names of conditions that the user changes; only "criterion" is allowed.
+    `paths` are the entries that the user changes; of the conditions only the criterion is allowed.
     """
     if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
         raise InputError(
             "--given-measured needs a sweep with samples, and --scatter needs --given-measured (in "
             "Python given_measured=True); add what is missing, or leave out both options"
         )
-    if others := [name for name in others if name != "criterion"]:
+    if others := [_NAMES[one] for one in paths if _NAMES.get(one, "criterion") != "criterion"]:
         raise InputError(
             f"leave out {', '.join(others)}: tests weigh samples under the scene's own conditions"
         )

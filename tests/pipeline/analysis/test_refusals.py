@@ -63,6 +63,11 @@ def pins():
     return made(variants=rows("pin", {"a": {}, "b": {"pin.radius": 6e-3}}))
 
 
+def frictions():
+    ds = plane()
+    return ds.assign_coords({"friction.coefficient": ("load", 0.1 + 0 * ds["load"].values)})
+
+
 def oils():
     return synthetic.sweep(measured=tuple(Measurement(600.0, 1.5, oil=oil) for oil in "BA"))
 
@@ -123,6 +128,7 @@ REFUSALS = {
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),
+    "own friction": (lambda: pipeline.at(frictions(), friction=(0.1, 0.2)), "one value at a time"),
     "one negative": (at(friction=(0.1, -0.1)), "friction is -0.1; it must be finite and ≥ 0"),
     "value twice": (at(bulk_temperature=("60 degC", 333.15)), "is 333.15 twice; give each"),
     "none": (at(friction=()), "friction has no value"),
@@ -137,6 +143,7 @@ REFUSALS = {
     "measured": (at(given_measured=True), "--given-measured needs a sweep"),
     "scatter alone": (drawn(scatter=0.1), "--scatter needs"),
     "weighed": (drawn(given_measured=True, friction=0.1), "leave out friction: tests"),
+    "weighed at": (drawn(given_measured=True, **{"friction.coefficient": 0.1}), "out friction"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "`at` is 'hotter'"),
     "code": (coded, "the store is judged by the criterion laws:median"),
@@ -190,6 +197,7 @@ REFUSALS = {
     "no load": (margin(None, 2.0), "load and velocity go together; give both"),
     "no velocity": (margin(400.0), "load and velocity go together; give both"),
     "no place": (margin(), "no operating point is given"),
+    "loads": (margin([400.0], 2.0), "not 'list'; give one such as \"500 N\""),
     # files
     "suffix": (lambda: writable_path("a.txt", (".csv", ".xlsx")), "must be one of .csv, .xlsx"),
     "folder": (lambda: writable_path("no/a.csv", (".csv",)), "there is no folder no"),
