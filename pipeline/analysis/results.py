@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -320,7 +321,8 @@ class Results:
     @property
     def missing(self) -> int:
         """Number of points to be computed that are pending or failed."""
-        return int(np.count_nonzero(self.asked & ~self.done))
+        conditions = math.prod(self.rows.sizes[name] for name in self.judged_dims)
+        return int(np.count_nonzero(self.asked & ~self.done)) // conditions
 
     @property
     def asked(self) -> Mask:
