@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +84,8 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
     """
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
+    if several := [path for path, value in conditions.items() if isinstance(value, tuple)]:
+        raise InputError(f"{several[0]} takes one value at a time here; give one")
     if "share" in conditions_in(options):
         conditions[PATHS["criterion"]] = "share"
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
@@ -110,8 +112,14 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
     return sweep
 
 
-def dataset_in(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
-    """Dataset of `store`, by default the command's store, under the conditions in the options."""
-    ds = pipeline.open_sweep(store or options.store)
+def dataset_in(
+    options: argparse.Namespace, ds: xr.Dataset | None = None, foreign: Collection[str] = ()
+) -> xr.Dataset:
+    """Dataset `ds`, by default of the command's store, under the conditions in the options.
+
+    Values of --at for entries in `foreign`, which only another store has, are left out.
+    """
+    ds = pipeline.open_sweep(options.store) if ds is None else ds
     weighing = values_in(options, "given_measured", "scatter", "oil")
-    return pipeline.at(ds, **conditions_in(options), **weighing, **dict(options.at))
+    entries = {path: value for path, value in options.at if path not in foreign}
+    return pipeline.at(ds, **conditions_in(options), **weighing, **entries)

@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
+from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
@@ -106,7 +107,9 @@ def verify(options: argparse.Namespace) -> Result:
 
 def diff(options: argparse.Namespace) -> Result:
     """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
-    stores = [dataset_in(options, path) for path in (options.store, options.other)]
+    held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
+    varied = {path for ds in held for path in entry_dims(ds)}
+    stores = [dataset_in(options, ds, varied.difference(entry_dims(ds))) for ds in held]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()

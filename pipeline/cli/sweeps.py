@@ -61,10 +61,10 @@ def run(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
-        no_plane = sweep_kind(judged) is Kind.PLACES
-        answer, figure = ("margin", "explore") if no_plane else ("boundary", "plot")
-        store = shlex.quote(str(out))
-        text.append(f"next: irg {answer} {store}, irg {figure} {store}")
+        kind, store = sweep_kind(judged), shlex.quote(str(out))
+        answers = ["margin", "explore"] if kind is Kind.PLACES else ["boundary", "plot"]
+        answers = ["explore"] if stored.conditions.critical_temperature is None else answers
+        text.append("next: " + ", ".join(f"irg {answer} {store}" for answer in answers))
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),

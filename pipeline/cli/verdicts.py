@@ -10,7 +10,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, boundary_frame
 from pipeline.analysis.laboratory import agreement, compared, test_parts
@@ -45,10 +45,10 @@ def margin(options: argparse.Namespace) -> Result:
         rests = [*(points.remarks if points else []), *notes_of(table, caveats)]
         rests += [words.model_error_line(one.model_error for one in known)] if known else []
         rests += remarks("warning", *dict.fromkeys(one.misfit for one in known))
-        lines += wrapped(rests)
+        lines += rests
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(data.missing)]
-    return Result(text=[*lines, *caveats], warned=pipeline.warned(data), frames=[table])
+    return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=[table])
 
 
 def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
@@ -64,7 +64,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
         labels = one.field.source.labels.items()
         own = {name: value for name, value in labels if name in data.front}
         lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
-        lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
+        lines += words.margin_lines(one.margin) if one.margin else [one.reason]
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
 
@@ -72,6 +72,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     data = pipeline.results(dataset_in(options))
+    require_kind(data.kind, Kind.PLANE, *[Kind.SAMPLES] * (options.by == "load"))  # no other rows
     tests = compared(data)
     if options.by == "test":
         if tests is None:

@@ -41,7 +41,7 @@ REFUSALS = {
     "count": (irg("run", "first_try", "--workers", "-1"), '"-1": give a whole number of at least'),
     "friction": (irg("boundary", "a.zarr", "--friction", "0,12"), "invalid float value: '0,12'"),
     "frictions": (irg("point", "first_try", *PLACE, "--friction", "0.1", "--friction", "0.2"),
-                  "friction.coefficient: (0.1, 0.2) is not a plain number"),
+                  "friction.coefficient takes one value at a time here"),
     "below rest": (irg("margin", "tiny.zarr", "--load=250 N", "--velocity=-1 m/s"),
                    "velocity is -1 m/s; the sweep has"),
     "share": (irg("run", "first_try", "--accuracy", "200%"), '"200%": give a share between'),

@@ -121,6 +121,8 @@ def test_the_commands_say_risk_causes_and_inputs(sampled, tmp_path, irg, irg_bot
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
     words, (there,) = irg_both("margin", store, *place)
     margin = pipeline.margin(store, "500 N", "1.3 m/s")
+    for by in ("velocity", "test"):
+        assert "so there is no plane" in irg("boundary", store, "--by", by, code=2)
     between = pipeline.diff(store, store)
     assert between.alike == (pipeline.open_sweep(store)["status"] == 1).sum() > 16
     assert between.points.empty
