@@ -96,9 +96,10 @@ class Field(Protocol):
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
-        The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
-        and temperature-dependent friction. The errors are of the surface or draw with the largest
-        error. They are NaN if unknown.
+        The first axis has four causes: interpolation between computed points, the preset of
+        numerical settings, faults that the simulation warned of, and corrections added after it for
+        oil film and temperature-dependent friction. The errors are those of the surface or draw
+        with the largest error. An unknown error is NaN.
         """
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
@@ -321,9 +322,11 @@ class PointField:
     def errors(self, loads: Places, velocities: Places) -> Array:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
-        The first axis has the causes: interpolation, preset, warnings, and corrections for oil film
-        and temperature-dependent friction. The first three errors are of the surface where their
-        total is largest, the last is of the hottest surface. They are NaN if unknown.
+        The first axis has four causes: interpolation between computed points, the preset of
+        numerical settings, faults that the simulation warned of, and corrections added after it for
+        oil film and temperature-dependent friction. The first three errors are those of the surface
+        where their total is largest; the last is that of the hottest surface. An unknown error is
+        NaN.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(

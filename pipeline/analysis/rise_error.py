@@ -233,11 +233,12 @@ class RisePlane:
 
 
 def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """Make a `RisePlane` for each surface of a scene.
+    """Make a `RisePlane` for each surface of a scene: temperature rises and warnings of its points.
 
     The rises are those of the contact temperature that the criterion of `conditions` compares with
-    its limit. If friction depends on velocity, rises are divided by the ratio of friction at the
-    point's velocity to the nominal coefficient of friction.
+    the critical temperature, per unit friction coefficient. If friction depends on velocity, rises
+    are divided by the ratio of friction at the point's velocity to the nominal coefficient of
+    friction.
     """
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
@@ -254,10 +255,11 @@ def rise_errors(
 ) -> Array:
     """Relative errors of the temperature rises at k pairs of load and velocity, (4, k).
 
-    The first axis has the parts of `RiseError`: interpolation, preset, warnings, and corrections
-    after the run, which are 0 here. A part is NaN if unknown. `grid` has the computed rises of one
-    surface, between which others are interpolated. `velocity_error` is the relative error of the
-    critical velocity due to the preset, or None if unknown.
+    The first axis has the causes: interpolation between points, the preset (grid and load steps),
+    warnings of the simulation, and corrections after it. The last error is 0 here; an unknown error
+    is NaN. `grid` has the computed rises of one surface, between which others are interpolated.
+    `velocity_error` is the relative error of the critical velocity due to the preset, or None if
+    unknown.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
@@ -277,9 +279,10 @@ def _slots(points: Array, places: Array) -> Indices:
 
 
 def preset_error(velocity_error: float | None) -> float:
-    """Relative error of a rise due to the preset; NaN if unknown.
+    """Relative error of a temperature rise due to the preset, which sets the grid and load steps.
 
-    `velocity_error` is the relative error of the critical velocity due to the preset, or None.
+    It is `velocity_error`, the relative error of the critical velocity due to the preset, times
+    the measured ratio `SHARE`. The result is NaN if `velocity_error` is None (unknown).
     """
     return math.nan if velocity_error is None else SHARE * velocity_error
 
@@ -350,10 +353,11 @@ def _interpolation(
 
 
 def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
-    """Relative errors (k,) of rises that are interpolated across `gaps` (k,); NaN if unknown.
+    """Relative errors (k,) of rises that are interpolated along `axis`, "load" or "velocity".
 
-    Gaps are differences of ln(load) or ln(velocity) between neighbouring points along `axis`. They
-    are 0 at a point, where the error is 0.
+    Each of `gaps` (k,) is the difference of ln(load) or ln(velocity) between the two computed
+    points on either side. A gap is 0 at a computed point, and so is the error. An error is NaN if
+    `grid` has too few points to estimate it.
     """
     return np.where(gaps > 0, BETWEEN * _left_out_error(grid, axis) * gaps, 0.0)
 

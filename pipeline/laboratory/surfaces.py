@@ -251,10 +251,12 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Part of a scan's heights [m] that fills the window, from the scene's corner ``crop`` on.
+    """Cut a patch of the size of the simulated window, `pixels`, out of a scan's heights [m].
 
-    `table` has the scene's entries on roughness, and `pixels` the window's numbers of pixels. The
-    part is smaller if the scan is to be repeated. Returns None if a fault was reported.
+    `table` has the scene's entries ``disk.roughness``. The patch begins at the pixel ``crop``. If
+    ``repeat`` is "mirror" or "tile", it may end early, at the edge of the scan. If the
+    patch begins outside the scan, or ends outside with ``repeat`` "no", a fault is added to
+    `faults`, and the result is None.
     """
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
@@ -272,9 +274,10 @@ def _cropped(
 
 
 def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Fill the holes (NaN) in heights [m], or add a fault and return None.
+    """Copy heights [m] and fill the holes (NaN) smoothly from their surroundings, by `filled`.
 
-    Holes are a fault if `missing` is "refuse", or if all heights are missing.
+    Heights without holes are returned as they are. If `missing` is "refuse" instead of "fill", or
+    if all heights are missing, a fault is added to `faults`, and the result is None.
     """
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):

@@ -281,7 +281,11 @@ class Sweep:
 
     @cached_property
     def contact_sources(self) -> Mapping[Variant, ContactSource]:
-        """For each variant, the variant whose contact solutions it reuses, and at which speed."""
+        """Source of each variant's contact solutions: the first variant with the same contacts.
+
+        A variant that shares no contacts is its own source. Two variants may have the same contacts
+        at different velocities; `ContactSource.velocity_at` gives the velocity of the source.
+        """
         table = self.variants
         if (size := table.rule.per_contact) > 1:
             samples = ((name, table.base(name), row) for name, row in table.by_name.items())

@@ -145,10 +145,11 @@ class Draw:
 
     @property
     def open_inputs(self) -> dict[str, Unknown]:
-        """Inputs, by path, that can be fixed at a value without a new simulation.
+        """Inputs to which `fixed_at` can give a value without a new simulation, by path.
 
-        They are the unknown inputs and some inputs in `fixed`: those that act after the simulation,
-        such as friction, and those whose values differ between the samples.
+        They are all unknown inputs, and those inputs in `fixed` whose value can still be changed.
+        Such an input acts only after the simulation, as friction does, or its values differ between
+        the samples.
         """
         movable = {*PATHS.values(), *(one.path for one in self.design.inputs)}
         stored = (one.unknown for one in self.fixed if one.unknown.path in movable)

@@ -154,10 +154,13 @@ def _scatter_interval(scatters: Array, weights: Array) -> tuple[float, float, fl
 
 
 def _probability(low: Array, high: Array, weights: Array) -> float:
-    """Probability of a run's outcome, or of a more extreme outcome, from weighted draws.
+    """Probability (p-value) of a run's result, or of one further from the prediction.
 
-    The outcome is a deviation between `low` and `high`, in standard deviations. All arrays have the
-    shape (n, n_scatter).
+    A run is the tests of one specimen. They show that its deviation from the model lies between
+    `low` and `high`, in standard deviations of the scatter between runs. The probability is
+    two-sided if both bounds are finite. If one is infinite, only the other can contradict the
+    model, and the probability is one-sided. `weights` are joint probabilities. All arrays have the
+    shape (n, n_scatter): n draws of the inputs, and n_scatter possible values of the scatter.
 
     Some runs deviate more than a normal scatter allows. So the deviation is taken as Student's t
     with 4 degrees of freedom and the same standard deviation.

@@ -214,9 +214,11 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """State at a `station` (end of a step) of the shared ramp, one step after the state `before`.
+    """Compute the state at `station`, the end of a load step that begins with the state `before`.
 
-    `levels` has the scene on ever finer grids. The step is computed on the coarsest, `levels[0]`.
+    The step is part of a ramp that points of different loads share. `levels` has the scene on ever
+    finer grids. Such a step uses only the coarsest, `levels[0]`; finer ones refine a point's last
+    step. `velocity` is the sliding velocity [m/s].
     """
     return _last_part(levels, velocity, before, station)[1]
 
@@ -227,7 +229,8 @@ def _last_part(
     """Compute a step to `station`; return the states before and after the step's last part.
 
     `before` is the state before the whole step, which `parts_of` cuts into parts. `levels` has the
-    scene on ever finer grids. The step is computed on the coarsest, `levels[0]`.
+    scene on ever finer grids. The step uses only the coarsest, `levels[0]`; `_solve_requested` uses
+    the finer ones.
     """
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):

@@ -214,10 +214,14 @@ class Corrections:
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
-        """Rise per unit friction coefficient [K] due to stem, film, tracks and bulk warming.
+        """Contact temperature [K] to add to that of two half-spaces, per unit friction coefficient.
+
+        It is due to the thermal resistances of the film and of the pin's stem, to tracks that
+        earlier turns have warmed, and to the resistance and warming of each body's bulk. Effects on
+        friction are left out.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
-        time. The result has their shape, and is 0 or NaN where no temperature was computed.
+        time. The result has their shape. At a step whose ``mean_rise`` is 0 or NaN, it is 0 or NaN.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)

@@ -354,11 +354,11 @@ class Scene:
         return next(fits, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """The scene on ever finer grids, for the last step of a point; its own grid comes last.
+        """Yield the scene on ever finer grids, for the last step of a point; its own grid is last.
 
-        The first grid is that of all earlier steps; it is coarser by the factor `coarsening`. From
-        one grid to the next, the sides of elements shrink to a quarter or less; for the last grid a
-        third or a half may do. More grids would cost more time than they save.
+        The first grid is that of all earlier steps. The sides of its elements are longer by the
+        factor `coarsening`. From one grid to the next the sides shrink to a quarter or less; the
+        last time a third or a half is enough. More grids would cost more time than they save.
         """
         factor = self.coarsening
         while factor > 1:

@@ -14,8 +14,10 @@ from tribo.types import Array
 class Heat:
     """Temperature rises of the contact, per unit friction coefficient.
 
-    If a ball or crowned pin touches on few elements, all values except the arrays of shape (nx, ny)
-    are means over positions of the disk, except `iterations`, which is a sum.
+    If a ball or crowned pin touches on few elements, the contact is also solved with the disk at
+    other positions. Quantiles, `max_rise`, `mean_rise`, `pin_heat_share` and `mean_bulk_response`
+    are then means over all positions, and `iterations` is the sum over them. Arrays of shape
+    (nx, ny) are those at the first position.
 
     Attributes
     ----------
