@@ -138,7 +138,8 @@ def at(
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
     if given_measured or scatter is not None:
-        ds = _weigh_by_tests(ds, given_measured, scatter, wanted | entries)
+        paths = [*wanted, *(entries.keys() - {*open_inputs(ds), *entry_dims(ds)})]
+        ds = _weigh_by_tests(ds, given_measured, scatter, paths)
     if oil is not None:
         ds = _choose_oil(ds, oil)
     ds, wanted = _select_entries(ds, wanted | entries)
@@ -149,7 +150,7 @@ def at(
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _record_values(ds, {k: v for k, v in wanted.items() if k not in several})
     for path, values in reversed(several.items()):
-        if path not in _UNITS or path in ds.coords:  # a column of the rows
+        if path not in _UNITS or (path in ds.coords and ds[path].ndim):  # a column of the rows
             raise InputError(f"{path} takes one value at a time here; give one")
         axis = (path, values, {"units": _UNITS[path], "long_name": path})
         # Only the status gets the new dimension; other variables would be read just to be repeated.

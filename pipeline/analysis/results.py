@@ -322,7 +322,7 @@ class Results:
     def missing(self) -> int:
         """Number of points to be computed that are pending or failed."""
         conditions = math.prod(self.rows.sizes[name] for name in self.judged_dims)
-        return int(np.count_nonzero(self.asked & ~self.done)) // conditions
+        return int(np.count_nonzero(self.asked & ~self.done)) // max(conditions, 1)
 
     @property
     def asked(self) -> Mask:

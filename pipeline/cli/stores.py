@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
+from pipeline.analysis.at import open_inputs
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
@@ -16,6 +17,7 @@ from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import Summary, summary_of
 from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.conditions import PATHS
 
 _MOST_POINTS = 10  # points printed; a file has all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
@@ -109,7 +111,10 @@ def diff(options: argparse.Namespace) -> Result:
     """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
     held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
     varied = {path for ds in held for path in entry_dims(ds)}
-    stores = [dataset_in(options, ds, varied.difference(entry_dims(ds))) for ds in held]
+    stores = [
+        dataset_in(options, ds, varied.difference(entry_dims(ds), PATHS.values(), open_inputs(ds)))
+        for ds in held
+    ]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()

@@ -64,7 +64,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
         labels = one.field.source.labels.items()
         own = {name: value for name, value in labels if name in data.front}
         lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
-        lines += words.margin_lines(one.margin) if one.margin else [one.reason]
+        lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
 

@@ -143,7 +143,7 @@ REFUSALS = {
     "measured": (at(given_measured=True), "--given-measured needs a sweep"),
     "scatter alone": (drawn(scatter=0.1), "--scatter needs"),
     "weighed": (drawn(given_measured=True, friction=0.1), "leave out friction: tests"),
-    "weighed at": (drawn(given_measured=True, **{"friction.coefficient": 0.1}), "out friction"),
+    "weighed at": (drawn(given_measured=True, **{"temperature.bulk": 320.0}), "out bulk_temp"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "`at` is 'hotter'"),
     "code": (coded, "the store is judged by the criterion laws:median"),
