@@ -317,10 +317,11 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the axes of a dataset; put points that are stored as a list on a grid.
+    """Sort the numeric axes of a dataset, values ascending; first put a list of points on a grid.
 
-    A run that computes only the boundary stores a list of points. The grid has axes for load,
-    velocity, varied entries and surfaces.
+    Points are stored as a list by a run that computes only those near the boundary between mild and
+    severe wear. Axes of the grid are load, velocity, varied entries and surfaces. Where the list
+    has no point, the grid's ``status`` is pending, and results are NaN.
     """
     if POINT in ds.dims:
         axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]

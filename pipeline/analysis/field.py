@@ -245,20 +245,21 @@ class PointField:
         return rise, mark == 1
 
     def _rises_and_marks(self, velocities: Array) -> tuple[Array, ...]:
-        """Rises [K] at k velocities and all loads on m surfaces, and two yes-or-no marks of each.
+        """Rises [K] at k velocities and all computed loads on m surfaces, each with two marks.
 
         Returns three arrays (m, k, n_load):
 
-        1. The rises, including the effect of velocity on friction. They are extrapolated by power
-           laws outside the computed velocities of a load. At a load with a single computed
-           velocity they are estimated by `filled`.
-        2. Mark: the velocity is within the range of computed velocities of the load.
-        3. Mark: the outcome, mild or severe wear, is certain. It is certain within this range,
-           below the range if wear is mild at its lowest velocity, and above the range if wear is
-           severe at its highest.
+        1. Rises per unit friction coefficient, including the effect of velocity on friction.
+           Outside the velocities that were computed at a load, rises are extrapolated. At a load
+           with a single computed velocity, rises at other velocities are estimated from
+           neighbouring loads.
+        2. Mark: 1 if the rise is interpolated between computed velocities, 2 if it is extrapolated.
+        3. Mark: 1 if it is certain whether wear is mild or severe, else 2. It is certain between
+           computed velocities, below them if wear is mild at the lowest, and above them if wear is
+           severe at the highest.
 
-        A mark is 1 for yes, 2 for no, and NaN if the rise is unknown or estimated by `filled`.
-        Interpolated over load, it is 1 only if it is 1 at both neighbouring loads.
+        Marks are NaN where the rise is unknown or estimated from neighbouring loads. Callers
+        interpolate marks over load: the result is 1 only between two loads with mark 1.
         """
         points, rows = self._curves
         factor = self.conditions.friction_factor(velocities)

@@ -125,8 +125,9 @@ class Judged(NamedTuple):
 def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """Judge operating points for each variant of a sweep; yield one `Judged` per point and variant.
 
-    A variant has one value of each varied entry. If `points` is None, each variant is judged at
-    its own load and velocity; an `InputError` is raised if it has several loads or velocities.
+    A variant is one combination of values of the varied entries. If `points` is None, each variant
+    is judged at the load and velocity for which it was computed. An `InputError` is raised if these
+    are not a single pair, as in a sweep with a grid of loads and velocities.
     """
     if points is not None:
         require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
@@ -147,11 +148,12 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 def _judged_points(
     field: Field, points: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
 ) -> list[Judged]:
-    """Judge operating points by a field; the result has their order.
+    """Judge operating points of one scene: whether wear is severe there, and how far from it.
 
-    Each of `points` is a pair: the place (load [N], velocity [m/s]), and the point's own conditions
-    by name. `scatter` is the model's own error. Points with the same conditions are judged
-    together.
+    Returns a `Judged` for each point, in the order of `points`. Each of `points` is a pair: its
+    load [N] and velocity [m/s], and by name the conditions of this point alone, such as its
+    friction. `field` gives the temperature rise at any point of the scene. `scatter` is the
+    distribution of the model's error of the critical velocity.
     """
     found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(points):

@@ -49,8 +49,9 @@ class Stage(NamedTuple):
 class Candidate(NamedTuple):
     """A rise of friction that may be scuffing, and the reason if it does not count as scuffing.
 
-    `row` and `stage` (counted from 1) are its place. `low` and `high` are friction before and
-    after. `why_not` is empty if it counts as scuffing.
+    `row` is the index, counted from 0, in the arrays of `Trace` at which the rise happens. `stage`
+    is the number of the stage, counted from 1. `low` and `high` are the friction coefficients
+    before and after the rise. `why_not` is the reason; it is empty for scuffing.
     """
 
     row: int

@@ -233,10 +233,12 @@ def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
 def roughness_of(
     contents: Contents, faults: Faults, table: Any, window: Window
 ) -> Roughness | None:
-    """Roughness of the disk, made from a seed or read from a scan; None if the scan is faulty.
+    """Make the roughness of the disk: from a seed, or from the heights in the file of a scan.
 
-    It is a `MissingSurface` if the heights were not stored. `table` has the scene's entries on the
-    roughness, and `contents` the contents of files.
+    `table` is the scene's ``[disk.roughness]``. `contents` has the heights of files read before,
+    and keeps those that are read here. Faults of a scan are added to `faults`; without usable
+    heights the result is None. If the scene comes from a store that lacks the heights, the result
+    is a `MissingSurface`, which raises an error once heights are needed.
     """
     if not isinstance(table, MeasuredSurface):
         if window.pixels == (1, 1):

@@ -103,7 +103,11 @@ def all_keys() -> Iterator[tuple[str, Entry]]:
 
 
 def find_entry(path: str) -> Entry | None:
-    """The entry of the scene format that holds a value at a path; None if there is none."""
+    """Declaration of the entry that a path names, such as "pin.length"; None if there is none.
+
+    The path must be that of a single value, not of a table such as "pin". In a path such as
+    "materials.steel.density" the material may have any name.
+    """
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"

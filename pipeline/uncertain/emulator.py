@@ -156,7 +156,8 @@ def _solve_kernel(
 
     `outputs` (n, n_output) belong to the rows of `features` (n, n_feature). `dimensions` has the
     number of the input that each feature belongs to, and `contacts` the number of the contact of
-    each row. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
+    each row. `constants` are logarithms of the kernel's five amplitudes, then of a length for each
+    input.
     """
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_row_kernel(smooth, contacts, constants), lower=True)
@@ -196,11 +197,12 @@ def features_of(
 def _kernel(
     one: Array, other: Array, dimensions: Groups, constants: Array
 ) -> tuple[Array, tuple[Array, ...]]:
-    """Smooth part (n, m) of the covariance between two sets of features, and its three terms.
+    """Smooth covariance of outputs between two sets of features (n, m), and its three terms (n, m).
 
-    The terms are for linear, quadratic and further dependence. `one` (n, n_feature) and `other` (m,
-    n_feature) are the features. `dimensions` has the number of the input that each feature belongs
-    to. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
+    The terms between features u and v are a² (1 + u·v), b² (u·v)² and c² exp(−Σ (uᵢ − vᵢ)²/2ℓᵢ²).
+    `one` (n, n_feature) and `other` (m, n_feature) are the two sets. `dimensions` (n_feature,) has
+    the number of the input that each feature belongs to. `constants` are ln a, ln b and ln c,
+    logarithms of two amplitudes that are not used here, then ln ℓ of each input.
     """
     a, b, c = np.exp(2 * constants[:3])
     lengths = np.exp(constants[5:])[dimensions]
@@ -214,8 +216,9 @@ def _kernel(
 def _row_kernel(smooth: Array, contacts: Groups, constants: Array) -> Array:
     """Covariance (n, n) of training rows: smooth part, random effect of each contact, and noise.
 
-    `smooth` is the smooth part, from `_kernel`. `contacts` has the number of the contact of each
-    row. `constants` are logarithms of the kernel's five amplitudes, then of its lengths.
+    `smooth` (n, n) is the smooth part, from `_kernel`. `contacts` has the number of the contact of
+    each row. `constants` are logarithms of the kernel's five amplitudes, of which the last two are
+    used here, then of a length for each input.
     """
     s, n = np.exp(2 * constants[3:5])
     kernel: Array = smooth + s * (contacts[:, None] == contacts)

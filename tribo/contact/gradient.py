@@ -25,10 +25,10 @@ class Gradient(NamedTuple):
 
 
 def first_length(problem: Problem) -> float:
-    """Length of the first gradient step: 1/(self influence of an element) [Pa/m].
+    """Length of the first gradient step: the decrease of pressure per unit gap [Pa/m].
 
-    It is 1, without a unit, if the elements of a row displace each other so much that steps need
-    the metric of `RowMetric`.
+    It is 1/d, where d is the displacement of an element by unit pressure on itself [m/Pa]. If steps
+    use a `RowMetric`, which already converts the gap to a pressure, it is 1, without a unit.
     """
     return 1.0 if problem.soft.is_needed else 1 / problem.solid.self_influence
 

@@ -39,15 +39,16 @@ def simulate(
     velocity : float
         Sliding velocity [m/s], which the disk has along +x unless the scene has a motion.
     trunks : Trunks, optional
-        Cached ramps of other points. Their steps are not repeated, and new ones are added. The
-        result is bit for bit the same as without them.
+        Cache of states on ramps of the load, which points at several loads share. States found in
+        the cache are neither computed again nor yielded, and new ones are added to it. The cache
+        does not change the numbers of the yielded states.
     requested : container of int, optional
         Indices of further steps at whose end the temperature is computed, counted from 1.
 
     Yields
     ------
     State
-        State after every step that `trunks` did not have yet. The state that reaches `normal_load`,
+        State after every step that was not in `trunks`. The state that reaches `normal_load`,
         the last state and the states of `requested` have their temperature, if anything touches.
         Without wear and with the heat model "elapsed", these are the only states.
 

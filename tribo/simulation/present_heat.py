@@ -64,9 +64,9 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
 
 
 def stations_so_far(scene: Scene, state: State) -> list[Station]:
-    """Ends of steps up to the time of a state, for a point whose full load is that of the state.
+    """Ends of the steps that a loading to the load of `state` takes, up to the time of `state`.
 
-    A state on the way to a higher load may have come there in other steps.
+    A `state` from a loading to a higher load may have been computed with other steps.
     """
     stations = scene.all_stations(state.normal_load)
     return [station for station in stations if station.time <= state.time * (1 + 1e-12)]

@@ -62,7 +62,11 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """Length of the pin that wears, in windows along x: its track if the pin rolls, else 1."""
+    """Worn length of the pin along x, divided by the length of the window, the simulated patch.
+
+    A pin that rolls wears along its whole track. For a pin that does not roll, and at time 0, the
+    result is 1.
+    """
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 
