@@ -58,11 +58,11 @@ class Results:
     Attributes
     ----------
     stored : Sweep
-        The whole sweep as it was stored.
+        The whole sweep as it was stored, without changes by `pipeline.at`.
     judged : mapping
-        Values set by `pipeline.at`, by the path of their entry [SI].
+        Conditions that `pipeline.at` changed: new values in SI, by the path of their scene entry.
     kind : Kind
-        Arrangement of the points.
+        Whether points form a grid of loads and velocities, are listed pairs, or are samples.
     front : tuple of str
         Names of the dimensions of rows: entries with several values, then surfaces or samples.
     rows : Dataset
@@ -70,12 +70,13 @@ class Results:
     loads, velocities : ndarray
         Ascending loads [N] and velocities [m/s] of the points; velocities of samples are in `rows`.
     cut : tuple of str
-        Which of load and velocity are a scalar in the dataset, not a dimension.
+        The names "load" and "velocity", as far as they are scalars in the dataset.
     columns : mapping
-        Variables by name, of shape (*front, load, velocity), and then those axes of step, bulk
-        ratio and share that the variable has.
+        Variables by name, of shape (*front, load, velocity), and then those of three axes that the
+        variable has: step of the load, ``bulk_ratio`` (disk's − pin's bulk temperature, divided by
+        friction [K]), and ``cooler_share`` (see `shares`).
     shares : ndarray
-        Shares of the contact area for which quantiles are stored.
+        Shares of the contact area that are cooler than the quantiles of the rise.
     rest : Dataset
         Variables that verdicts do not need, such as fields of the contact, which are read when
         shown; also the attributes and further coordinates of the dataset.
@@ -120,7 +121,10 @@ class Results:
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Load [N] and velocity [m/s] if both are scalars, or of one listed pair; else None."""
+        """Load [N] and velocity [m/s] if a single pair of them is selected; else None.
+
+        A grid with a dimension of load or velocity does not count, even if its size is 1.
+        """
         is_row = self.kind is Kind.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None

@@ -316,11 +316,13 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:
-    """Index in the page's flat table at which each line of rises begins.
+    """Index at which each line of temperature rises begins in the page's flat table, by line.
 
-    A line has `width` rises over load, of one surface at one velocity. `lines` has the pairs
-    (surface, index of the velocity), and `nodes` the index of each velocity on the page's grid.
-    Keys such as "0 12" are the surface and the index on the grid. The first line begins at `begin`.
+    A line has one surface, one velocity of the sweep, and `width` loads. Lines follow each other;
+    the first begins at index `begin`. `lines` (n, 2) are the surface and the velocity of each line,
+    as indices in the sweep. `nodes` has the index of each velocity of the sweep on the page's finer
+    grid. The key "0 12" is the line of surface 0 at index 12 of the finer grid. An index counts
+    nodes in the table; each node has a rise for every bulk ratio and failing share.
     """
     places = (f"{surface} {nodes[k]}" for surface, k in lines.tolist())
     return {place: begin + number * width for number, place in enumerate(places)}

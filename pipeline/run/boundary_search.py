@@ -53,9 +53,12 @@ class BoundarySearch:
     """Search, at each of several loads, for the velocities at which the rise crosses its limit [K].
 
     The rise is the temperature rise per unit friction coefficient that the criterion compares with
-    `limit`. The contact solutions at a velocity v may be those of another variant of the scene at
-    velocity `scale` × v. Without such reuse `scale` is 1. The search chooses v so that `scale` × v
-    has six digits.
+    `limit`. `lowest` and `highest` [m/s] are the ends of the search, and `tolerance` is the
+    relative error that it may leave in velocity.
+
+    The contact solutions at a velocity v may be those of another variant of the scene at velocity
+    `scale` × v. Without such reuse `scale` is 1. The search chooses v so that `scale` × v has six
+    digits.
     """
 
     loads: Sequence[float]
@@ -69,13 +72,15 @@ class BoundarySearch:
 
     @classmethod
     def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
-        """Set up the search between a sweep's lowest and highest velocity.
+        """Set up the search between a sweep's lowest velocity above 0 and its highest velocity.
 
-        `tolerance` is the relative error allowed in velocity; if friction depends on velocity, a
-        tenth of it is used. If contact solutions of another variant are reused, `scale` is its
-        velocity divided by the sweep's. Raises an `InputError` if the tolerance is not between 0
-        and 1, the critical temperature is not known, the limit is infinite without friction, or the
-        sweep has fewer than two velocities above 0.
+        `tolerance` is the relative error that the search may leave in velocity. If friction depends
+        on velocity, a tenth of the tolerance is used. `scale` is 1 unless the sweep reuses contact
+        solutions of another variant. Then `scale` is the velocity at which the other variant has
+        the same contacts, divided by the sweep's velocity.
+
+        Raises an `InputError` if the tolerance is not between 0 and 1, the critical temperature is
+        not known, the friction is 0, or fewer than two velocities are above 0.
         """
         if not 0 < tolerance < 1:
             raise InputError(f"the tolerance is {tolerance!r}; it must be between 0 and 1")
@@ -147,10 +152,12 @@ class BoundarySearch:
         ]
 
     def _first_roots(self, roots: Mapping[float, Sequence[_Root]]) -> dict[float, list[_Root]]:
-        """Expected crossings, by load, at loads that have no points yet.
+        """Estimate the velocity at which the rise crosses its limit, at loads without known rises.
 
-        They follow from `roots`, the crossings at other loads. If none is known yet, they follow a
-        usual trend of velocity over load, and only three loads are begun.
+        Returns a list with one `_Root` for each such load. `roots` are the crossings expected at
+        the other loads; the lowest of each load are interpolated or extrapolated over ln(load). If
+        `roots` is empty, only the lowest, the middle and the highest load get an estimate: the
+        middle load about the middle of the velocities, the others by a usual power law from there.
         """
         middle = self.loads[len(self.loads) // 2]
         loads = self.loads if roots else (self.loads[0], middle, self.loads[-1])

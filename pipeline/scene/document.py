@@ -42,7 +42,10 @@ class FileEntries(NamedTuple):
 
 
 class Document(NamedTuple):
-    """Entries of a scene in layers, one for each file; earlier layers override later ones."""
+    """Entries of a scene in layers; earlier layers override later ones.
+
+    A layer is a scene file, a file that it extends, or a set of overrides or defaults.
+    """
 
     layers: tuple[FileEntries, ...]
 
@@ -52,15 +55,19 @@ class Document(NamedTuple):
         return self.layers[0].file
 
     def entries(self) -> dict[str, Any]:
-        """Entries of all files in `layers`, merged; files that come earlier override later ones."""
+        """Entries of all layers, merged; earlier layers override later ones."""
         return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
 
     def defaulted(self, entries: Mapping[str, Any]) -> Document:
-        """A new document with default values, `entries` by path, which all its files override."""
+        """A new document with default values, `entries` by path, which all layers override."""
         return Document((*self.layers, FileEntries(self.file, replace_values({}, entries))))
 
     def replaced(self, path: str, value: Any) -> Document:
-        """The document with an entry replaced, or removed if it is None, in layers that have it."""
+        """A new document in which each layer that has the entry at `path` has `value` there.
+
+        If `value` is None, the entry is removed from these layers. A layer is a scene file, a file
+        that it extends, or a set of overrides or defaults.
+        """
         return Document(
             tuple(
                 layer

@@ -79,12 +79,17 @@ def _require_law(kind: str, law: Any) -> None:
 def take_laws(
     laws: Mapping[str, Any], entries: dict[str, Any], faults: Faults
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Separate the laws of a scene from its other entries; return laws by kind, and other entries.
+    """Return a user's laws by kind, and the scene's `entries` without those that concern the laws.
 
-    `laws` are a user's Python objects by the kind of entries that they replace, such as "wear". The
-    entries may set fields of these objects. If a store names a law that is not in `laws`, its
-    record, a `Law`, is returned. For a user's pin, the entries get a ball or a cylinder of the same
-    size.
+    A law is a user's Python object in place of entries of the scene. Its kind is "wear", "surface",
+    "criterion" or "pin".
+
+    - `laws` are the objects at hand, by kind. If entries set fields of an object, a copy with these
+      values is returned.
+    - The entries of a stored scene may record the name and fields of a law whose object is not at
+      hand. Then a `Law` with this record is returned instead of the object.
+    - An entry that a law replaces is a fault, which is added to `faults`.
+    - A user's pin also gets entries in the result: a ball or a cylinder of the same size.
     """
     taken = dict(laws)
     for kind, path in _NAMES.items():

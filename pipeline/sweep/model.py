@@ -296,7 +296,11 @@ class Sweep:
         return contact_sources(scenes, places, self.plane.velocities)
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
-        """Velocity [m/s] and variant of the ramp whose contact solutions a point reuses."""
+        """Velocity [m/s] and variant for which the contact of a point is simulated.
+
+        They are the point's own, unless another variant has the same contacts at the same or
+        another velocity. Then the contact solutions of that variant are used.
+        """
         source = self.contact_sources.get(point.variant)
         velocity = source and source.velocity_at(point.velocity)
         return point[1:] if source is None or velocity is None else (velocity, source.variant)

@@ -201,10 +201,11 @@ def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
 
 
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
-    """Fidelities to measure, by name, without repeats; the reference first.
+    """Fidelities to measure, by name: the preset ``reference``, `presets`, and the sweep's own.
 
-    They are `presets` and the sweep's own fidelity. If the scene's heat model is "history", presets
-    get this model too, which needs all steps on one grid.
+    Equal fidelities are listed once, under the first name. Presets are adapted to the scene: their
+    elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
+    "history", presets get this model too, which needs all load steps on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}

@@ -35,9 +35,11 @@ _FAR = 3.0  # ln(velocity) by which the excess is extrapolated beyond the sample
 
 @dataclass(frozen=True, slots=True, eq=False)
 class InferredScatter:
-    """Scatter between runs in ln(velocity), inferred from the tests together with the inputs.
+    """Distribution of how far laboratory runs deviate from the model, inferred from tests.
 
-    It has possible values of the scatter, and the probability of each value for each draw.
+    The deviation is ln(critical velocity of the model / critical velocity of the run). Its standard
+    deviation is not known: `scatters` are possible values. `by_draw` is the probability of each
+    value for each draw of the unknown inputs, since the tests inform about both.
     """
 
     scatters: Array  # standard deviations of ln(velocity), (n_scatter,)

@@ -66,10 +66,12 @@ def effective_share(log_weights: Array) -> float:
 
 
 def _next_exponent(likelihood: Array, over: Array, power: float) -> float:
-    """Next exponent of the likelihood, from `power` up to 1.
+    """Choose the exponent of the likelihood for the next fit, from `power` up to 1.
 
-    It is the largest exponent that leaves enough effective draws. `likelihood` is the logarithm of
-    the likelihood of the draws, and `over` is ln(prior/proposal) of them.
+    An exponent below 1 flattens the likelihood, so that more draws keep a noticeable weight. The
+    result is the largest exponent with an effective share of the draws of at least `_AT_LEAST`, or
+    `power` if there is none. `likelihood` is ln(likelihood) of each draw (count,), and `over` is
+    ln(prior/density that the draw was drawn from) (count,).
     """
 
     def excess(other: float) -> float:

@@ -94,7 +94,11 @@ class Problem:
 
 
 def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
-    """Rows of elements along x or along y: those whose elements displace each other more."""
+    """Compare rows of elements along x with those along y, and return the softer ones.
+
+    Rows are softer if unit pressure on one element displaces its whole row more. The result has the
+    axis along which the softer rows lie, and this displacement of a row as `coupling` [m/Pa].
+    """
     return _prepare_solid(solid)[0]
 
 
@@ -143,13 +147,15 @@ class Iterate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """How far an iterate is from the solution: its gap, residual and nodes at wrong bounds.
+    """How far an iterate, a trial pressure, is from the solution of the contact problem.
 
-    A node is at a wrong bound if it is unloaded where the bodies overlap, or at the hardness across
-    a gap. Free nodes, `nodes`, are those at a wrong bound or between the bounds.
+    The pressure has the bounds 0 and the hardness. Where it lies between the bounds, the gap
+    between the bodies should be 0. A node is at a wrong bound if it is unloaded where the bodies
+    overlap, or at the hardness where a gap remains. `nodes` are those at a wrong bound and those
+    between the bounds. `residual` is the largest gap or overlap at `nodes`, divided by `unit`.
     """
 
-    gap: Array  # with the bodies at the level [m]
+    gap: Array  # between the bodies, negative where they overlap [m]
     level: float  # approach of the bodies from the datum of the iterate [m]
     unit: float  # D_self·max(p), the displacement of an element by the highest pressure alone [m]
     residual: float  # largest violation of the conditions on the gap, in that unit

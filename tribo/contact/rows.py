@@ -31,11 +31,12 @@ _MOST_AT_ONCE = 10  # most steps of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """Rows of elements along x or along y: those whose elements displace each other more.
+    """Rows of elements along x or along y, whichever are softer.
 
     A row is a whole line of the grid. `coupling` is the displacement of a row by unit pressure on
-    one of its elements [m/Pa]. If the coupling is not small against the displacement that an
-    element causes at itself, the rows are called soft, and need `RowMetric`.
+    one of its elements [m/Pa]; the softer rows are those with the larger coupling. If the coupling
+    is not small against the displacement that an element causes at itself, the rows are called
+    soft, and need `RowMetric`.
     """
 
     axis: int  # along which the rows lie
@@ -44,7 +45,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Choose rows along x or along y: those whose elements displace each other more."""
+        """Choose rows along x or along y: those in which unit pressure displaces a row more."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n

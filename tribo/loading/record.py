@@ -23,14 +23,15 @@ _MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
 class MeasuredLoad:
     """A record of the load, from its first row to where it first reaches its reference load.
 
-    The loading is cut into as many steps as the scene has increments. Steps are equal in time if
-    the load grows about evenly. Otherwise each step has an equal sum of two shares: of the
-    duration, and of the load's total travel up and down, without noise below 2 % of the reference
-    load. So a jump gets half of the steps, however short it is.
+    The loading is cut into as many steps as the scene has increments. If the load grows about
+    evenly, all steps take the same time. Otherwise steps are shorter where the load changes fast:
+    every step has the same sum of its share of the duration and its share of the load's travel.
+    Travel is the total change of load, up and down, without noise below 2 % of the reference load.
+    So a jump gets half of the steps, however short it is.
 
-    A point at another load has the same times, and all loads scaled in proportion. So points share
-    no ramp: each follows the record from its start. The load may fall during the record. A negative
-    load, which can only be noise, counts as 0.
+    A point at another load has the same times, and all loads scaled in proportion. So the points
+    have no load steps in common, and each is simulated from the start of the record. The load may
+    fall during the record. A negative load, which can only be noise, counts as 0.
 
     Parameters
     ----------
