@@ -407,7 +407,8 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     if not wear:
         return
     distance = velocity * _longest_step(scene, state)
-    stiffness = wear.stiffness(solid, distance / part_count(scene, wear, distance))
+    parts = part_count(scene, wear, distance) if scene.sweeps_over else 1
+    stiffness = wear.stiffness(solid, distance / parts)
     if stiffness >= EXPLICIT_LIMIT:
         yield (
             WarningKind.UNSTABLE_WEAR,

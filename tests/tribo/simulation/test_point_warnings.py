@@ -211,3 +211,10 @@ def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
     time = turns * 2 * np.pi * scene.pin.radius / 0.5  # the pin rolls at half the sliding velocity
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
     assert_told(words, scene, state, WarningKind.FEW_TURNS)
+
+
+@pytest.mark.parametrize("imprint", [0.0, 0.1])
+def test_explicit_wear_is_unstable_whatever_imprint_a_step_may_leave(imprint):
+    scene = small_scene("local", wear_scheme="explicit", increments=30, imprint=imprint)
+    state = last(scene, 400.0, 1.25)
+    assert_told("explicit wear is unstable", scene, state, WarningKind.UNSTABLE_WEAR)
