@@ -15,7 +15,7 @@ from pipeline.analysis.margin_frame import judged, margin_frame
 from pipeline.analysis.tables import frame_of, transposed
 from pipeline.analysis.words import missing_lines
 from pipeline.cli.given import one_scene_in
-from pipeline.cli.output import Result, working
+from pipeline.cli.output import Result, working, wrapped
 from pipeline.cli.verdicts import place_lines
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
@@ -78,7 +78,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     if alone and laboratory_tests(data):
         text.append("tests of the scene at other places are left out, by --alone")
     text += [*missing_lines(data.missing), "", transposed(contact), "", *caveats_of(data)]
-    return Result(text=text, warned=pipeline.warned(data), frames=[frame])
+    return Result(text=wrapped(text), warned=pipeline.warned(data), frames=[frame])
 
 
 def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:

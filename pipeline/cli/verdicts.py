@@ -42,10 +42,9 @@ def margin(options: argparse.Namespace) -> Result:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
         lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
-        rests = [*(points.remarks if points else []), *notes_of(table, caveats)]
-        rests += [words.model_error_line(one.model_error for one in known)] if known else []
-        rests += remarks("warning", *dict.fromkeys(one.misfit for one in known))
-        lines += rests
+        lines += [*(points.remarks if points else []), *notes_of(table, caveats)]
+        lines += [words.model_error_line(one.model_error for one in known)] if known else []
+        lines += remarks("warning", *dict.fromkeys(one.misfit for one in known))
     rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
     lines += [*rests_on, *words.missing_lines(data.missing)]
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=[table])
@@ -64,7 +63,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
         labels = one.field.source.labels.items()
         own = {name: value for name, value in labels if name in data.front}
         lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
-        lines += wrapped(words.margin_lines(one.margin) if one.margin else [one.reason])
+        lines += words.margin_lines(one.margin) if one.margin else [one.reason]
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
 

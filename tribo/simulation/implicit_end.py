@@ -51,14 +51,13 @@ def end_implicitly(
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
     """True if elements that were unloaded before a step carry much of the load after it.
 
-    `before` and `after` are the states at both ends of the step. Always False without wear, for a
-    wear scheme of a single stage, for a pin that rolls, and if `Scene.sweeps_over`.
+    `before` and `after` are the states at both ends of the step. Always False without wear or
+    load, for a wear scheme of a single stage, for a pin that rolls, and if `Scene.sweeps_over`.
     """
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
-    if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
-        return False
-    if not after.normal_load:
+    is_idle = not scene.wears or not after.normal_load
+    if is_idle or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
     worn = _is_worn(scene, after)
     new = worn & ~_is_worn(scene, before)

@@ -100,4 +100,5 @@ def test_a_record_that_begins_unloaded_ends_as_one_that_begins_with_the_load(pat
     scene = replace(small_scene(pattern), fidelity=fidelity)
     late, early = (last(replace(scene, loading=record), 300.0, 1.25) for record in records)
     assert late.wear_depth.sum() == pytest.approx(early.wear_depth.sum(), rel=1e-12)
+    # The pause takes some of the steps: 0.4 % here.
     assert late.heat.max_rise == pytest.approx(early.heat.max_rise, rel=0.01)
