@@ -110,11 +110,8 @@ def verify(options: argparse.Namespace) -> Result:
 def diff(options: argparse.Namespace) -> Result:
     """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
     held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
-    varied = {path for ds in held for path in entry_dims(ds)}
-    stores = [
-        dataset_in(options, ds, varied.difference(entry_dims(ds), PATHS.values(), open_inputs(ds)))
-        for ds in held
-    ]
+    own = [{*entry_dims(ds), *open_inputs(ds), *PATHS.values()} for ds in held]
+    stores = [dataset_in(options, ds, b - a) for ds, a, b in zip(held, own, own[::-1], strict=True)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points
     changes = points["change [%]"].dropna().abs()
