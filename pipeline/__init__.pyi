@@ -25,10 +25,7 @@ from .store.verify import verify_store as verify_store
 from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
 from .tradeoff.choose import choose_fidelity as choose_fidelity
+from .tradeoff.critical_temperature import critical_temperatures as critical_temperatures
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
 from .tradeoff.vary import vary as vary
-from .uncertain.critical_temperature import critical_temperatures as critical_temperatures
-from .uncertain.ensemble import Ensemble as Ensemble
-from .uncertain.sensitivity import sensitivity as sensitivity
-from .uncertain.weigh import posterior as posterior

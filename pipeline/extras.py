@@ -12,7 +12,6 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "gears": (),
     "laboratory": ("surface_statistics",),
     "page": ("explore",),
-    "uncertain": ("Ensemble", "critical_temperatures", "posterior", "sensitivity"),
 }
 """Extras by the names of their folders in `pipeline`, with the public names of each."""
 STUDIES = "pipeline.workflows", "workflows"

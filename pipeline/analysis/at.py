@@ -9,27 +9,22 @@ from __future__ import annotations
 import json
 import math
 import secrets
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline import extras
 from pipeline.analysis.dataset import (
-    GIVEN_MEASURED,
     OIL,
     RULES,
-    Kind,
     add_scene_ids,
     dataset_of,
     entry_dims,
     judged_values,
     name_at,
     scene_sweep,
-    sweep_kind,
-    whole_sweep,
 )
 from pipeline.analysis.results import results
 from pipeline.analysis.scenes import value_text
@@ -59,9 +54,6 @@ def at(
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | Rule | None = None,
-    # Any, so that a type checker accepts entries given by their paths as text.
-    given_measured: Any = False,
-    scatter: Any = None,
     oil: str | None = None,
     **entries: Any,
 ) -> xr.Dataset:
@@ -90,12 +82,6 @@ def at(
         Contact temperature that is compared with the critical temperature: ``"highest"``,
         ``"mean"``, or ``"share"``, the temperature that `share` of the contact exceeds. In Python
         also a rule of your own, like those in `tribo.CRITERIA`.
-    given_measured : bool
-        True to weigh draws of the unknown inputs by the measured transitions and tests of the
-        scene, for a sweep with samples. Of the conditions above only `criterion` may be changed.
-    scatter : float, optional
-        Relative standard deviation of measured velocities whose scatter the scene does not give, as
-        for `pipeline.posterior`; only with `given_measured`.
     oil : str, optional
         Name of the oil whose tests count. It is needed if the tests are of several oils, and each
         test names its oil. The critical temperature must be the one of this oil.
@@ -137,14 +123,10 @@ def at(
     if twice := wanted.keys() & entries.keys():
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
-    if given_measured or scatter is not None:
-        paths = [*wanted, *(entries.keys() - {*open_inputs(ds), *entry_dims(ds)})]
-        ds = _weigh_by_tests(ds, given_measured, scatter, paths)
     if oil is not None:
         ds = _choose_oil(ds, oil)
     ds, wanted = _select_entries(ds, wanted | entries)
-    known = {*_NAMES, *open_inputs(ds)}
-    if others := [path for path in wanted if path not in known]:
+    if others := [path for path in wanted if path not in _NAMES]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
     wanted = {path: _si_value(path, value) for path, value in wanted.items()}
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
@@ -160,29 +142,6 @@ def at(
     for scene in results(names).scenes if wanted else ():
         _ = scene.plain_conditions  # raises if the sweep lacks what a condition needs
     return ds
-
-
-def _weigh_by_tests(
-    ds: xr.Dataset, given_measured: bool, scatter: float | None, paths: Iterable[str]
-) -> xr.Dataset:
-    """Record in a copy of a dataset that laboratory tests shall weigh draws of the unknown inputs.
-
-    The draws are weighed later, by the functions that answer from the copy. `scatter` is the
-    relative standard deviation of measured velocities; None for the default. Raises an `InputError`
-    if the dataset has no samples, or if `given_measured` is False (only `scatter` was given).
-    `paths` are the entries that the user changes; of the conditions only the criterion is allowed.
-    """
-    if sweep_kind(ds) is not Kind.SAMPLES or not given_measured:
-        raise InputError(
-            "--given-measured needs a sweep with samples, and --scatter needs --given-measured (in "
-            "Python given_measured=True); add what is missing, or leave out both options"
-        )
-    if others := [_NAMES[one] for one in paths if _NAMES.get(one, "criterion") != "criterion"]:
-        raise InputError(
-            f"leave out {', '.join(others)}: tests weigh samples under the scene's own conditions"
-        )
-    values = judged_values(ds) | {GIVEN_MEASURED: scatter or 0.0}
-    return add_scene_ids(ds.assign_attrs(at=json.dumps(values)))
 
 
 def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
@@ -249,29 +208,13 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
         attributes["rule"] = secrets.token_hex(8)  # a key that no store can contain
         RULES[attributes["rule"]] = rule
         values[PATHS["criterion"]] = name_of(rule)
-    inner = {path: _drawn_value(ds, path, values[path]) for path in values.keys() - _NAMES.keys()}
-    both = judged_values(ds) | values | inner
+    both = judged_values(ds) | values
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
     # Drop labels of conditions that are replaced; inputs of samples stay as they were drawn.
     labels = [path for path in values if path in ds.coords and path in _NAMES]
     return add_scene_ids(ds.drop_vars(labels).assign_attrs(attributes))
-
-
-def open_inputs(ds: xr.Dataset) -> tuple[str, ...]:
-    """Paths of the unknown inputs that `at` can fix at a value; empty without samples."""
-    return whole_sweep(ds).variants.rule.movable
-
-
-def _drawn_value(ds: xr.Dataset, path: str, value: Any) -> float:
-    """Convert a value of the unknown input at `path` to SI.
-
-    `value` is a number in SI, or text with a unit. Raises an `InputError` if the value is outside
-    the range of the samples of `ds`.
-    """
-    draw = whole_sweep(ds).variants.draw
-    return float(extras.module("drawn").drawn_value(draw, path, value))
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
@@ -320,8 +263,6 @@ def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of a path is enough
         return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
     has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
-    if unknown := open_inputs(ds):
-        has = f"; its samples vary {', '.join(unknown)}"
     return (
         f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "
         f"with {path} = {value} into another store, or into the same one if it acts after the "

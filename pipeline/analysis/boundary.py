@@ -7,7 +7,6 @@ computed points.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -16,16 +15,16 @@ import xarray as xr
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.decisive import attributes_by
-from pipeline.analysis.field import Field, PointField, fields, places_of, point_field
+from pipeline.analysis.field import PointField, places_of, point_field
 from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import DECIDED, error_band
+from pipeline.analysis.margin import error_band
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.analysis.transition import ABOVE, BELOW, MILD, SEVERAL, SEVERE, Line, outcomes
 from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
-from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.surface import find_lubrication
 from tribo.types import Array
@@ -60,8 +59,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
 
         Attributes are the conditions, with units in ``units_of_attributes``; ``model_error``, the
         size of the model's own error and its basis; ``caveats``, limits of the answer;
-        ``missing_points``, the number of pending and failed points; and ``misfit``, why the tests
-        contradict the model, if they do.
+        and ``missing_points``, the number of pending and failed points.
 
         With several surfaces all variables except the error band have a first dimension
         ``realization``, and a variable is added (a similar one for ``critical_load``):
@@ -70,11 +68,6 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
           surfaces turn severe. A quantile among surfaces that are mild or severe at all velocities
           is NaN. The pin scuffs before the median velocity: the hottest patch under it scuffs
           first.
-
-        A sweep with samples of unknown inputs has only the error band and
-        ``critical_velocity_quantile``: the lowest velocities at which a further run is severe with
-        a probability of 5, 50 and 95 %. A velocity is 0 if the lowest velocity of the sweep already
-        exceeds the probability, and infinite if no velocity reaches it.
 
     Raises
     ------
@@ -99,14 +92,12 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     1.5
     """
     data = results(ds)
-    require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
-    answer = _samples_boundary if data.kind is Kind.SAMPLES else _plane_boundary
+    require_kind(data.kind, Kind.PLANE)
     axes = [data.rows[name] for name in data.entry_dims]
-    found = side_by_side([answer(scene) for scene in data.scenes], axes)
-    if data.kind is Kind.PLANE:
-        turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
-        most = max(int(one.sum("turn").max()) for one in turns)
-        found = found.isel(turn=slice(max(most, 1)))
+    found = side_by_side([_plane_boundary(scene) for scene in data.scenes], axes)
+    turns = [found[name].notnull() for name in found if "turn" in found[name].dims]
+    most = max(int(one.sum("turn").max()) for one in turns)
+    found = found.isel(turn=slice(max(most, 1)))
     return found.assign_attrs(missing_points=data.missing)
 
 
@@ -147,16 +138,9 @@ def axis_of(name: str, values: Array) -> xr.Variable:
     return xr.Variable(about.dims, values, attributes_of(about))
 
 
-def _condition_attributes(conditions: Conditions, sampled: Collection[str] = ()) -> dict[str, Any]:
-    """Conditions as attributes of a dataset, with units.
-
-    Conditions whose paths are in `sampled` are left out, since each sample has its own.
-    """
-    attributes = {
-        name: value
-        for name, value in attributes_by(conditions).items()
-        if FIELDS.get(name) not in sampled
-    }
+def _condition_attributes(conditions: Conditions) -> dict[str, Any]:
+    """Conditions as attributes of a dataset, with units."""
+    attributes = attributes_by(conditions)
     units = [f"{name}: {unit}" for name, unit in CONDITION_UNITS.items() if name in attributes]
     return attributes | {"units_of_attributes": ", ".join(units)}
 
@@ -212,13 +196,13 @@ _BEYOND = 3.0  # the band is sought up to this factor beyond the computed veloci
 _BESIDE = (1 - 1e-6, 1 + 1e-6)  # both sides of a point: the numerical error is smaller at it
 
 
-def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
+def _add_errors(boundaries: xr.Dataset, field: PointField) -> xr.Dataset:
     """Add the error band to `boundaries`, and return a copy with attributes on errors and caveats.
 
     The error band is the range of velocities [m/s] in which the verdict is not decided. The
     variables ``mild_below`` and ``severe_above`` have its lower and upper end at each load, found
     from `field`. They are added to `boundaries` itself, the attributes only to the copy:
-    ``model_error``, ``caveats``, and ``misfit`` if tests contradict the model.
+    ``model_error`` and ``caveats``.
     """
     data, loads = field.source, field.source.loads
     scatter, velocities = model_error(data, field), data.velocities
@@ -232,32 +216,8 @@ def _add_errors(boundaries: xr.Dataset, field: Field) -> xr.Dataset:
         ("severe_above", bands[:, 1], "above this velocity the next run is severe"),
     ):
         boundaries[name] = _variable("load", ends, "m/s", words)
-    misfit = {"misfit": field.misfit} if field.misfit else {}
     notes = join_notes(scene_caveats(data, field.conditions))
-    return boundaries.assign_attrs(model_error=scatter.text, caveats=notes, **misfit)
-
-
-def _samples_boundary(scene: Results) -> xr.Dataset:
-    """Velocities at which severe wear is 5, 50 and 95 % likely, by load, and the error band.
-
-    A velocity is 0 or infinite if the probability is not found within the sweep's velocities.
-    """
-    (field,) = fields(scene)
-    loads = scene.loads
-    low, high = (float(end) for end in field.ends["velocity"])
-    grid = np.geomspace(low, high, _STEPS)
-    scatter = model_error(scene, field)
-    rows = field.probability(loads[:, None], grid, scatter)
-    lines = [np.interp(DECIDED, np.maximum.accumulate(row), grid, 0.0, math.inf) for row in rows]
-    result = xr.Dataset(
-        coords={"load": axis_of("load", loads), "quantile": ("quantile", list(DECIDED))},
-        attrs=_condition_attributes(field.conditions, scene.sweep.variants.rule.unknown),
-    )
-    words = "velocity at which the next run is severe with a probability"
-    result["critical_velocity_quantile"] = _variable(
-        ["quantile", "load"], np.transpose(lines), "m/s", words
-    )
-    return _add_errors(result, field)
+    return boundaries.assign_attrs(model_error=scatter.text, caveats=notes)
 
 
 BAND = (0.1, 0.5, 0.9)

@@ -33,7 +33,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         sweep.declared.caveat,
         note_on_ends(sweep),
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
-        None if scene.kind is Kind.SAMPLES else exact,
+        exact,
         critical_in_words(critical, sd) if critical and sd else None,
         error_in_words(sweep) if critical else None,
     ]

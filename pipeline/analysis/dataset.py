@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline import extras
 from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.analysis.scene_id import identify, require_one_sweep
 from pipeline.scene.stored_text import parse_sweep
@@ -40,8 +39,6 @@ from tribo import InputError, Rule
 
 RULES: dict[str, Rule] = {}
 """The user's own criteria from `pipeline.at`, by the value of the attribute ``rule``."""
-GIVEN_MEASURED = "given_measured"
-"""Key in `judged_values` of the scatter of tests that weigh draws of the unknown inputs."""
 OIL = "oil"
 """Key in `judged_values` of the oil whose tests count."""
 
@@ -91,11 +88,8 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     rule = RULES.get(origin.rule)
     if rule and name_of(rule) == given.get("criterion"):
         given["criterion"] = rule
-    table = sweep.variants
-    if table.draw:
-        table = replace(table, draw=extras.module("drawn").fixed_at(table.draw, values))
     judged = {**sweep.judged, **changes_of(**given)}
-    return replace(sweep, judged=judged, oil=values.get(OIL), variants=table)
+    return replace(sweep, judged=judged, oil=values.get(OIL))
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
@@ -181,7 +175,7 @@ def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
 
     The digest includes choices of `pipeline.at` about oil and measured tests.
     """
-    choices = {k: v for k, v in judged_values(ds).items() if k in (GIVEN_MEASURED, OIL)}
+    choices = {k: v for k, v in judged_values(ds).items() if k == OIL}
     return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
 
 
@@ -268,7 +262,7 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     return [
         str(dim)
         for dim in dims
-        if dim not in COORDINATES or (dim == VARIANT and VARIANT not in drawn_dims(ds))
+        if dim not in COORDINATES or dim == VARIANT
     ]
 
 
@@ -277,14 +271,10 @@ class Kind(Enum):
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
-    SAMPLES = "rows drawn from distributions; an emulator answers"
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
     """Arrangement of a sweep's points: grid of loads and velocities, listed pairs, or samples."""
-    draw = scene_sweep(ds).variants.draw
-    if draw and (draw["unknown"] or draw["fixed"]):
-        return Kind.SAMPLES
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
 
 
@@ -297,8 +287,6 @@ def require_kind(kind: Kind, *kinds: Kind) -> None:
 _NO_PLANE = {
     Kind.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
     "them; irg margin and explore answer row by row",
-    Kind.SAMPLES: "the sweep has samples, so there is no plane of points; irg boundary, margin, "
-    "plot and explore answer from all samples",
 }
 
 
@@ -328,14 +316,9 @@ def ordered(ds: xr.Dataset) -> xr.Dataset:
         without_point = {"status": 0, "asked": 0, "warning_flags": 0, "own_grid": False}
         ds = ds.set_index(point=axes).unstack(POINT, fill_value=without_point)
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
-    axes = [*numbers, *(dim for dim in (*drawn_dims(ds), *PLANE, "cooler_share") if dim in ds.dims)]
+    axes = [*numbers, *(dim for dim in ("realization", *PLANE, "cooler_share") if dim in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
-
-
-def drawn_dims(ds: xr.Dataset | xr.DataArray) -> tuple[str, ...]:
-    """Names of random dimensions that a dataset may have: surfaces, and samples if it has any."""
-    return ("realization", VARIANT) if "sample" in ds.coords else ("realization",)
 
 
 def restore_step(ds: xr.Dataset, *names: str) -> xr.Dataset:

@@ -12,7 +12,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
-from pipeline.analysis.transition import CROSSES, MILD, SEVERE, outcomes
+from pipeline.analysis.transition import outcomes
 from pipeline.scene.written import differing_entries
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
@@ -72,7 +72,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     """
     first, second = results(a), results(b)
     for data in (first, second):
-        require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
+        require_kind(data.kind, Kind.PLANE)
         require_one_scene(data.entry_dims)
         data.require_lists(*PLANE)
     points, alike = _differing_points(first, second)
@@ -110,13 +110,8 @@ def _critical_velocities(data: Results) -> pd.DataFrame:
         velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
     else:
         velocity = boundaries["critical_velocity"].values
-    if "critical_velocity" in boundaries:
-        codes = boundaries["outcome_at_load"].transpose("load", ...).values
-        outcome = [", ".join(meanings[code] for code in np.unique(here)) for here in codes]
-    else:
-        beyond = np.where(velocity == 0, meanings[SEVERE], meanings[CROSSES])
-        outcome = np.where(np.isinf(velocity), meanings[MILD], beyond).tolist()
-        velocity = np.where(np.isfinite(velocity) & (velocity > 0), velocity, np.nan)
+    codes = boundaries["outcome_at_load"].transpose("load", ...).values
+    outcome = [", ".join(meanings[code] for code in np.unique(here)) for here in codes]
     loads = boundaries["load"].values
     return pd.DataFrame({"load": loads, "velocity": velocity, "outcome": outcome})
 

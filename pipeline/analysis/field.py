@@ -2,8 +2,7 @@
 
 The rise is that of the contact temperature which the criterion compares with the critical
 temperature, per unit friction coefficient. Its limit is (critical − bulk temperature)/friction
-coefficient. A field has a rise for each surface of a sweep, or for each weighted draw of unknown
-inputs. The field of computed points is here; that of draws is in `pipeline.uncertain`.
+coefficient. A field has a rise for each surface of a sweep.
 """
 
 from __future__ import annotations
@@ -12,14 +11,12 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline import extras
 from pipeline.analysis.curve import Curve, filled
-from pipeline.analysis.dataset import Kind
-from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RisePlane, counted_error, planes_of, rise_errors, totals
 from pipeline.analysis.transition import Line, Transitions, range_of
@@ -40,90 +37,11 @@ Places = Array | float
 """Loads [N] or velocities [m/s] of k operating points (k,), or a single one for all of them."""
 
 
-class Field(Protocol):
-    """Interface: contact temperature and wear at any load and velocity, on surfaces or for draws.
-
-    The temperature is the one that the criterion compares with the critical temperature. Methods
-    take k pairs of load [N] and velocity [m/s], as two arrays (k,) or as one value for all pairs.
-    Results have a value for each of m surfaces, or of m draws of unknown inputs (m,), or for each
-    of these at each pair (m, k).
-    """
-
-    @property
-    def weights(self) -> Array:
-        """Weight of each surface or draw (m,); the weights add up to 1."""
-
-    @property
-    def conditions(self) -> Conditions:
-        """Conditions under which wear is judged."""
-
-    @property
-    def source(self) -> Results:
-        """Results that the field is made from: of one scene, or one pair of load and velocity."""
-
-    @property
-    def ends(self) -> Mapping[str, tuple[float, float]]:
-        """Lowest and highest load [N] and velocity [m/s] of the sweep, by axis."""
-
-    @property
-    def counts_inputs(self) -> bool:
-        """True if the field is made of draws of unknown inputs; False if of surfaces."""
-
-    @property
-    def at_once(self) -> int:
-        """Number of pairs of load and velocity that memory allows in one call."""
-
-    @property
-    def misfit(self) -> str:
-        """Why the tests contradict the model; empty if they do not."""
-
-    @property
-    def basis(self) -> Sequence[str]:
-        """Lines of text on the unknown inputs and tests behind the answers; empty if none."""
-
-    def judged_by(self, own: Mapping[str, float]) -> Field:
-        """Return the field with conditions of one operating point in place of the scene's.
-
-        `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
-        """
-
-    def temperatures(self, loads: Places, velocities: Places) -> Here:
-        """Contact temperatures [K] at k pairs of load and velocity, and whether wear is severe.
-
-        `Here.values`, the temperatures, have the shape (m, k), for each of m surfaces or draws.
-        """
-
-    def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k pairs of load and velocity (4, k).
-
-        The first axis has four causes: interpolation between computed points, the preset of
-        numerical settings, faults that the simulation warned of, and corrections added after it for
-        oil film and temperature-dependent friction. The errors are those of the surface or draw
-        with the largest error. An unknown error is NaN.
-        """
-
-    def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:
-        """Whether and where wear turns severe along `axis`, through each of k operating points.
-
-        `axis` is "load" or "velocity". The other one is held at its value at the point.
-        """
-
-    def probability(
-        self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
-    ) -> Array:
-        """Probability (k,) that wear is severe in a further laboratory run at k operating points.
-
-        `scatter` is the distribution of the model's own error. `shift` is added to ln(rise): one
-        value, a value for each pair of load and velocity (k,), or n alternatives (n, k), for each
-        of which the result (n, k) has a row.
-        """
-
-
 class Here(NamedTuple):
     """Contact temperatures at k pairs of load and velocity, and whether wear is severe there.
 
     The temperature is the one that the criterion compares with the critical temperature. Each of m
-    surfaces, or of m draws of unknown inputs, has its own.
+    surfaces has its own.
     """
 
     values: Array  # contact temperatures [K] (m, k); NaN if unknown
@@ -143,8 +61,7 @@ class Here(NamedTuple):
 class PointField:
     """Temperature rise and wear at any load and velocity, interpolated between computed points.
 
-    The points were computed for one variant of a sweep: one value of each varied entry. The methods
-    are those of `Field`.
+    The points were computed for one variant of a sweep: one value of each varied entry.
     """
 
     planes: tuple[RisePlane, ...]  # one for each surface, without the effect of V on friction
@@ -153,9 +70,6 @@ class PointField:
     ends: Mapping[str, tuple[float, float]]  # range of loads [N] and velocities [m/s] of the sweep
     source: Results  # results that the rises are from
     from_rest: bool = False  # True if the sweep also has velocity 0
-    misfit: str = ""
-    basis: Sequence[str] = ()
-    counts_inputs = False
 
     @property
     def at_once(self) -> int:
@@ -351,7 +265,7 @@ class PointField:
         return self.lines(axis, *places_of(loads, velocities)).transitions
 
     def probability(
-        self, loads: Places, velocities: Places, scatter: Scatter, shift: Array | float = 0.0
+        self, loads: Places, velocities: Places, scatter: ModelError, shift: Array | float = 0.0
     ) -> Array:
         """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
@@ -468,14 +382,6 @@ def continued_rises(velocities: Array, rises: Array, factor: Any) -> Curve:
     places[..., 1:] = np.where(places[..., 1:] == places[..., :-1], np.nan, places[..., 1:])
     places = np.sort(places, axis=-1)
     return Curve(places, heat(places, continued=True) * factor(places))
-
-
-def fields(data: Results) -> list[Field]:
-    """Make a `Field` for each variant of a sweep: each combination of values of varied entries."""
-    if data.kind is Kind.SAMPLES:
-        made: list[Field] = extras.module("fields").fields(data)
-        return made
-    return [point_field(scene) for scene in data.scenes]
 
 
 def point_field(whole: Results, conditions: Conditions | None = None) -> PointField:

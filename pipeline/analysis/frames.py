@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -27,7 +26,6 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
     velocity. It is always "load" for samples of unknown inputs, which have no critical loads.
     """
-    axis = axis if "critical_velocity" in boundaries else "load"
     name = "critical_velocity" if axis == "load" else "critical_load"
     columns = _band if f"{name}_quantile" in boundaries else _surface
     values = dict(columns(boundaries, name, axis))
@@ -77,11 +75,6 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, x
     """
     other, surfaces = name.removeprefix("critical_"), "realization"
     unit, band = UNITS[other], boundaries[f"{name}_quantile"]
-    if surfaces not in boundaries.dims:
-        for place, share in enumerate(band["quantile"].values.tolist()):
-            line = band.isel(quantile=place, drop=True)
-            yield f"velocity, {100 * share:g} % quantile [{unit}]", line.where(line > 0, -np.inf)
-        return
     heads = [f"{100 * share:g} %" for share in band["quantile"].values]
     heads[1] = f"critical {other}, median"
     for place in (1, 0, 2):

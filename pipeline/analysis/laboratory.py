@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import Field, Here, PointField, places_of, point_field, quantile
+from pipeline.analysis.field import Here, PointField, places_of, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
-from pipeline.analysis.model_error import AGREED, USUAL, ModelError, Scatter
+from pipeline.analysis.model_error import AGREED, USUAL, ModelError
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import totals
 from pipeline.analysis.scenes import heads_of
@@ -80,20 +80,10 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
     return replace(judged, friction=scene.friction, **bulks).replace_friction(test.friction)
 
 
-def model_error(data: Results, field: Field) -> Scatter:
-    """Distribution of the model's own error in ln(critical velocity), from tests and a prior.
-
-    If tests weigh draws of the unknown inputs, it is the distribution inferred with the weights.
-    For other draws it is the prior.
-    """
-    scatter: Scatter | None = getattr(field, "scatter", None)  # samples have inferred it
+def model_error(data: Results, field: PointField) -> ModelError:
+    """Distribution of the model's own error in ln(critical velocity), from tests and a prior."""
     require_one_oil(data.sweep)
-    if scatter is not None:
-        return scatter
     plain, tests = untested_error(data.sweep), laboratory_tests(data)
-    if not isinstance(field, PointField):
-        reason = "the scene's tests count with --given-measured"
-        return replace(plain, reason=reason) if tests else plain
     found = [(test, one) for test in tests if (one := _known_comparison(data, field, test))]
     return replace(_update_error(plain, found), reason=AGREED if found else plain.reason)
 

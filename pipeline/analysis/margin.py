@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.caveats import scene_caveats
-from pipeline.analysis.field import Field, Here, quantile
-from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.field import Here, PointField, quantile
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import RiseError, totals
 from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
@@ -74,12 +74,10 @@ class Margin:
     is_computed: bool  #: True if the sweep has computed this point, so nothing is interpolated.
     is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
     members: int  #: Number of surfaces, or of draws of unknown inputs.
-    counts_inputs: bool  #: True if `members` counts draws of unknown inputs, not surfaces.
     #: 5 and 95 % quantiles over surfaces or draws, by attribute such as ``distance``; empty for a
     #: single surface. A critical value is 0 where wear is severe throughout, infinite where mild.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or near the operating point, in words.
-    misfit: str = ""  #: Why the tests contradict the model, so that nothing is decided; or empty.
     caveats: tuple[str, ...] = ()  #: Limits of the verdict, one line each.
     #: Values of entries that vary in the sweep, by path [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
@@ -87,7 +85,7 @@ class Margin:
     @property
     def verdict(self) -> str:
         """Verdict on a further laboratory run: ``"mild"``, ``"severe"`` or ``"not decided"``."""
-        return NOT_DECIDED if self.misfit else verdict_between(self.lowest, self.highest)
+        return verdict_between(self.lowest, self.highest)
 
     @property
     def temperature_error(self) -> float | None:
@@ -109,9 +107,8 @@ class Margin:
         """What would decide an undecided verdict, such as "a test at this point"; else None."""
         if self.verdict != NOT_DECIDED:
             return None
-        if self.misfit or verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
-            inputs = "better known inputs, such as the critical temperature, or "
-            return f"{inputs * self.counts_inputs}a test at this point"
+        if verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
+            return "a test at this point"
         measured = f"its numerical error, which {MEASURES} measures"
         parts = {
             "more points near it": self.error.interpolation,
@@ -161,7 +158,7 @@ def percent(probability: float) -> str:
 
 
 def answers(
-    field: Field, loads: Array, velocities: Array, scatter: Scatter, tested: Sequence[Sequence[str]]
+    field: PointField, loads: Array, velocities: Array, scatter: ModelError, tested: Sequence[Sequence[str]]
 ) -> list[Margin | str]:
     """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown.
 
@@ -178,9 +175,7 @@ def answers(
     shared: dict[str, Any] = {
         "model_error": scatter.text,
         "members": len(field.weights),
-        "counts_inputs": field.counts_inputs,
         "critical_sd": field.conditions.critical_sd,
-        "misfit": field.misfit,
         "entries": {path: field.source.rows[path].item() for path, _ in field.source.name},
     }
     rows = zip(*columns.values(), strict=True)
@@ -189,7 +184,7 @@ def answers(
 
 
 def _margin_columns(
-    field: Field, loads: Array, velocities: Array, scatter: Scatter, here: Here, is_known: Mask
+    field: PointField, loads: Array, velocities: Array, scatter: ModelError, here: Here, is_known: Mask
 ) -> dict[str, Sequence[Any]]:
     """Attributes of `Margin` by name, each with k values, for the points where `is_known` is True.
 
@@ -230,7 +225,7 @@ def _margin_columns(
 
 
 def probabilities(
-    field: Field, loads: Array, velocities: Array, scatter: Scatter, errors: Array
+    field: PointField, loads: Array, velocities: Array, scatter: ModelError, errors: Array
 ) -> tuple[Array, Array, Array]:
     """Probabilities of severe wear (k,): lowest, as computed, and highest within numerical error.
 
@@ -246,7 +241,7 @@ def probabilities(
 
 
 def verdict_plane(
-    field: Field, loads: Array, velocities: Array, scatter: Scatter
+    field: PointField, loads: Array, velocities: Array, scatter: ModelError
 ) -> tuple[Array, Array]:
     """Lowest and highest probability that a further run is severe, two arrays (load, velocity).
 
@@ -261,10 +256,10 @@ def verdict_plane(
         lowest, _, highest = probabilities(field, at_load, at_velocity, scatter, errors)
         rows.append(np.reshape([lowest, highest], (2, *grid[0].shape)))
     lowest, highest = np.concatenate(rows, axis=1)
-    return (0 * lowest, 0 * highest + 1) if field.misfit else (lowest, highest)
+    return lowest, highest
 
 
-def error_band(field: Field, loads: Array, velocities: Array, scatter: Scatter) -> Array:
+def error_band(field: PointField, loads: Array, velocities: Array, scatter: ModelError) -> Array:
     """Lower and upper end [m/s] of the velocities at which the verdict is not decided (k, 2).
 
     Below the lower end the verdict is mild, and above the upper end it is severe, at each of k

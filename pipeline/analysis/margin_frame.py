@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.dataset import Kind, require_kind
-from pipeline.analysis.field import Field, fields
+from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answers, clipped
-from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import frame_of
@@ -109,7 +109,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
 class Judged(NamedTuple):
     """An operating point in one scene, with its `Margin` or the reason why that is unknown."""
 
-    field: Field  # field under the conditions of the operating point
+    field: PointField  # field under the conditions of the operating point
     place: Place
     own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
@@ -130,8 +130,8 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     are not a single pair, as in a sweep with a grid of loads and velocities.
     """
     if points is not None:
-        require_kind(data.kind, Kind.PLANE, Kind.SAMPLES)
-    for field in fields(data):
+        require_kind(data.kind, Kind.PLANE)
+    for field in map(point_field, data.scenes):
         scatter = model_error(field.source, field)
         place = field.source.place
         if points is None and place is None:
@@ -146,7 +146,7 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
 
 
 def _judged_points(
-    field: Field, points: Sequence[tuple[Place, Mapping[str, float]]], scatter: Scatter
+    field: PointField, points: Sequence[tuple[Place, Mapping[str, float]]], scatter: ModelError
 ) -> list[Judged]:
     """Judge operating points of one scene: whether wear is severe there, and how far from it.
 

@@ -17,7 +17,6 @@ import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from scipy.special import stdtr
@@ -29,25 +28,6 @@ USUAL = 0.10
 AGREED = "no test contradicts it"
 """Reason for the prior if all tests that can be compared are right."""
 WORTH = 4  # the prior weighs as much as this number of tests
-
-
-class Scatter(Protocol):
-    """Interface: distribution of how far a further laboratory run deviates from the model.
-
-    The deviation is ln(critical velocity of the model / critical velocity of that run). It is
-    positive if wear is severer than in the model.
-    """
-
-    @property
-    def text(self) -> str:
-        """Size and basis of the scatter, in words."""
-
-    def below(self, distances: Array) -> Array:
-        """Probability that a further run's deviation from the model is below each of `distances`.
-
-        A deviation is in ln(velocity), and positive if wear is severer than in the model: a run at
-        velocity V is like the model at V·exp(deviation).
-        """
 
 
 @dataclass(frozen=True, slots=True)

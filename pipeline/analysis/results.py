@@ -20,7 +20,6 @@ from pipeline.analysis.dataset import (
     Kind,
     Origin,
     dataset_of,
-    drawn_dims,
     entry_dims,
     judged_sweep,
     judged_values,
@@ -93,14 +92,13 @@ class Results:
     columns: Mapping[str, Array] = field(repr=False)
     shares: Array = field(repr=False)
     rest: xr.Dataset = field(repr=False)
-    keeper: Any = field(repr=False)  # access to the store's messages and kept fits; or None
+    store: str | None = field(repr=False)  # address of the store, which has the messages
     origin: Origin = field(repr=False)
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
         """Names of dimensions of varied entries, or of table rows, not of surfaces or samples."""
-        drawn = drawn_dims(self.rows)
-        return tuple(name for name in self.front if name not in drawn)
+        return tuple(name for name in self.front if name != "realization")
 
     @property
     def judged_dims(self) -> list[str]:
@@ -261,8 +259,6 @@ class Results:
 
     def point(self, load: int, velocity: int) -> Point:
         """Point at the indices `load` and `velocity`, of results of one scene on one surface."""
-        if self.kind is Kind.SAMPLES:
-            return Point(float(self.loads[load]), float(self.rows["velocity"]))
         return Point(float(self.loads[load]), float(self.velocities[velocity]), self.surface)
 
     @functools.cached_property
@@ -274,9 +270,9 @@ class Results:
         if "message" in self.columns:
             return self.columns["message"]
         found = np.full(self.columns["status"].shape, "", object)
-        if self.keeper is None:
+        if self.store is None:
             return found
-        stored = open_store(str(self.keeper.place))["message"].load()
+        stored = open_store(self.store)["message"].load()
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
         with suppress(KeyError):  # if the dataset has places that the store lacks
             texts = stored.sel({name: axes[name] for name in stored.dims if name in axes})
@@ -408,13 +404,13 @@ def results(ds: ResultsLike) -> Results:
     if "rise_quantile" in ds and "cooler_share" not in ds.indexes:
         raise InputError("the dataset has no axis cooler_share; keep it, with all of its values")
     kind, status = sweep_kind(ds), ds["status"]
-    front = (*entry_dims(ds), *(name for name in drawn_dims(ds) if name in status.dims))
+    front = (*entry_dims(ds), *(name for name in ("realization",) if name in status.dims))
     # In the order of the dataset, so that labels keep their order.
     labels = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
     rows = dict.fromkeys((*labels, *front))
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
     sizes = {name: status.sizes[name] for name in front} | plane
-    wanted = STEPPED if kind is Kind.SAMPLES else {*_RISES, *NEEDED}
+    wanted = {*_RISES, *NEEDED}
     names = [*_MARKS, *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted)))]
     columns = {}
     for name in names:
@@ -435,6 +431,6 @@ def results(ds: ResultsLike) -> Results:
         columns=columns,
         shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
         rest=ds.drop_vars([name for name in names if name in ds.data_vars]),
-        keeper=status.encoding.get("keeper"),
+        store=status.encoding.get("store"),
         origin=Origin.of(ds),
     )

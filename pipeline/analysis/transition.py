@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.analysis.curve import Curve
-from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results
 from pipeline.quantities import UNITS
 from tribo import Criterion
@@ -177,7 +177,7 @@ class Line:
         alone = self.places[0] if len(self.places) == 1 else np.empty((0, 0))
         return Transitions(self.outcome, self.first, ends, alone)
 
-    def severe_chance(self, velocities: Array, scatter: Scatter) -> Array:
+    def severe_chance(self, velocities: Array, scatter: ModelError) -> Array:
         """Probability that a run is severe at each of `velocities` [m/s].
 
         The result has the shape of `Line.outcome`, to which the velocities are broadcast. A run at

@@ -63,19 +63,18 @@ def next_run_line(boundary: xr.Dataset) -> str:
 def margin_lines(here: Margin) -> Iterator[str]:
     """Yield lines on an operating point: verdict, then temperatures, errors and factors."""
     yield here.sentence
-    several = "inputs" if here.counts_inputs else "surfaces"
     origin = "interpolated between computed points"
     if here.is_computed:
         origin = "computed there"
     elif here.is_continued:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
     elif here.members > 1:
-        origin = f"that of {here.members} {'samples' if here.counts_inputs else 'surfaces'}"
+        origin = f"that of {here.members} surfaces"
     yield f"  temperature         {display(here.decisive_temperature, '°C', 4)}, {origin}"
     yield f"  numerical error     {here.error.text}"
     if interval := here.intervals.get("decisive_temperature"):
         low, high = (shown_in(value, "°C") for value in interval)
-        yield f"  {several:18}  {low:.4g} to {high:.4g} °C (90 %)"
+        yield f"  surfaces            {low:.4g} to {high:.4g} °C (90 %)"
     yield f"  model's own error   {here.model_error}"
     for axis in ("velocity", "load"):
         value, outcome = getattr(here, f"critical_{axis}"), getattr(here, f"{axis}_outcome")
@@ -85,4 +84,4 @@ def margin_lines(here: Margin) -> Iterator[str]:
         yield f"  critical {axis:9}  {said}"
     if here.decided_by:
         yield f"  would decide it     {here.decided_by}"
-    yield from remarks("warning", here.misfit, PASSED if PASSED in here.caveats else "")
+    yield from remarks("warning", PASSED if PASSED in here.caveats else "")

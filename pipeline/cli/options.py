@@ -181,8 +181,8 @@ REALIZATION = value(
 )  # fmt: skip
 AT = several(
     "--at KEY=VALUE",
-    'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", of an unknown input '
-    'of samples, or of a condition, like "temperature.critical=150 degC"',
+    'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", '
+    'or of a condition, like "temperature.critical=150 degC"',
     partial(values.pair, like='"pin.radius=2 mm"'),
 )  # fmt: skip
 
@@ -214,15 +214,22 @@ OVER = several(
     "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
     "the scene", values.settings,
 )  # fmt: skip
-SCATTER = value(
-    "--scatter SHARE", "relative standard deviation of measured velocities, where the scene gives "
-    "none; default: 5%%", values.share,
-)  # fmt: skip
-GIVEN_MEASURED = flag("--given-measured", "weigh the inputs of samples by the scene's tests")
 OIL = value("--oil NAME", "oil whose tests count, by its name in them")
-WEIGHED = (GIVEN_MEASURED, SCATTER, OIL)
+WEIGHED = (OIL,)
 JUDGED = (AT, CONDITIONS)
 
+OF_INFER = (
+    *OF_SCENE, CRITERION, *KEPT,
+    quantity(
+        "--contact-width", "W", "348 um",
+        "width measured at --load and --velocity, to find the specific wear rate instead",
+    ),
+    quantity(
+        "--duration", "T", "8 s",
+        "time of sliding until the width was measured, ramp included; default: the scene's",
+    ),
+    BULK, TABLE, *PLACE, REALIZATION,
+)  # fmt: skip
 OF_BOUNDARY = (
     Option(
         "--by", default="load", choices=("load", "velocity", "test"),

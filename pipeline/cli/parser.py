@@ -76,6 +76,11 @@ COMMANDS = (
         "scene.toml -o trade.png", (*o.OF_SCENE, o.FIGURE_OR_TABLE),
     ),
     Command(
+        "infer", "infer:infer",
+        "find the critical temperature from tests, or a wear rate from a contact width",
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
+    ),
+    Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (o.STORE, *o.OF_PLOT, *o.WEIGHED, *o.JUDGED, *o.PLACE, o.REALIZATION),

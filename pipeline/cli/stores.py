@@ -8,7 +8,6 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
-from pipeline.analysis.at import open_inputs
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
@@ -110,7 +109,7 @@ def verify(options: argparse.Namespace) -> Result:
 def diff(options: argparse.Namespace) -> Result:
     """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
     held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
-    own = [{*entry_dims(ds), *open_inputs(ds), *PATHS.values()} for ds in held]
+    own = [{*entry_dims(ds), *PATHS.values()} for ds in held]
     stores = [dataset_in(options, ds, b - a) for ds, a, b in zip(held, own, own[::-1], strict=True)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline import extras
 from pipeline.analysis.dataset import Kind, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
@@ -48,8 +47,6 @@ def run(options: argparse.Namespace) -> Result:
     with elsewhere or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     judged = pipeline.at(out)
-    if sweep_kind(judged) is Kind.SAMPLES:
-        extras.module("fields").keep_fits(judged)
     stored = scene_sweep(judged)
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
@@ -86,13 +83,9 @@ def check(options: argparse.Namespace) -> Result:
             f"the scene needs {needed}, and this machine has {display(machine, 'GB', '.0f')}; give "
             "fewer window.pixels, or a coarser fidelity"
         )
-    on_unknown = list[_Row]()
-    for extra in extras.modules("drawn") if sweep.variants.draw else ():
-        on_unknown += extra.describe_samples(sweep.variants.draw, len(sweep.variants.axes[VARIANT]))
     rows = [
         *_meaning_rows(sweep, facts, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *on_unknown,
         *((one.grade, one.text) for one in (*sweep.notes, *doubts(sweep, facts))),
         *_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers)),
     ]
@@ -177,7 +170,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counted(len(sweep.plane.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
-    names = {"realization": "surfaces", VARIANT: "samples" if sweep.variants.draw else "rows"}
+    names = {"realization": "surfaces", VARIANT: "rows"}
     if sweep.variants.labels("load"):
         counts, names[VARIANT] = [], "rows, each at its own load and velocity"
     for name, values in sweep.variants.axes.items():

@@ -11,7 +11,6 @@ import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Kind, require_kind
-from pipeline.analysis.field import fields
 from pipeline.analysis.frames import JUDGED, boundary_frame
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
@@ -44,9 +43,7 @@ def margin(options: argparse.Namespace) -> Result:
         lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
         lines += [*(points.remarks if points else []), *notes_of(table, caveats)]
         lines += [words.model_error_line(one.model_error for one in known)] if known else []
-        lines += remarks("warning", *dict.fromkeys(one.misfit for one in known))
-    rests_on = dict.fromkeys(line for one in found for line in one.field.basis)
-    lines += [*rests_on, *words.missing_lines(data.missing)]
+    lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=[table])
 
 
@@ -71,7 +68,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     data = pipeline.results(dataset_in(options))
-    require_kind(data.kind, Kind.PLANE, *[Kind.SAMPLES] * (options.by == "load"))  # no other rows
+    require_kind(data.kind, Kind.PLANE)
     tests = compared(data)
     if options.by == "test":
         if tests is None:
@@ -88,8 +85,6 @@ def boundary(options: argparse.Namespace) -> Result:
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
     rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
-    if data.kind is Kind.SAMPLES:
-        rests += dict.fromkeys(line for field in fields(data) for line in field.basis)
-    rule = judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
+    rule = judged_by(one.conditions for one in data.scenes)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])

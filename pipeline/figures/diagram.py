@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from pipeline import extras
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
@@ -47,18 +46,13 @@ _MANY = 1500  # points from which marks are small
 
 @style.house_style
 def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
-    """Draw the transition diagram; for samples of unknown inputs, the probability of severe wear.
+    """Draw the transition diagram.
 
     The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
     the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`, the
     seed of a surface, chooses a single one. Of several scenes only the boundaries are drawn, each a
     median in its own colour. `log` makes both axes logarithmic, without velocity 0.
     """
-    if data.kind is Kind.SAMPLES:
-        if realization is not None:
-            raise InputError("the diagram of samples shows a probability; leave out realization")
-        drawn: Figure = extras.module("figures").draw_probability(data, log)
-        return drawn
     data = data.take_surface(realization)
     require_kind(data.kind, Kind.PLANE)
     if log:

@@ -19,7 +19,7 @@ from pipeline.analysis.laboratory import (
     own_conditions,
 )
 from pipeline.analysis.margin import DECIDED
-from pipeline.analysis.model_error import Scatter
+from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_test, number_tests
@@ -75,7 +75,7 @@ def measured_over_computed(data: Results) -> Figure:
     return figure
 
 
-def _draw_band(axes: Axes, line: np.ndarray, scatter: Scatter | None) -> None:
+def _draw_band(axes: Axes, line: np.ndarray, scatter: ModelError | None) -> None:
     """Draw the line measured = computed, and around it the band of the model's own error.
 
     In this band a new test is severe with a probability from 5 to 95 %. `line` has the velocities

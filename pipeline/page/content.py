@@ -15,12 +15,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline import extras
 from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import (
     laboratory_tests,
-    model_error,
     own_conditions,
     require_one_oil,
     untested_error,
@@ -32,7 +30,7 @@ from pipeline.analysis.rise_error import totals
 from pipeline.analysis.transition import Outcome, outcomes, range_of
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import controls
-from pipeline.page.pictures import FIELDS, coloured, packed_fields
+from pipeline.page.pictures import FIELDS, packed_fields
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
@@ -186,36 +184,6 @@ def _point_states(data: Results) -> dict[str, Any]:
     }
 
 
-_LOADS, _VELOCITIES = 45, 121  # nodes of the plane on a page of samples
-
-
-def content_of_samples(data: Results) -> dict[str, Any]:
-    """Data of a page for samples of unknown inputs, as JSON values by name.
-
-    The data include the probability of severe wear on a grid of loads and velocities.
-    """
-    samples = extras.module("fields")
-    field = samples.single_field(data)
-    ensemble, scatter = field.ensemble, model_error(data, field)
-    loads = np.linspace(ensemble.loads[0], ensemble.loads[-1], _LOADS)
-    loads = loads if len(ensemble.loads) > 1 else ensemble.loads
-    slowest, fastest = ensemble.velocities
-    velocities = np.linspace(slowest, fastest, _VELOCITIES)
-    plane = field.probability(loads[:, None], velocities, scatter)
-    return {
-        "name": data.sweep.name,
-        "measured": [_test_facts(test) for test in laboratory_tests(data)],
-        "outside": _range_hint(loads, velocities),
-        "misfit": [("wear", field.misfit)] if field.misfit else [],
-        "loads": loads.tolist(),
-        "velocities": velocities.tolist(),
-        "probability": packed_array([plane], "<f4"),
-        "picture": coloured(plane[::-1]),
-        "shares": list(DECIDED),
-        "fields": {"points": {}},
-    }
-
-
 def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
     """Failing shares for which the page has rises, ascending; others are interpolated.
 
@@ -345,7 +313,6 @@ def _model_facts(data: Results) -> dict[str, Any]:
     - ``model``: distribution of the model's own error, Student's t, as a table over its distances.
       It depends on the number of measured transitions that can be compared with the model, which
       the page counts under the conditions that the reader sets. So each number has a table.
-    - ``misfit``: why the tests contradict the model; empty if they do not.
     - ``decided``: two probabilities of severe wear: up to the first a verdict is mild, from the
       second on severe.
     """
@@ -364,7 +331,6 @@ def _model_facts(data: Results) -> dict[str, Any]:
             "words": [own[0].text, *words[1:]],
             "agreed": replace(own[0], reason=AGREED).text,
         },
-        "misfit": point_field(data).misfit,
         "decided": [DECIDED[0], DECIDED[-1]],
     }
 

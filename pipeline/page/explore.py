@@ -16,15 +16,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.results import Results, results
-from pipeline.analysis.tables import html_of, short, writable_path, write_text
+from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.overlays import MILD, SEVERE
-from pipeline.page.content import MOST_FIELDS, content, content_of_samples
+from pipeline.page.content import MOST_FIELDS, content
 from pipeline.page.controls import Control, scene_choice, surface_choice
-from pipeline.page.pictures import risk_scale
 from pipeline.page.sections import sections
 from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import PathLike
@@ -36,7 +33,7 @@ _SCRIPTS = (
     "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
     "points", "diagram", "tables",
 )  # fmt: skip
-_OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.SAMPLES: ("samples",), Kind.PLACES: ()}
+_OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.PLACES: ()}
 """Scripts for each kind of sweep, after the common scripts."""
 
 
@@ -187,20 +184,6 @@ def _plane(scene: Results, most_fields: int) -> _Main:
     return _Main(_filled("plane.html", values), held)
 
 
-def _samples(scene: Results, _most_fields: int) -> _Main:
-    """Main part of the page for samples of unknown inputs: the probability of severe wear.
-
-    It has a diagram and a table.
-    """
-    table = boundary_frame(boundary(scene))
-    values = {
-        "operating": _text("operating.html"),
-        "table": html_of(short(table, ["notes"])),
-        "scale": risk_scale(),
-    }
-    return _Main(_filled("samples.html", values), content_of_samples(scene))
-
-
 def _places(_scene: Results, _most_fields: int) -> _Main:
     """Empty main part of the page, for a scene that lists pairs of load and velocity.
 
@@ -209,7 +192,7 @@ def _places(_scene: Results, _most_fields: int) -> _Main:
     return _Main("", {"fields": {"points": {}}})
 
 
-_MAIN = {Kind.PLANE: _plane, Kind.SAMPLES: _samples, Kind.PLACES: _places}
+_MAIN = {Kind.PLANE: _plane, Kind.PLACES: _places}
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:

@@ -12,7 +12,6 @@ import pandas as pd
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Kind
-from pipeline.analysis.field import fields
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
@@ -79,14 +78,12 @@ def _html(part: str | pd.DataFrame) -> str:
 
 def _answer(data: Results) -> Iterator[str]:
     """Yield sentences on the criterion of severe wear and a further run, then warnings."""
-    yield judged_by((one.conditions for one in data.scenes), data.sweep.variants.rule.unknown)
+    yield judged_by(one.conditions for one in data.scenes)
     if data.kind is Kind.PLACES:
         yield counts_in_words(margin(data))
     else:
         yield next_run_line(found := boundary(data))
         yield from boundary_lines(found)
-    for field in fields(data):
-        yield from filter(None, (field.misfit, *field.basis))
     yield from warned(data).lines()
 
 

@@ -215,11 +215,6 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     `rows` are the rows of the scene's table ``sweep.along``, each as entries by path. Raises an
     `InputError` if a row is faulty, there are too many rows, or the sweep has samples, too.
     """
-    if entry_at(sweep.plane, "samples"):
-        raise InputError(
-            "sweep.along: its rows have their own loads and velocities, as samples have; leave out "
-            "sweep.along or sweep.samples"
-        )
     if len(rows) > MOST_SCENES:
         raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)

@@ -306,4 +306,4 @@ class ByPath(Kind):
 
     def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         """Pairs (path, value), also if a path is written as nested tables."""
-        return flat(value, "", self.of.leaf_keys)
+        return flat(value)

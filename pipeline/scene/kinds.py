@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -45,11 +44,6 @@ class Kind(ABC):
     words: ClassVar[str] = ""
     holds: ClassVar[type | tuple[type, ...]] = ()
     """Types of values by which this kind is chosen among several kinds."""
-
-    @property
-    def leaf_keys(self) -> Collection[str]:
-        """Keys by which a table is recognised as one value instead of nested entries."""
-        return ()
 
     def __str__(self) -> str:
         return self.words

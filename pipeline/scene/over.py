@@ -25,7 +25,7 @@ from tribo import InputError
 
 _LIKE = {"oil": "oil.like"}
 """Entry of a table that may be given by a name of the library."""
-_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested", "unknown")
+_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested")
 """Entries and tables that cannot take several values."""
 
 

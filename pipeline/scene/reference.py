@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import tribo
 from pipeline.paths import reason_of, user_path
-from pipeline.scene.declare import ByPath, Either, Entry, List, Range, Table, Tables, table_of
+from pipeline.scene.declare import Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import SceneFile
@@ -249,10 +249,6 @@ def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
             mark, value = "#", example(entry, default)
             if key in (values or {}):
                 mark, value = "", values[key]
-            elif isinstance(entry.kind, ByPath) and entry.kind.of.leaf_keys:
-                # Show a single entry of the table, since all of them would be long.
-                ((inner, value),) = value.items()
-                key = f"{key}.{inner}"
             yield _entry(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
 
 

@@ -47,12 +47,8 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     old, new = stored.variants, sweep.variants
     if [*old.axes] != [*new.axes]:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
-        by = "by sweep.over, realizations or samples"
+        by = "by sweep.over or realizations"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
-        return
-    if old.rule.rows != new.rule.rows:
-        reasons = [_differs(*one) for one in differing_entries(stored, sweep)]
-        yield from reasons or ["sweep.samples are drawn by another rule than in the store"]
         return
     yield from _different_scenes(stored, sweep)
     labels = {column.name: values for column, values in old.coordinates.items()}

@@ -10,7 +10,6 @@ from typing import Any
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, VELOCITY, Stages, Test
-from pipeline.sweep.tables import entry_at
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
@@ -69,8 +68,6 @@ def tested_holds(scene: Any) -> tuple[float, ...]:
     `scene` is a `SceneFile`: the tables of a scene file as objects. The result is empty if
     ``sweep.samples`` is not set.
     """
-    if not entry_at(scene, "sweep.samples"):
-        return ()
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
 
 

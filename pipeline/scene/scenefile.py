@@ -162,7 +162,6 @@ def run_point(
     load: float | str,
     velocity: float | str,
     realization: int | None = None,
-    sample: int | None = None,
     progress: Report | None = None,
 ) -> plan.PointResult:
     """Simulate one point.
@@ -179,8 +178,6 @@ def run_point(
     realization : int, optional
         Seed of one of the scene's several random surfaces, ``sweep.realizations``; by default the
         seed of the scene itself.
-    sample : int, optional
-        Number of one of the scene's samples, whose inputs replace the sweep's own.
     progress : callable, optional
         Called with a `Progress` after each of the point's steps.
 
@@ -200,7 +197,6 @@ def run_point(
     (False, '158 °C')
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    named = {"realization": realization, "variant": sample}
-    variant = tuple((name, value) for name, value in named.items() if value is not None)
+    variant = () if realization is None else (("realization", realization),)
     points = (Point(*place, variant),)
     return plan.run_points(sweep_of(sweep), points, progress=progress or silent)[0]

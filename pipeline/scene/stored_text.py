@@ -41,7 +41,6 @@ def sweep_text(sweep: Sweep) -> str:
         "sources": sweep.sources,
         "selection": selection and asdict(replace(selection, choices=())),
         "stations": sweep.stations and asdict(sweep.stations),
-        "samples": table.draw,
         "chosen": None if sweep.chosen is None else True,
     }
     return json.dumps({key: one for key, one in text.items() if one}, ensure_ascii=False)
@@ -95,7 +94,7 @@ def _variants(text: Any) -> Variants:
     values = text.get("rows") or [{}] * len(several)
     pairs = zip(several, values, strict=True)
     rows = (Row(dict(zip(labels, own, strict=True)), one) for own, one in pairs)
-    return Variants(columns, tuple(rows), text.get("samples"))
+    return Variants(columns, tuple(rows))
 
 
 def _selection(text: Any) -> Selection | None:

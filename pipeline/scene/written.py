@@ -54,8 +54,7 @@ def keep_written(tables: Any, written: Any) -> Any:
     """
     match tables, written:
         case dict(), dict():
-            full = {key: keep_written(value, written.get(key)) for key, value in tables.items()}
-            return full | {key: written[key] for key in written.keys() & {"unknown"}}
+            return {key: keep_written(value, written.get(key)) for key, value in tables.items()}
         case list(), list() if len(tables) == len(written):
             return [*map(keep_written, tables, written)]
         case dict(), _:
@@ -82,14 +81,9 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
     between samples are left out.
     """
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
-    tables = {key: one for key, one in (entries or sweep.entries).items() if key != "unknown"}
-    texts = {path: in_words(value) for path, value in _leaves(tables) if path not in left_out}
-    unknown = {
-        f'unknown."{path}"': in_words(one)
-        for path, one in (sweep.entries.get("unknown") or {}).items()
-        if path in sweep.variants.rule.unknown
-    }
-    return texts | unknown | _judged(sweep)
+    leaves = _leaves(entries or sweep.entries)
+    texts = {path: in_words(value) for path, value in leaves if path not in left_out}
+    return texts | _judged(sweep)
 
 
 def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:

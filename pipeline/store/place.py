@@ -33,8 +33,6 @@ ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, so that every path to the store finds it."""
-KEPT = "status/kept-"
-"""Beginning of the keys of files that commands cache in a store, which are no data."""
 REMEDY = "irg run with its scene mends it; on an object store, write to another store"
 """What to do about a store that is damaged."""
 

@@ -15,7 +15,6 @@ from xarray.core import indexing
 
 from pipeline.store.layout import Axes, blocks, row_axes
 from pipeline.store.place import (
-    KEPT,
     ROOT,
     Folder,
     PathLike,
@@ -93,7 +92,7 @@ class _Backend(BackendEntrypoint):
             shown = attributes_of(variable)
             shown.pop("coordinates", None)
             variables[name] = xr.Variable(variable.dims, values, shown)
-        variables["status"].encoding["keeper"] = Keeper(store.place)
+        variables["status"].encoding["store"] = str(store.place)
         steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
         ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
         return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
@@ -180,23 +179,3 @@ def _grid_values(values: Any, rows: Indices | None) -> Any:
 def _select(values: Any, key: tuple[Any, ...]) -> Any:
     """Select values; `key` has an index for each dimension (outer indexing)."""
     return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values
-
-
-class Keeper:
-    """Cache in a store for results that take long to compute from its dataset."""
-
-    def __init__(self, place: StorePlace) -> None:
-        self.place = place
-        self.may_keep = False  # True only within a run, which writes anyway
-
-    def kept(self, name: str) -> bytes | None:
-        """Read the content that is cached under a name; None if there is no such content."""
-        with suppress(OSError):
-            return self.place.read(KEPT + name)
-        return None
-
-    def keep(self, name: str, content: bytes) -> None:
-        """Cache content under a name; does nothing if this process may not or cannot write."""
-        with suppress(OSError):
-            if self.may_keep:
-                self.place.put({KEPT + name: content})

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import ROWS, VARIANT, Column, Label
+from pipeline.sweep.variants import ROWS, Column, Label
 from tribo import InputError, WarningKind
 
 FORMAT = 13
@@ -51,7 +51,7 @@ def _field(units: str, long_name: str) -> Variable:
 
 COORDINATES = {
     **{
-        name: Variable((VARIANT if name == "sample" else name,), "1", meaning, "int64")
+        name: Variable((name,), "1", meaning, "int64")
         for name, meaning in ROWS.items()
     },
     POINT: Variable((POINT,), "1", "number of the point, in the order of the search", "int64"),
@@ -170,7 +170,7 @@ def require_free_names(sweep: Sweep) -> None:
     allowed.
     """
     names = Counter(one.name for one in sweep.variants.columns)
-    used = {INPUTS, *VARIABLES} - ({*PLANE, "sample"} if sweep.variants.draw else {*PLANE})
+    used = {INPUTS, *VARIABLES} - {*PLANE}
     for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):
         if name in used or names[name] > 1:
             raise InputError(
@@ -196,7 +196,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     of_given = [sweep.variant(name).scene for name in sweep.variants.given]
     if not any(scene.unequal_bulks for scene in of_given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    if sweep.variants.draw or not any(scene.solved_friction for scene in of_given):
+    if not any(scene.solved_friction for scene in of_given):
         absent |= {*OF_POINT}
     for name, variable in (VARIABLES | IDS).items():
         if name in absent or name in table:

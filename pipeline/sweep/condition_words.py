@@ -2,36 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 
 from pipeline.quantities import display
-from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.conditions import Conditions
 
 
-def heating_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
-
-    Values of entries whose paths are in `drawn` are replaced by the words "of each sample".
-    """
+def heating_words(conditions: Conditions) -> str:
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
-    if any(path.startswith(PATHS["bulk_temperature"]) for path in drawn):
-        bulk = "bulk of each sample"
-    friction = "of each sample" if PATHS["friction"] in drawn else f"{conditions.friction:g}"
-    return f"friction {friction}, {bulk}"
+    return f"friction {conditions.friction:g}, {bulk}"
 
 
-def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str:
+def judged_by(several: Iterable[Conditions]) -> str:
     """Say in one line when wear is severe: the limit, friction, bulk and corrections.
 
-    `several` has the conditions of each scene; where these differ, all are named. Values of entries
-    whose paths are in `drawn` are replaced by the words "of each sample".
+    `several` has the conditions of each scene; where these differ, all are named.
     """
     each = [
         (
-            severe_words(one, drawn),
-            heating_words(one, drawn),
+            severe_words(one),
+            heating_words(one),
             one.corrections.text if one.corrections else "no correction",
         )
         for one in several
@@ -40,21 +33,12 @@ def judged_by(several: Iterable[Conditions], drawn: Collection[str] = ()) -> str
     return f"severe wear: {'; '.join(part for part in parts if part != 'no correction')}"
 
 
-def severe_words(conditions: Conditions, drawn: Collection[str] = ()) -> str:
-    """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C".
-
-    `drawn` has the paths of entries that differ between samples. If they include the critical
-    temperature or the share, its value is replaced by the words "of each sample".
-    """
-    severe = conditions.decisive.severe
-    if PATHS["share"] in drawn:
-        severe = "more than a share of the contact, drawn for each sample, above"
+def severe_words(conditions: Conditions) -> str:
+    """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C"."""
     critical = display(conditions.known_critical_temperature(), "°C")
     if conditions.critical_sd:
         critical = f"{critical} ± {display(conditions.critical_sd, 'K', 3)}"
-    if PATHS["critical_temperature"] in drawn:
-        critical = "the critical temperature of each sample"
-    return f"{severe} {critical}"
+    return f"{conditions.decisive.severe} {critical}"
 
 
 def critical_in_words(value: float, sd: float | None) -> str:

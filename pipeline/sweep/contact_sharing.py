@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from pipeline.sweep.variants import Row, Variant
+from pipeline.sweep.variants import Variant
 from tribo import Scene
 from tribo.simulation import inseparable, mechanics, wear_number
 
@@ -68,24 +68,4 @@ def contact_sources(
         # Contacts may depend on more than the key: `inseparable` says when.
         is_shared = variant != name and not any(inseparable(scene, some) for some in slides)
         sources[name] = source if is_shared else ContactSource(name)
-    return sources
-
-
-def contact_sources_of_samples(
-    samples: Iterable[tuple[Variant, Variant, Row]], scenes: Mapping[Variant, Scene], size: int
-) -> Mapping[Variant, ContactSource]:
-    """Find for each sample the first sample with the same contact; `size` samples share a contact.
-
-    Each of `samples` is a tuple: name of the sample, name of its scene in `scenes`, and row of the
-    table of variants. For speed the entries of samples are not read.
-    """
-    same: dict[Scene, Variant] = {}
-    alike = {name: same.setdefault(mechanics(scene), name) for name, scene in scenes.items()}
-    first: dict[tuple[Variant, int], tuple[Variant, float]] = {}
-    sources = {}
-    for name, base, row in samples:
-        place: Any = row.labels["velocity"]
-        key = alike[base], int(row.labels["sample"]) // size
-        variant, its_place = first.setdefault(key, (name, place))
-        sources[name] = ContactSource(variant, places=(place, its_place))
     return sources

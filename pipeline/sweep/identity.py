@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import hashlib
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
@@ -26,12 +25,8 @@ def scene_ids(sweep: Sweep, choices: Mapping[str, Any]) -> list[int]:
     def of_scene(name: Variant) -> str:
         row = sweep.variant(name)
         parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
-        return digest((*parts, row.conditions, row.verdict_inputs, table.rule.answers, choices))
+        return digest((*parts, row.conditions, row.verdict_inputs, choices))
 
-    for name, row in table.by_name.items():
-        found = of_scene(table.base(name))
-        if table.draw:
-            numbers = [one for path, one in row.labels.items() if "." in path]
-            found = hashlib.sha256(f"{found}{numbers}".encode()).hexdigest()
-        ids.append(int.from_bytes(bytes.fromhex(found[:8]), signed=True))
+    for name in table.names:
+        ids.append(int.from_bytes(bytes.fromhex(of_scene(name)[:8]), signed=True))
     return ids

@@ -8,11 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.contact_sharing import (
-    ContactSource,
-    contact_sources,
-    contact_sources_of_samples,
-)
+from pipeline.sweep.contact_sharing import ContactSource, contact_sources
 from pipeline.sweep.digest import digest
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
@@ -136,7 +132,7 @@ class Sweep:
         own = self.scene, self.conditions, *plane
         chosen = None if self.chosen is None else sorted(self.chosen)
         words = self.declared.title, self.declared.caveat, self.oil
-        return digest((own, chosen, words, self.verdict_inputs, labels, self.variants.rule, rows))
+        return digest((own, chosen, words, self.verdict_inputs, labels, rows))
 
     @cached_property
     def parts(self) -> Parts:
@@ -287,10 +283,6 @@ class Sweep:
         at different velocities; `ContactSource.velocity_at` gives the velocity of the source.
         """
         table = self.variants
-        if (size := table.rule.per_contact) > 1:
-            samples = ((name, table.base(name), row) for name, row in table.by_name.items())
-            given = {name: self.variant(name).scene for name in table.given}
-            return contact_sources_of_samples(samples, given, size)
         scenes = ((name, self.variant(name).scene) for name in table.names)
         places = table.labels("velocity") or (None,) * len(table)
         return contact_sources(scenes, places, self.plane.velocities)

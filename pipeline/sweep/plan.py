@@ -163,13 +163,11 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
     Tasks are sorted by ramp, then by ascending load.
     """
-    # All samples have the load increments of the scene for which they are drawn.
-    base = functools.cache(sweep.variants.base)
     increment = functools.cache(lambda name, load: sweep.variant(name).scene.ramp_increment(load))
     ramps = defaultdict[tuple[Any, ...], list[Point]](list)
     for point in todo:
         velocity, source = sweep.contact_of(point)
-        ramps[source, velocity, increment(base(source), point.load)].append(point)
+        ramps[source, velocity, increment(source, point.load)].append(point)
     for ramp, some in sorted(ramps.items()):
         some.sort(key=lambda point: (point.load, point[::-1]))
         for _, ones in itertools.groupby(some, key=lambda point: point.load):
@@ -221,8 +219,7 @@ def run_points(
         course = [moment[number] for moment in states[-1].course]
         records = [*course, *(record_at(place[0], state) for state in states)]
         columns = {name: np.array([record[name] for record in records]) for name in records[0]}
-        # Friction by temperature is not solved for samples: they share contacts, not friction.
-        solved = None if sweep.variants.draw else variant.scene.solved_friction
+        solved = variant.scene.solved_friction
         coupled = UNSOLVED
         if solved:
             coupled = solve_friction(variant.scene, states, columns, load, variant.conditions)

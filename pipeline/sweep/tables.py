@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 Entries = Mapping[str, Any]
@@ -39,15 +39,12 @@ def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
     return {**tables, first: other}
 
 
-def flat(tables: Entries, above: str = "", ends: Collection[str] = ()) -> Iterator[tuple[str, Any]]:
-    """Yield pairs (path, value) of nested tables.
-
-    A table that is empty, or has a key in `ends`, counts as a value. Paths begin with `above`.
-    """
+def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield pairs (path, value) of nested tables; an empty table counts as a value."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
-        if isinstance(inner, dict) and inner and not set(ends) & set(inner):
-            yield from flat(inner, path, ends)
+        if isinstance(inner, dict) and inner:
+            yield from flat(inner, path)
         else:
             yield path, inner
 

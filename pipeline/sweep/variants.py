@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from pipeline import extras
 from pipeline.quantities import as_written
 from tribo import InputError
 
@@ -17,7 +16,6 @@ VARIANT = "variant"
 ROWS = {
     "realization": "seed of the random surface",
     VARIANT: "number of the row in the table of variants",
-    "sample": "number of the sample of inputs",
 }
 """Dimensions that number rows, without an entry of the scene, and their meanings."""
 PLACE_UNITS = {"load": "N", "velocity": "m/s"}
@@ -60,16 +58,6 @@ class Column:
         return self.entry or self.name
 
 
-class Sampling(NamedTuple):
-    """How the samples in a table of variants were drawn at random, as read from `Variants.draw`."""
-
-    unknown: tuple[str, ...] = ()  # paths of the inputs that have no single value
-    movable: tuple[str, ...] = ()  # paths of unknown and fixed inputs that may have one value
-    answers: Any = ()  # plain data that answers depend on [SI]
-    rows: Any = ()  # plain data that the rows depend on [SI]
-    per_contact: int = 1  # rows that follow each other and share their contacts
-
-
 @dataclass(frozen=True)
 class Variants:
     """Table of the variants of a scene, a row for each variant.
@@ -81,8 +69,6 @@ class Variants:
 
     columns: tuple[Column, ...] = ()
     rows: tuple[Row, ...] = (Row({}, {}),)
-    # Rule by which rows were drawn, as plain data of the extra that draws them.
-    draw: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         _ = self.by_name  # raises for two rows with the same name
@@ -94,7 +80,7 @@ class Variants:
         """Combine every row with every row of `other`, whose entries take precedence."""
         pairs = itertools.product(self.rows, other.rows)
         rows = (Row({**a.labels, **b.labels}, {**a.values, **b.values}) for a, b in pairs)
-        return Variants(self.columns + other.columns, tuple(rows), self.draw or other.draw)
+        return Variants(self.columns + other.columns, tuple(rows))
 
     @cached_property
     def by_name(self) -> dict[Variant, Row]:
@@ -146,15 +132,6 @@ class Variants:
         """
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
-    def base(self, name: Variant) -> Variant:
-        """Name of the variant of which row `name` is a sample; `name` itself without samples."""
-        return tuple(pair for pair in name if pair[0] != VARIANT) if self.draw else name
-
-    @cached_property
-    def rule(self) -> Sampling:
-        """How samples were drawn at random; an empty `Sampling` without samples."""
-        return extras.module("drawn").read_rule(self.draw) if self.draw else Sampling()
-
     def labels(self, name: str) -> tuple[Any, ...] | None:
         """Label of each row in a column; None if there is no such column."""
         is_there = any(one.name == name for one in self.columns)
@@ -200,7 +177,7 @@ class Variants:
         columns = self._drawn_columns
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
-        return Variants(columns, tuple(rows), self.draw) if columns else Variants()
+        return Variants(columns, tuple(rows)) if columns else Variants()
 
     def union(self, other: Variants) -> Variants:
         """Join two tables with the same dimensions; a row that both have is taken from `other`.
@@ -243,17 +220,12 @@ def surfaces(seeds: Sequence[int]) -> Variants:
     return Variants((column,), rows) if seeds else Variants()
 
 
-def numbered_rows(
-    columns: Iterable[Column], rows: Iterable[Row], draw: Mapping[str, Any] | None = None
-) -> Variants:
-    """Table of variants numbered from 0, with `columns`.
-
-    `draw` is the rule by which the rows were drawn at random, if they are samples.
-    """
-    number = Column(VARIANT, is_drawn=draw is not None, meaning=ROWS[VARIANT])
+def numbered_rows(columns: Iterable[Column], rows: Iterable[Row]) -> Variants:
+    """Table of variants numbered from 0, with `columns`."""
+    number = Column(VARIANT, meaning=ROWS[VARIANT])
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
-    return Variants((number, *along), tuple(numbered), draw)
+    return Variants((number, *along), tuple(numbered))
 
 
 def labelled_rows(

@@ -137,7 +137,7 @@ class _TaskTimes:
             has[task.ramp[0], load] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
-        is_solved = bool(scene.solved_friction and not self.sweep.variants.draw)
+        is_solved = bool(scene.solved_friction)
         solving = _OF_FRICTION * warms * len(task.points) * is_solved
         of_heat = (heats_on_way / scene.coarsening**2 + heats + solving) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT

@@ -1,22 +1,20 @@
-"""The command ``irg infer``: unknown inputs from measurements."""
+"""The command ``irg infer``: critical temperature, or wear rate, from measurements."""
 
 from __future__ import annotations
 
 import argparse
 from dataclasses import asdict, astuple
-from pathlib import Path
 
 import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
-from pipeline.cli.given import PLACE, flags_of, one_scene_in, values_in
+from pipeline.cli.given import flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, tell, working
 from pipeline.quantities import display, shown_in
 from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
-from pipeline.uncertain.answer_posterior import posterior
-from pipeline.uncertain.critical_temperature import CriticalTemperatures, take_own_tests
+from pipeline.tradeoff.critical_temperature import CriticalTemperatures, take_own_tests
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
@@ -24,27 +22,9 @@ from tribo.inverse import specific_wear_rate
 def infer(options: argparse.Namespace) -> Result:
     """Answer ``irg infer``: infer from measurements what a rig cannot measure.
 
-    For a scene file, a contact width gives the wear rate. Otherwise, with samples of unknown
-    inputs, these inputs are inferred from the tests; without samples, the tests give the critical
-    temperature.
+    A contact width gives the wear rate. Otherwise the tests give the critical temperature.
     """
-    store = options.scene
-    if not store.is_dir():
-        sweep = one_scene_in(options)
-        if options.contact_width is not None or not sweep.variants.draw:
-            return _scene_result(options, sweep)
-        store = Path("results") / f"{options.scene.stem}.zarr"
-        if not store.exists():
-            raise InputError(
-                f"the samples of {options.scene} are not computed; run irg run {options.scene}, "
-                "then irg infer with the store that it wrote"
-            )
-    ignored = "contact_width", "duration", "preset", "set", "bulk_temperature", "kept", "workers"
-    if names := values_in(options, *ignored, *PLACE):
-        raise InputError(
-            f"the samples of {store} stay as they were computed; leave out {flags_of(names)}"
-        )
-    return posterior(options, store)
+    return _scene_result(options, one_scene_in(options))
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
@@ -52,11 +32,6 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
 
     The result is the wear rate, if a contact width is given, else the critical temperature.
     """
-    if given := values_in(options, "scatter", "at"):
-        raise InputError(
-            f"{flags_of(given)} needs samples of unknown inputs: give [unknown] and "
-            "sweep.samples in the scene"
-        )
     if options.output is not None:
         writable_path(options.output, TABLES)
     sweep = sweep.take_surface(options.realization)
@@ -116,8 +91,6 @@ def _bounds_result(
         "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
         bounds,
-        "for a probability of each value, give temperature.critical a range under [unknown] and "
-        "samples under [sweep]: irg help your-tests",
     ]
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
     return Result(document, text, frames=[frame])

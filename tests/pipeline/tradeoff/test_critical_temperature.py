@@ -1,4 +1,4 @@
-"""A lubricant's limit from measured transitions (pipeline/uncertain/critical_temperature.py)."""
+"""A lubricant's limit from measured transitions (pipeline.tradeoff.critical_temperature.py)."""
 
 import re
 
@@ -9,7 +9,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.variants import surfaces
-from pipeline.uncertain.critical_temperature import critical_temperatures
+from pipeline.tradeoff.critical_temperature import critical_temperatures
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE

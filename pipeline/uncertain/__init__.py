@@ -1,1 +1,0 @@
-"""Inputs that are not known exactly: their samples, probabilities, sensitivities and posterior."""
