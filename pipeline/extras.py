@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from types import ModuleType
 
 EXTRAS: dict[str, tuple[str, ...]] = {
-    "gears": (),
     "laboratory": ("surface_statistics",),
     "page": ("explore",),
 }
