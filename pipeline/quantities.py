@@ -102,12 +102,6 @@ def shown_in(value: Any, unit: str) -> Any:
     return value * _FACTORS.get(unit, 1.0) - float(ZERO.get(unit, 0))
 
 
-def si_of(value: float, unit: str) -> float:
-    """Convert a value from a unit to SI; 99.9 °C is exactly 373.05 K, without a rounding error."""
-    zero = float(ZERO.get(unit, 0))
-    return round(value + zero, 9) if zero else value / _FACTORS.get(unit, 1.0)
-
-
 def as_written(value: Any, unit: str | None) -> Any:
     """Write a number in SI as an entry of a scene file, which reads back exactly.
 

@@ -15,7 +15,6 @@ import pytest
 import pipeline
 import tribo
 from pipeline import extras
-from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
 API = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
@@ -30,19 +29,6 @@ def test_the_physics_need_numpy_and_scipy_alone():
             elif isinstance(line, ast.ImportFrom) and line.level == 0:
                 needed.add(line.module.partition(".")[0])
     assert needed - sys.stdlib_module_names == {"numpy", "scipy", "tribo"}
-
-
-def test_a_scene_loads_only_the_readers_of_what_it_names():
-    readers = {f"pipeline.scene.{name}" for name in ("along", "over")}
-    readers |= {"pipeline.laboratory.logs", "pipeline.uncertain.entries"}
-    code = f"""if True:
-        import sys, pipeline
-        for scene in ("irg_transition", "uncertain"):
-            pipeline.load_scene(scene)
-            print(*({readers!r} & set(sys.modules)))
-    """
-    plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
-    assert (plain, named) == ("", "pipeline.uncertain.entries")
 
 
 def test_every_public_name_is_there():

@@ -259,11 +259,7 @@ def _per_point(ds: xr.Dataset) -> xr.Dataset:
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     """Names of dimensions of varied scene entries and of table rows, not of surfaces or samples."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
-    return [
-        str(dim)
-        for dim in dims
-        if dim not in COORDINATES or dim == VARIANT
-    ]
+    return [str(dim) for dim in dims if dim not in COORDINATES or dim == VARIANT]
 
 
 class Kind(Enum):

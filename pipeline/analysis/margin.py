@@ -158,7 +158,11 @@ def percent(probability: float) -> str:
 
 
 def answers(
-    field: PointField, loads: Array, velocities: Array, scatter: ModelError, tested: Sequence[Sequence[str]]
+    field: PointField,
+    loads: Array,
+    velocities: Array,
+    scatter: ModelError,
+    tested: Sequence[Sequence[str]],
 ) -> list[Margin | str]:
     """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown.
 
@@ -184,7 +188,12 @@ def answers(
 
 
 def _margin_columns(
-    field: PointField, loads: Array, velocities: Array, scatter: ModelError, here: Here, is_known: Mask
+    field: PointField,
+    loads: Array,
+    velocities: Array,
+    scatter: ModelError,
+    here: Here,
+    is_known: Mask,
 ) -> dict[str, Sequence[Any]]:
     """Attributes of `Margin` by name, each with k values, for the points where `is_known` is True.
 

@@ -94,7 +94,7 @@ COMMANDS = (
 
 @cache
 def commands() -> tuple[Command, ...]:
-    """All commands of ``irg``; commands of optional parts, such as gears, come last."""
+    """All commands of ``irg``; commands of optional parts come last."""
     return (*COMMANDS, *(one for module in extras.modules("commands") for one in module.COMMANDS))
 
 

@@ -179,13 +179,6 @@ def title_of(data: Results) -> str:
     return as_text(data.sweep.title)
 
 
-def entry_label(path: str) -> str:
-    """Path of a scene's entry as a wrapped label, such as "pin: radius"."""
-    *tables, name = (part.replace("_", " ") for part in path.split("."))
-    words = f"{' '.join(tables)}: {name}" if tables else name
-    return textwrap.fill(as_text(words), 22)
-
-
 def as_text(words: str) -> str:
     """Prepare text for a figure: shorten it to 240 letters, and drop control characters.
 

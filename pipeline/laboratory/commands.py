@@ -57,8 +57,8 @@ _TESTS = (
     ),
     Option(
         "--form", metavar="NAME",
-        help="export of a machine, where it was not recognised: compend, ehd, fzg, lvm, mtm, rtec, "
-        "srv, t11, trb3, twin_disc or umt",
+        help="export of a machine, where it was not recognised: compend, mtm, rtec, srv, "
+        ", t11, trb3, twin_disc or umt",
     ),
     Option(
         "--skip", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],

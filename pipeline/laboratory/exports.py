@@ -33,8 +33,6 @@ class Export:
     scene: str = ""  # name of the shipped scene that fits the rig
     columns: Mapping[str, str] = field(default_factory=dict)  # patterns of headings
     units: Mapping[str, str] = field(default_factory=dict)  # units of headings without a unit
-    unit_row: str = ""  # first cell of the row of units, above the headings
-    step_row: str = ""  # first cell of the row with the time step, if rows have no time
     restarts: bool = False  # True if time restarts with each step
     sine: str = ""  # pattern of a cell which tells that the velocity is the peak of a sine
     stages: bool = False  # True if rows of a log are stages of one specimen

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.laboratory.exports import Export, find_export, has_cell
-from pipeline.laboratory.tables import INGREDIENTS, MOST_STAGES, WordNames, derive, units_of
+from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS, Trace, at_rest
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
 from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Lines, Row, Sheet, find_headings, read_lines, sheet_of
-from pipeline.scene.units import UnitError, is_unit, to_si, unit_of_table
+from pipeline.scene.sheet import Lines, Row, Sheet, read_lines, sheet_of
+from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
 
@@ -59,8 +59,6 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
             near, every = did_you_mean(name, known), ", ".join(sorted(known))
             raise InputError(f"{option}.{name}: no such quantity{near}; give one of {every}")
     names = WordNames(units, columns, export.columns)
-    for lines in tables if export.unit_row else ():
-        _add_units(lines, export.unit_row, names)
     sheet = sheet_of(str(path), tables, names, options.get("decimal"))
     _join_units(sheet)
     heads = [*sheet.above, *(one.text for one in sheet.headings)]
@@ -72,7 +70,6 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
             sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     for name, unit in export.units.items():
         _choose_unit(sheet, name, unit)
-    _count_time(sheet, export.step_row)
     _take_rows(sheet, options.get("where") or {}, is_kept=True)
     _take_rows(sheet, options.get("skip") or {}, is_kept=False)
     _add_given(sheet, options.get("given") or {})
@@ -89,32 +86,6 @@ def _join_units(sheet: Sheet) -> None:
             sheet.sources.add(k)
             for row in sheet.rows:
                 row.cells[k - 1] = " ".join(row.cells[k - 1 : k + 1]).strip()
-
-
-def _add_units(lines: Lines, first: str, names: WordNames) -> None:
-    """Append units to the headings of a table, from a row of units above it.
-
-    `first` is the text in the first cell of the row of units. `names` recognises quantities in
-    headings, and so finds the row of headings.
-    """
-    units = next((row.cells for row in lines.rows if row.cells[0] == first), [])
-    heads = lines.rows[find_headings(lines.rows, names)[1]].cells
-    for k, unit in enumerate(units[: len(heads)]):
-        if is_unit(unit_of_table(unit)) and not Heading.of(heads[k]).unit:
-            heads[k] = f"{heads[k]} [{unit}]"
-
-
-def _count_time(sheet: Sheet, first: str) -> None:
-    """Fill an empty time column by counting time steps.
-
-    The time step is in the cell after the one with the text `first`, above the table. If no cell
-    has this text, nothing is filled in.
-    """
-    place = sheet.places.get("time", -1)
-    if first in sheet.above and not any(row.cells[place] for row in sheet.rows):
-        step = float(sheet.above[sheet.above.index(first) + 1].replace(",", "."))
-        for k, row in enumerate(sheet.rows):
-            row.cells[place] = f"{k * step:.12g}"
 
 
 def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
@@ -203,17 +174,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
     sheet has a column for only one of the two levels, the other level is one step of load away.
     `step` is this step as text, such as "100 N"; empty if it is not known.
     """
-    beyond = {name: _read_more_than(sheet, name) for name in ("failed_stage", *_ENDS)}
-    place = sheet.places.get("failed_stage", 0)
-    for number, cells in sheet.rows if "failed_stage" in sheet.places else ():
-        is_stage = cells[place] in map(str, range(1, MOST_STAGES + 1))
-        if is_stage and number in beyond["failed_stage"]:
-            cells[place] = str(int(cells[place]) + 1)
-        elif cells[place] and not is_stage:
-            sheet.faults.append(
-                f"row {number}, {sheet.headings[place].text}: {quoted(cells[place])} is no load "
-                f"stage; give 1 to {MOST_STAGES}, or > {MOST_STAGES}"
-            )
+    beyond = {name: _read_more_than(sheet, name) for name in _ENDS}
     ends = [name for name in _ENDS if name in sheet.places]
     if not ends or not (step or any(beyond[name] for name in _ENDS)):
         return

@@ -13,15 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.scene.faults import quoted
-from pipeline.scene.library import library
 from pipeline.scene.names import BESIDE, UNITS, Heading, Names
 from pipeline.scene.sheet import Sheet
-from tribo.types import Array
 
-_FZG = library()["machines"]["FZG"]
-_STAGES = np.array(_FZG["stages"])
-MOST_STAGES = len(_STAGES)
-"""Number of load stages of the FZG test."""
 _STEEPEST = 2.0  # largest slide-roll ratio: one surface at rest
 
 
@@ -33,18 +27,6 @@ class Derived(NamedTuple):
     make: Any
 
 
-def _stage_force(stage: Array) -> Array:
-    """Normal force between the teeth in a load stage of the FZG test [N].
-
-    It is 0 in stage 0, and NaN beyond the last stage.
-    """
-    known = np.where((stage >= 0) & (stage <= MOST_STAGES), stage, np.nan)
-    torques = np.array([0.0, *_STAGES, np.nan])
-    places = np.nan_to_num(known, nan=MOST_STAGES + 1.0).astype(int)
-    forces: Array = torques[places] / _FZG["base_radius"]
-    return forces
-
-
 RULES = (
     Derived("velocity", ("rotation", "track_radius"), lambda n, r: np.abs(n) * r),
     Derived("velocity", ("rotation", "track_diameter"), lambda n, d: np.abs(n) * d / 2),
@@ -53,10 +35,6 @@ RULES = (
     Derived("velocity", ("velocity_1", "velocity_2"), lambda u, v: np.abs(u - v)),
     Derived("velocity", ("rotation_1", "rotation_2", "disc_diameter"),
          lambda m, n, d: np.abs(m - n) * d / 2),
-    Derived("load", ("pinion_torque",), lambda torque: torque / _FZG["base_radius"]),
-    Derived("load", ("load_stage",), _stage_force),
-    Derived("severe_at", ("failed_stage",), _stage_force),
-    Derived("mild_up_to", ("failed_stage",), lambda stage: _stage_force(stage - 1)),
     Derived("friction", ("friction_force", "load"), lambda f, load: np.abs(f / load)),
     Derived("friction", ("friction_torque", "load", "track_radius"), lambda m, F, r: m / F / r),
 )  # fmt: skip

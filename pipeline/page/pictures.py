@@ -102,11 +102,6 @@ def coloured(probability: Array) -> str:
     return png_of(Image.fromarray(np.ascontiguousarray(shades)))
 
 
-def risk_scale() -> str:
-    """Colour scale of probabilities from 0 (left) to 1 (right), as a base64 .png."""
-    return coloured(np.linspace([0.0], [1.0], 64).T)
-
-
 def _over_contact(
     field: Array, contact: Mask, touching: Array, block: tuple[int, int]
 ) -> tuple[float, float, NDArray[np.uint8]]:

@@ -31,7 +31,7 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
 
 
 _READING_ORDER = (
-    "first-hour", "your-system", "your-gears", "your-tests", "choosing", "model", "physics",
+    "first-hour", "your-system", "your-tests", "choosing", "model", "physics",
     "scene", "dataset", "own-laws", "cluster", "measured", "paper", "glossary", "install",
     "maintainers",
 )  # fmt: skip

@@ -50,10 +50,7 @@ def _field(units: str, long_name: str) -> Variable:
 
 
 COORDINATES = {
-    **{
-        name: Variable((name,), "1", meaning, "int64")
-        for name, meaning in ROWS.items()
-    },
+    **{name: Variable((name,), "1", meaning, "int64") for name, meaning in ROWS.items()},
     POINT: Variable((POINT,), "1", "number of the point, in the order of the search", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),

@@ -7,18 +7,12 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline import run_point
 from pipeline.analysis.rise_error import counted_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import worst_rises
-from pipeline.uncertain.inputs import FRICTION
-from pipeline.uncertain.samples import SPECIFIC_WEAR_RATE
 from tests.helpers import javascript, tiny
-from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
-from tests.promises.risk import entries_of
 
 STEEL = tiny.sweep().scene.disk
 ALL = tribo.Corrections(
@@ -170,31 +164,3 @@ UNKNOWN = """
 "disk.capacity.thickness" = { from = "0.1 mm", to = "0.5 mm" }
 "pin.loss" = ["0.2 W/K", "0.5 W/K"]
 """
-
-
-def test_each_sample_has_the_corrections_of_its_own_inputs(tmp_path):
-    """Each sample equals the scene with its values; its friction scales the friction table."""
-    plain = SCENE.replace("fields = true", "").replace("increments = 10", "increments = 3")
-    (tmp_path / "plain.toml").write_text(plain)
-    (tmp_path / "known.toml").write_text(BESIDE)
-    asked = '[sweep]\nsamples = 8\nloads = ["400 N"]\n'
-    asked += 'over = { "pin.stem.length" = ["4 mm", "12 mm"] }\n'
-    at = {"pin.stem.length": "12 mm"}
-    (tmp_path / "scene.toml").write_text(f'extends = "known.toml"\n{UNKNOWN}{asked}')
-    store = tmp_path / "out.zarr"
-    commit_all(store, pipeline.load_scene(tmp_path / "scene.toml"))
-    assert "coupled_rise" not in pipeline.open_sweep(store)  # samples are not solved
-    samples = pipeline.Ensemble.of(pipeline.at(store, **at))
-    paths = [one.path for one in samples.design.inputs]
-    for number in (0, 7):
-        values = dict(zip(paths, samples.inputs[number].tolist(), strict=True))
-        simulated = [one for one in samples.unknown if one.path != FRICTION]
-        row = np.array([values[one.path] for one in simulated])
-        by_hand = entries_of(simulated, row) | at
-        by_hand[SPECIFIC_WEAR_RATE] = f"{1e9 * values[SPECIFIC_WEAR_RATE]!r} mm^3/(N m)"
-        sweep = pipeline.load_scene(tmp_path / "known.toml", overrides=by_hand)
-        for load, rise in zip(samples.loads, samples.rises[number], strict=True):
-            velocity = samples.sample_velocities[number]
-            columns = run_point(changed(sweep, steps="end"), load, velocity).columns
-            expected = float(worst_rises(columns, load, sweep.conditions))
-            assert rise == pytest.approx(expected, rel=1e-6)

@@ -1,6 +1,5 @@
 """The same places, asked of every door: each gives the same verdict, temperature and chance."""
 
-import json
 import re
 
 import numpy as np
@@ -8,14 +7,9 @@ import pandas as pd
 import pytest
 
 import pipeline
-import tribo
-from pipeline.analysis.field import fields
-from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
-from pipeline.cli import main
+from pipeline.analysis.margin import clipped
 from tests.helpers import page_sweeps, synthetic
 from tests.helpers.javascript import run
-from tests.helpers.samples import dataset, ensemble
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
@@ -51,11 +45,6 @@ def one_column():
     return ds.assign(status=ds["status"].where(ds["velocity"] == ds["velocity"][3], np.int8(0)))
 
 
-def samples():
-    ds = dataset(ensemble(), measured=(), tested=())
-    return ds.assign(warning_flags=0 * ds["status"])
-
-
 STORES = {
     "plane": synthetic.sweep,
     "from rest": lambda: synthetic.sweep(velocities=(0.0, *synthetic.VELOCITIES)),
@@ -69,7 +58,6 @@ STORES = {
     "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
     "surfaces": lambda: surfaces(0.9, 1.0, 1.1),
     "the boundary alone": page_sweeps.along_boundary,
-    "samples": samples,
 }
 
 
@@ -89,39 +77,7 @@ def asked_of_a_place(ds, load, velocity):
     return here.verdict, here.decisive_temperature - 273.15, here.probability
 
 
-@pytest.mark.parametrize("name", STORES)
-def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
-    ds = STORES[name]()
-    asked = [*places(ds, 6)]
-    table = dict(zip(HEADS, np.transpose(asked), strict=True))
-    frame = pipeline.margin(ds, table)
-    (field,) = fields(held := pipeline.results(ds))
-    pd.DataFrame(table).to_csv(tmp_path / "duty.csv", index=False)
-    ds.to_netcdf(tmp_path / "copy.nc")
-    options = [f"{tmp_path}/copy.nc", f"--points={tmp_path}/duty.csv", "--json"]
-    assert main(["margin", *options]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    for number, (load, velocity) in enumerate(asked):
-        row = frame.iloc[number]
-        if row["verdict"] == "not known":
-            assert printed[number]["verdict"] == "not known"
-            with pytest.raises(tribo.InputError):
-                asked_of_a_place(held, load, velocity)
-            continue
-        verdict, temperature, chance = asked_of_a_place(held, load, velocity)
-        assert (verdict, printed[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
-        assert temperature == pytest.approx(row["decisive temperature [°C]"], **SAME)
-        assert printed[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
-        error = OF_SAMPLES if name == "samples" else SAME
-        assert clipped(chance) == pytest.approx(row["probability"], **error)
-        assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
-        ends = verdict_plane(field, [load], [velocity], model_error(held, field))
-        low, high = (float(one[0, 0]) for one in ends)
-        drawn = "mild" if high <= DECIDED[0] else "severe" if low >= DECIDED[-1] else "not decided"
-        assert drawn == verdict, (load, velocity)
-
-
-@pytest.mark.parametrize("name", [name for name in STORES if name != "samples"])
+@pytest.mark.parametrize("name", [name for name in STORES])
 def test_the_page_judges_its_nodes_as_their_margins_are(name):
     ds, verdicts = STORES[name](), set()
     near = [[float(load), float(velocity)] for load, velocity in places(ds, 60)]
@@ -143,7 +99,7 @@ def test_the_page_judges_its_nodes_as_their_margins_are(name):
     assert verdicts & {"mild", "severe"} or name == "one column"
 
 
-@pytest.mark.parametrize("name", [name for name in STORES if name not in ("samples", "surfaces")])
+@pytest.mark.parametrize("name", [name for name in STORES if name != "surfaces"])
 def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
     asked = np.transpose([*places(STORES[name](), 100)])
     frame = pipeline.margin(STORES[name](), {"load": asked[0], "velocity": asked[1]})

@@ -201,29 +201,6 @@ def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws
     assert any("temperature.criterion: laws:_median in the store" in str(one) for one in told)
 
 
-def test_fields_of_a_law_are_entries(laws):
-    given = {"wear": laws.Fading(*RATES)}
-    several = scene(given, **POINT, **{"sweep.over": {"wear.parameters.distance": [0.5, 4.0]}})
-    commit_all("over.zarr", several)
-    ds = pipeline.open_sweep("over.zarr")
-    for distance in (0.5, 4.0):
-        taken = pipeline.at(ds, **{"wear.parameters.distance": distance})
-        alone = scene({"wear": replace(given["wear"], distance=distance)}, **POINT)
-        point = pipeline.run_point(alone, "400 N", "2 m/s")
-        end = pipeline.end_of_point(taken).sel(load=400, velocity=2)
-        assert end["wear_volume"].item() == point.columns["wear_volume"][-1]
-    drawn = {"wear.parameters.distance": {"from": 0.5, "to": 4.0}}
-    samples = scene(given, unknown=drawn, **{"sweep.samples": 4})
-    held = [samples.variant(name).scene.wear.distance for name in samples.variants.names]
-    assert len(set(held)) == 4
-    assert all(0.5 <= distance <= 4.0 for distance in held)
-    over = {"wear.parameters.distance": [0.5, "+100%"], "wear.parameters.pattern": ["local"]}
-    few = {"sweep.velocities": ["1 m/s", "3 m/s"], "sweep.loads": ["400 N"]}
-    found = pipeline.vary("small.toml", over, overrides=few, laws=given, workers=1)
-    assert {*found.table["value"]} == {"", "0.5", "3", "local"}
-    assert found.table["critical velocity [m/s]"].nunique(dropna=False) == 4
-
-
 CELL = """
 from dataclasses import dataclass
 import pipeline, tribo

@@ -19,7 +19,6 @@ from pipeline.cli.parser import parse
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
-from tests.helpers.samples import fewer_draws
 from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
@@ -96,13 +95,6 @@ def stores(tmp_path_factory):
         return store
 
     return made
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _fewer_draws():
-    with pytest.MonkeyPatch.context() as patch:
-        fewer_draws(patch)
-        yield
 
 
 @pytest.fixture(scope="module")

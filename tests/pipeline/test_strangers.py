@@ -113,18 +113,6 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("command", "scene"),
-    [(command, "wear") for command in COMMANDS]
-    + [(COMMANDS[0], scene) for scene in ("surface", "criterion", "extends")],
-)
-def test_a_scene_that_names_code_is_refused_and_runs_nothing(strangers, ran, irg, command, scene):
-    said = irg(command[0], f"{scene}.toml", *command[1:], code=2)
-    assert "unknown" in said
-    assert not ran()
-    assert not (strangers / "out.zarr").exists()
-
-
 def test_a_setting_that_names_code_runs_nothing(strangers, ran, irg):
     for setting in ("wear={law='payload:Law'}", "temperature.criterion=payload:rule"):
         irg("check", "small.toml", "--set", setting, code=2)

@@ -10,19 +10,11 @@ import getpass
 import io
 import json
 import re
-import shlex
 from pathlib import Path
 
-import matplotlib as mpl
-import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-
-import pipeline
-from pipeline.cli import main
-from pipeline.uncertain import sensitivity
-from tests.helpers.samples import fewer_draws
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SMALLER = {
@@ -47,18 +39,6 @@ _OF_A_RUN = (
 def folder(tmp_path_factory):
     """Empty folder in which the notebooks run."""
     return tmp_path_factory.mktemp("notebooks")
-
-
-@pytest.fixture(autouse=True)
-def _there_with_few_draws(folder, monkeypatch):
-    monkeypatch.chdir(folder)
-    fewer_draws(monkeypatch)
-    monkeypatch.setattr(sensitivity, "_POINTS", 2**8)
-    with (
-        pd.option_context("display.max_columns", 20, "display.width", 80),  # options of a kernel
-        mpl.rc_context({"savefig.dpi": 40}),
-    ):
-        yield
 
 
 def cells_of(name, kind):
@@ -182,49 +162,3 @@ def test_the_short_notebooks_show_what_they_store():
     sizes = [numbers_apart(text) for text in (texts[1], stored_text(code_cells("stations")[1]))]
     assert sizes[0][0] == sizes[1][0]
     assert sizes[0][1] < sizes[1][1]
-
-
-def test_the_notebook_leads_from_transitions_to_a_map():
-    texts, figures = run_cells("uncertain")
-    assert len(figures) == len(stored_pictures("uncertain")) == 4
-    printed = "\n".join(texts)
-    before, *ends, after, again = map(
-        float, re.findall(r"(\d\.\d\d)\b", printed.split("samples")[-1])[:5]
-    )
-    prior = pipeline.margin("results/uncertain.zarr", 400.0, 2.0)
-    expected = [round(one, 2) for one in (prior.probability, prior.lowest, prior.highest)]
-    assert [before, *ends] == expected
-    assert after < before == again
-    # Inputs and tests are those of the whole scene; other numbers are from fewer samples.
-    stored = [stored_text(cell) for cell in code_cells("uncertain")]
-    assert numbers_apart(texts[1]) == numbers_apart(stored[1])
-    for number in (2, 3):
-        assert numbers_apart(texts[number])[0] == numbers_apart(stored[number])[0]
-    assert "128 samples" in stored[2]
-    probabilities = [float(re.findall(r"0\.\d\d", stored[number])[0]) for number in (3, 6)]
-    assert probabilities[1] < probabilities[0]
-
-
-def test_the_commands_of_the_notebook_lead_to_a_probability(capsys):
-    cells = cells_of("uncertain", "markdown")
-    page = "\n\n".join(map(source_of, cells)).replace("\\\n", "")
-    commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 11
-    printed = []
-    for command in commands[2:]:  # the first two print the cost, and run what the notebook ran
-        arguments = shlex.split(command)[1:]
-        if "posterior.png" in command or "given-measured" in command:
-            arguments += ["--scatter", "10%"]
-        assert main(arguments) == 0
-        printed.append(capsys.readouterr().out)
-    assert "severe wear is" in printed[0]
-    assert "if all velocities are read too high" in "".join(printed)
-    assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
-    (factor,) = re.findall(r"(\d\.\d+) times the velocity", printed[0])
-    assert 0.5 < float(factor) < 3
-    asked = re.findall(r"^irg .*-o (results/\S+\.png)$", page, flags=re.MULTILINE)
-    assert len(asked) == 4
-    assert sorted(map(str, Path("results").glob("*.png"))) == sorted(asked)
-    near = pipeline.margin("results/uncertain.zarr", 400.0, 2.0).probability
-    (probability,) = re.findall(r"The probability is (\d\.\d+) there", page)
-    assert abs(near - float(probability)) < 0.15  # accuracy of so few samples

@@ -10,7 +10,6 @@ from scipy import integrate, stats
 
 import pipeline
 from pipeline.analysis.rise_error import preset_error
-from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps, synthetic
@@ -60,32 +59,6 @@ def likely_severe(rise, sd, exponent=1.0):
 
     edge = [] if 80 * sd < LIMIT else [-LIMIT / 10 / sd]
     return integrate.quad(severe, -8, 8, points=edge or None, limit=400)[0]
-
-
-@pytest.mark.parametrize("sd", SDS)
-def test_an_uncertain_critical_temperature_counts_in_the_probability(sd):
-    """The tolerance 0.007 is the error of 64 equally likely critical temperatures."""
-    judged = synthetic.CONDITIONS | {"critical_sd": sd}
-    uncertain = synthetic.sweep(measured=(), conditions=judged)
-    for velocity in (0.9, 1.7, 2.1, 2.6, 3.9):
-        here = pipeline.margin(uncertain, 400.0, velocity)
-        rise = synthetic.rise(400.0, velocity, 0.9)
-        expected = likely_severe(rise, sd, synthetic.VELOCITY_EXPONENT)
-        assert here.probability == pytest.approx(expected, abs=0.007)
-        exact = margin(synthetic.sweep(measured=()), 400.0, velocity)
-        assert here.distance == exact.distance
-        assert abs(here.probability - 0.5) < abs(exact.probability - 0.5)
-        assert f"the critical temperature is 145 °C ± {sd:g} K, which is counted" in here.caveats
-
-
-def test_the_caveat_of_a_scene_stands_beside_each_verdict():
-    ds = synthetic.sweep(caveat="Not validated: no test of gears.")
-    told = pipeline.margin(ds, 400.0, 2.0).caveats
-    assert told[0] == "Not validated: no test of gears."
-    table = pipeline.margin(ds, {"load": ["400 N", "500 N"], "velocity": ["1 m/s", "2 m/s"]})
-    assert table["notes"].tolist() == [" | ".join(told)] * 2
-    assert notes_of(table) == [*told]
-    assert notes_of(table, told[1:]) == [told[0]]
 
 
 def surfaces(*rises, **told):

@@ -16,17 +16,10 @@ from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import refusal_tests
-from tests.helpers.samples import dataset, ensemble
 from tests.helpers.sweeps import with_fields
-from tests.helpers.unknowns import ALL
 from tribo import Motion
 
 plane = cache(synthetic.sweep)
-
-
-@cache
-def samples():
-    return dataset(ensemble(ALL, 32))
 
 
 def made(friction=0.1, **values):
@@ -74,10 +67,6 @@ def oils():
 
 def at(**values):
     return lambda: pipeline.at(plane(), **values)
-
-
-def drawn(**values):
-    return lambda: pipeline.at(samples(), **values)
 
 
 def margin(*place, **values):
@@ -140,10 +129,6 @@ REFUSALS = {
     "share": (at(share=1.5), "1.5"),
     "one body": (at(bulk_temperature={"pin": 300.0}), "bulk_temperature names pin"),
     "bodies": (at(bulk_temperature={"pin": 300.0, "disk": 310.0}), "bodies of one bulk"),
-    "measured": (at(given_measured=True), "--given-measured needs a sweep"),
-    "scatter alone": (drawn(scatter=0.1), "--scatter needs"),
-    "weighed": (drawn(given_measured=True, friction=0.1), "leave out friction: tests"),
-    "weighed at": (drawn(given_measured=True, **{"temperature.bulk": 320.0}), "out bulk_temp"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "`at` is 'hotter'"),
     "code": (coded, "the store is judged by the criterion laws:median"),

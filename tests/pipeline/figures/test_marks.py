@@ -6,8 +6,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.sweep.measurement import Measurement
-from pipeline.uncertain.sensitivity import Sensitivity
-from tests.helpers import samples, synthetic, unknowns
+from tests.helpers import synthetic
 from tests.pipeline.figures.test_plot import contour, labels, lines
 
 NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
@@ -97,52 +96,3 @@ def test_the_critical_temperature_is_outlined_in_the_contact():
 
 
 # Studies
-
-
-def test_the_probability_over_the_plane_has_its_tests_and_its_lines():
-    tests = [
-        {"normal_load": 400.0, "velocity": 1.6, "friction": None},
-        {"normal_load": 9000.0, "velocity": 1.6, "friction": None},
-    ]
-    ds = samples.dataset(samples.ensemble(tests=tests), model_scatter=0.0)
-    figure = pipeline.plot(ds, "diagram")
-    axes, bar = figure.axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("sliding velocity [m/s]", "normal load [N]")
-    assert lines(axes)["measured"].tolist() == [[1.6, 400.0]]
-    assert "1 test is outside the figure" in labels(figure.legends[0])
-    drawn = axes.collections[1]
-    assert drawn.levels.tolist() == [0.05, 0.5, 0.95]
-    (middle,) = (path for path in drawn.get_paths()[1:2])
-    for velocity, load in middle.vertices[::20]:
-        assert pipeline.margin(ds, load, velocity).probability == pytest.approx(0.5, abs=0.03)
-    assert axes.get_title().endswith("inputs as assumed, before any measurement")
-    conditions = figure.legends[0].get_title().get_text().replace("\N{NO-BREAK SPACE}", " ")
-    assert conditions.startswith("severe wear: more than 10 % of the contact above")
-    assert bar.get_ylabel() == "probability that the next run is severe"
-
-
-def test_bars_of_a_sensitivity_are_its_indices_by_input_and_load():
-    first = np.array([[0.2, 0.5, 0.1], [0.1, 0.6, 0.2]])
-    interval = np.array([first - 0.05, first + 0.02])
-    found = Sensitivity(
-        unknown=unknowns.ALL[:3], loads=(200.0, 750.0), first=first, total=first + 0.1,
-        first_interval=interval, total_interval=interval + 0.1, spread=(0.1, 0.2),
-        velocity_error=(0.01, 0.01),
-    )  # fmt: skip
-    figure = pipeline.plot(found, title="A scene")
-    (axes,) = figure.axes
-    order = np.argsort(first.mean(axis=0))
-    names = [text.get_text().replace("\n", " ") for text in axes.get_yticklabels()]
-    parts = [unknowns.ALL[k].path.rpartition(".")[2].replace("_", " ") for k in order]
-    assert all(part in name for part, name in zip(parts, names, strict=True))
-    widths = [bar.get_width() for bar in axes.patches]
-    assert widths == pytest.approx([*first[0, order], *first[1, order]])
-    ticks = [line.get_xdata() for line in axes.lines if line.get_ls() == "None"]
-    ticks = [np.array(values, float) for values in ticks if len(values) == 3]
-    assert any(np.allclose(values, first[1, order] + 0.1) for values in ticks)
-    assert labels(figure.legends[0]) == ["200 N, ± 10 %", "750 N, ± 20 %"]
-    heights = [bar.get_y() for bar in axes.patches]
-    assert heights[0] > heights[3]  # the lowest load on top
-    errors = axes.collections[0].get_segments()
-    for (left, right), k in zip(errors, order, strict=True):
-        assert (left[0], right[0]) == pytest.approx((first[0, k] - 0.05, first[0, k] + 0.02))

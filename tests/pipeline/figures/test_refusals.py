@@ -11,8 +11,6 @@ from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
-from tests.helpers.samples import dataset, ensemble
-from tests.helpers.unknowns import ALL
 
 
 @cache
@@ -29,10 +27,6 @@ def of_places():
     with writing("a.zarr", tiny.sweep(variants=placed_rows((250.0, 1.0)))):
         pass
     return pipeline.plot("a.zarr", "diagram", log=True)
-
-
-def of_samples():
-    return pipeline.plot(dataset(ensemble(ALL, 32)), "diagram", realization=0)
 
 
 def of_scenes():
@@ -60,7 +54,6 @@ REFUSALS = {
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
-    "samples": (of_samples, "shows a probability; leave out realization"),
     "places": (of_places, "so there is no plane of them; irg margin and explore"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),

@@ -138,34 +138,6 @@ def mtm():
     return text(parts, end="\r\n")
 
 
-def ehd():
-    return (
-        mtm()
-        .replace("MTM2 test data file", "EHS102 Test Data File")
-        .replace("Lubricant Temp (°C)", "Lube Temp (°C)")
-        .replace("Traction Force (N)", "Average Film (nm)")
-    )
-
-
-def lvm():
-    heads = ["X_Value", "Load", "Friction force", "Speed", "Comment"]
-    rows = lines("\t", TIME, LOAD, FRICTION * LOAD, 0 * TIME + SPEED)
-    return text(
-        "LabVIEW Measurement\t", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab",
-        "Decimal_Separator\t.", "Date\t2026/03/14", "***End_of_Header***\t", "", "Channels\t3",
-        "Samples\t160\t160\t160", "Y_Unit_Label\tN\tNewtons\tm/s",
-        "X_Dimension\tTime\tTime\tTime", "X0\t0\t0\t0", "Delta_X\t1.000000\t1.000000\t1.000000",
-        "***End_of_Header***\t\t\t", "\t".join(heads), rows,
-    )  # fmt: skip
-
-
-FZG_STAGES = """Prüfung nach FZG A/8,3/90;;;
-Kraftstufe;Ritzelmoment [Nm];Öltemp. [°C];Befund
-8;239,3;90;kein Fresser
-9;302,0;90;kein Fresser
-10;372,6;90;Fresser
-"""
-FZG_RESULTS = "Oil,FZG A/8.3/90 failure load stage\nA,9\nB,>12\n"
 TWIN_DISC = """Twin disc rig 2
 Oil,Load [N],n1 [rpm],n2 [rpm],Disc diameter [mm],Result
 A,500,1000,800,80,ok

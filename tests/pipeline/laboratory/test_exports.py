@@ -16,11 +16,9 @@ TRACES = {
     "sine": ("trb3", {}, 0.6366 * samples.SPEED),
     "t11": ("t11", {"load": "50 N", "track_radius": "20 mm"}, samples.SPEED),
     "mtm": ("mtm", {}, 0.5),
-    "ehd": ("ehd", {}, 0.5),
-    "lvm": ("lvm", {}, samples.SPEED),
 }
-LOAD = {"mtm": 0.1, "ehd": 0.1}  # load over the load of the other samples' run
-NO_OIL = {"umt", "trb3", "sine", "t11", "lvm"}
+LOAD = {"mtm": 0.1}  # load over the load of the other samples' run
+NO_OIL = {"umt", "trb3", "sine", "t11"}
 
 
 def write(folder, name, content):
@@ -66,16 +64,6 @@ def test_a_run_of_a_machine_is_read_with_what_it_lacks(tmp_path, irg, name):
         assert all(re.search(rf'--given "{one}=\.\.\. \w+', asked) for one in given)
 
 
-def test_labview_counts_rows_without_a_time_by_their_step(tmp_path, irg):
-    head, _, rows = samples.lvm().rpartition("X_Value")
-    heads, *rows = rows.splitlines()
-    untimed = "\n".join(["X_Value" + heads, *("\t" + row.partition("\t")[2] for row in rows)])
-    document = irg("tests", write(tmp_path, "run.lvm", head + untimed), "--json")
-    assert_run(document, "lvm", samples.SPEED)
-    lost = write(tmp_path, "run.lvm", head.replace("Delta_X", "") + untimed)
-    assert "0 rows in motion; a trace needs 20; 160 rows: 0 used" in irg("tests", lost, code=2)
-
-
 VARIANTS = {
     "utf-16": lambda text: text.encode("utf-16"),
     "bom": lambda text: text.encode("utf-8-sig"),
@@ -119,23 +107,6 @@ def test_results_of_srv_are_ends_of_a_run_and_a_step_apart(tmp_path, irg):
     assert "irg new rig.toml --from srv" in said
 
 
-def test_stages_of_gears_are_forces_between_the_teeth(tmp_path, irg):
-    """The pinion's base circle has a radius of 33.83 mm, so that 302 N m are 8927 N."""
-    stages = write(tmp_path, "stages.csv", samples.FZG_STAGES.encode("cp1252"))
-    assert '--given "velocity=... m/s"' in irg("tests", stages, code=2)
-    document = irg("tests", stages, "--given", "velocity=8.3 m/s", "--json")
-    found = [(number(one["load"]), one["outcome"], one["run"]) for one in document["tests"]]
-    assert [row[1:] for row in found] == [("mild", 1), ("mild", 1), ("severe", 1)]
-    assert [row[0] for row in found] == pytest.approx([7073.8, 8927.3, 11014.3], rel=1e-4)
-    results = write(tmp_path, "results.csv", samples.FZG_RESULTS)
-    document = irg("tests", results, "--given", "velocity=8.3 m/s", "--json")
-    first, second = document["tests"]
-    ends = [number(first["mild_up_to"]), number(first["severe_at"])]
-    assert ends == pytest.approx([7072.4, 8927.3], rel=1e-4)
-    assert "severe_at" not in second
-    assert number(second["mild_up_to"]) == pytest.approx(15800.2, rel=1e-4)
-
-
 def test_runs_of_twin_discs_end_where_the_load_falls_or_the_oil_changes(tmp_path, irg):
     document = irg("tests", write(tmp_path, "discs.csv", samples.TWIN_DISC), "--json")
     assert [one["run"] for one in document["tests"]] == [1, 1, 1, 2, 2]
@@ -154,8 +125,3 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
     assert plain["form"][0] != named["form"][0] == "Anton Paar TRB3"
     assert "no form" in irg("tests", path, "--form", "trb", code=2)
     assert 'did you mean "trb3"' in irg("tests", path, "--form", "trb", code=2)
-
-
-def test_each_export_has_a_sample():
-    forms = {form for form, *_ in TRACES.values()}
-    assert {*exports()} == forms | {"srv", "fzg", "twin_disc"}  # tested above

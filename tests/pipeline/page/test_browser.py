@@ -7,18 +7,13 @@ import json
 import re
 from urllib.parse import unquote
 
-import numpy as np
 import pytest
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pipeline
-from pipeline.analysis.field import fields
-from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import percent
 from tests.helpers import page_sweeps as sweeps
-from tests.helpers import samples, synthetic
-from tests.helpers.answers import answer
+from tests.helpers import synthetic
 from tests.helpers.browser import chromium
 from tests.helpers.page_sweeps import column, same
 
@@ -154,66 +149,6 @@ def test_points_are_reached_by_keyboard_and_show_their_fields(page):
     pictures = driver.execute_async_script(drawn)
     assert [size[:2] for size in pictures[::2]] == [[48, 36]] * 3
     assert all(colours > 20 for *_, colours in pictures)
-
-
-def test_a_page_of_samples_tells_the_probability_at_any_place(page, monkeypatch):
-    samples.fewer_draws(monkeypatch)
-    measured = ({"normal_load": 400.0, "velocity": 2.0, "friction": None},)
-    ds = samples.dataset(samples.ensemble(tests=measured))
-    ds = ds.assign(status=(("variant", "load"), np.ones((ds.sizes["variant"], ds.sizes["load"]))))
-    (field,) = fields(pipeline.results(ds))
-    loads, scatter = field.ensemble.loads, model_error(pipeline.results(ds), field)
-    load = float(loads.mean())
-    grid = np.linspace(*field.ensemble.velocities, 200)
-    half = float(np.interp(0.5, field.probability(load, grid, scatter), grid))
-    driver = page(ds)
-    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram image, #diagram .boundary")) == 2
-    assert signs(driver) == {"probability", "even", "ends", "transition"}
-    for velocity in (0.8 * half, half):
-        expected = field.probability(load, np.array([velocity]), scatter)[0]
-        place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"
-        assert driver.execute_script(place) == pytest.approx(expected, abs=0.01)
-        text = driver.find_element(By.ID, "margin").text
-        assert "probability of severe wear" in text
-        (said,) = re.findall(r"50 % at this load (\S+) m/s", text)
-        assert float(said) == pytest.approx(half, rel=0.01)
-    driver.execute_script(f"samples.misfit.push(['wear', 'contradicted']); judge({load}, 2)")
-    assert driver.find_element(By.ID, "margin").text.startswith("wear contradicted")
-    driver.execute_script(
-        f"showTip(axes(400, 300, {{low: 0, high: 9}}, {{low: 0, high: 900}}).frame, {load}, 2)"
-    )
-    assert "severe with a probability of" in driver.find_element(By.ID, "tip").text
-    for name in ("at-load", "at-velocity"):
-        typed(driver, name, "1")
-    assert "within the sweep" in driver.find_element(By.ID, "margin").text
-    link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
-    assert len(rows(link)) == len(loads)
-
-
-def test_an_operating_point_gets_the_verdict_of_the_nearest_node(page):
-    ds = synthetic.sweep()
-    driver = page(ds)
-    typed(driver, "at-load", "425")
-    field = typed(driver, "at-velocity", "1,100")
-    assert "Type a load and a velocity" in driver.find_element(By.ID, "margin").text
-    assert field.get_attribute("aria-invalid") == "true"
-    typed(driver, "at-velocity", "1.1")
-    load, velocity = driver.execute_script("""
-    const [k, j] = nearestNode(chosen);
-    return [content.fine.load[k], content.fine.velocity[j]];
-    """)
-    assert (load, velocity) == pytest.approx((425.0, 1.1), rel=0.05)
-    (own,) = fields(pipeline.results(ds))
-    expected = answer(own, load, velocity, model_error(pipeline.results(ds), own))
-    text = driver.find_element(By.ID, "margin").text
-    assert f"wear {expected.verdict}" in text
-    assert f"likely by {percent(expected.probability)}" in text
-    assert f"distance to critical {expected.distance:.3g} K" in text
-    assert f"{expected.critical_velocity:.4g} m/s, {expected.velocity_factor:.3g} times" in text
-    assert f"nearest node {load:.4g} N, {velocity:.4g} m/s, interpolated" in text
-    assert expected.model_error in text
-    typed(driver, "at-load", "0")
-    assert "within the sweep" in driver.find_element(By.ID, "margin").text
 
 
 DUTIES = {

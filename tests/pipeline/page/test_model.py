@@ -7,14 +7,9 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.field import fields
-from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.transition import CROSSES
-from pipeline.store.schema import PENDING
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.helpers.answers import answer
 from tests.helpers.javascript import run
 from tests.helpers.page_sweeps import same
 from tests.helpers.sweeps import with_fields
@@ -106,51 +101,6 @@ def test_the_boundary_is_that_of_the_command(kind):
     assert crossings > 20
 
 
-@pytest.mark.parametrize(
-    "kind", ["one surface", "ragged ends", "several surfaces", "a hold", "a warm pin"]
-)
-def test_the_verdict_at_a_node_is_that_of_the_command(kind):
-    ds = sweeps.KINDS[kind]()
-    draw = np.random.default_rng(3)
-    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(6)]
-    asked = [
-        {"conditions": conditions, "places": places}
-        for conditions in random_conditions(ds)
-        if conditions.get("friction") != 0
-    ]
-    compared, verdicts = 0, set()
-    for given, told in zip(asked, run(ds, MARGINS, asked), strict=True):
-        there = under(ds, given["conditions"])
-        (field,) = fields(pipeline.results(there))
-        scatter = model_error(pipeline.results(there), field)
-        for page in told:
-            expected = answer(field, *page["place"], scatter)
-            assert page["temperature"] == pytest.approx(expected.decisive_temperature, abs=0.05)
-            rise = expected.decisive_temperature - field.conditions.coldest_bulk_temperature
-            kept = "failing_share", "bulk_ratio"
-            if all(
-                getattr(field.conditions, x) == getattr(pipeline.results(ds).conditions, x)
-                for x in kept
-            ):
-                assert page["error"] * rise == pytest.approx(expected.temperature_error, rel=1e-4)
-                likely = expected.lowest, expected.probability, expected.highest
-                assert page["probabilities"] == pytest.approx(likely, abs=0.02)
-                if abs(expected.highest - 0.05) > 0.02 and abs(expected.lowest - 0.95) > 0.02:
-                    assert page["verdict"] == expected.verdict
-            assert page["words"].split(" % ")[-1] == expected.model_error.split(" % ")[-1]
-            assert page["probabilities"][1] == pytest.approx(expected.probability, abs=0.02)
-            for own, critical in (
-                (page["velocity"], expected.critical_velocity),
-                (page["load"], expected.critical_load),
-            ):
-                if np.isfinite(critical) and page["isWhole"]:
-                    same(own, critical, rtol=0.02)
-            compared += 1
-            verdicts.add(expected.verdict)
-    assert compared > 15
-    assert len(verdicts) == 3
-
-
 def test_an_uncertain_critical_temperature_counts_as_in_the_command():
     ds = synthetic.sweep(conditions=synthetic.CONDITIONS | {"critical_sd": 14.0})
     places = [[400.0, velocity] for velocity in (0.75, 1.5, 2.0, 2.25, 2.5, 3.0, 4.0)]
@@ -159,24 +109,6 @@ def test_an_uncertain_critical_temperature_counts_as_in_the_command():
         here = pipeline.margin(ds, *page["place"])
         likely = here.lowest, here.probability, here.highest
         assert page["probabilities"] == pytest.approx(likely, abs=1e-3)
-
-
-def test_beyond_the_sweep_friction_is_what_its_table_says():
-    """Beyond 2 m/s friction falls to a third, and wear is mild again; only the heat is a power."""
-    far = Corrections(friction=Friction(by_velocity=((2.0, 1.0), (3.0, 0.3), (6.0, 2.0))))
-    ds = synthetic.sweep().sel(velocity=slice(None, 2.0))
-    conditions = replace(pipeline.results(ds).conditions, corrections=far)
-    ds = with_fields(ds, conditions=conditions, model_scatter=0.3)
-    places = [[float(load), float(v)] for load in ds["load"][::3] for v in ds["velocity"][::2]]
-    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
-    (field,) = fields(pipeline.results(ds))
-    scatter = model_error(pipeline.results(ds), field)
-    expected = [answer(field, *page["place"], scatter).probability for page in told]
-    assert [page["probabilities"][1] for page in told] == pytest.approx(expected, abs=0.01)
-    plain = with_fields(ds, conditions=replace(conditions, corrections=None))
-    (field,) = fields(pipeline.results(plain))
-    without = [answer(field, *page["place"], scatter).probability for page in told]
-    assert np.abs(np.subtract(expected, without)).max() > 0.1
 
 
 FALLING = (0.5, 2.6), (1.2, 1.0), (6.0, 0.9)
@@ -194,30 +126,6 @@ def banded(by_velocity=FALLING):
 ENDS = [{}, {"critical_temperature": 1200.0}, {"critical_temperature": 310.0}]
 
 
-@pytest.mark.parametrize("make", [synthetic.sweep, lambda: banded().sel(velocity=slice(0.7, 2.5))])
-@pytest.mark.parametrize("is_whole", [True, False])
-def test_a_page_counts_the_tests_beyond_the_velocities_that_the_command_counts(make, is_whole):
-    tests = tuple(
-        Measurement(600.0, velocity, friction, outcome=outcome)
-        for velocity in (0.2, 1.0, 7.0)
-        for friction, outcome in ((None, "mild"), (None, "severe"), (None, None), (0.1, "mild"))
-    )
-    ds, counted = with_fields(make(), measured=tests, tested=()), set()
-    ds = ds.where(is_whole | (ds["load"] != 600.0) | (abs(ds["velocity"] - 1.5) < 0.6))
-    script = """return argument.map((given) => {
-      chosen.conditions = { ...content.conditions, ...given };
-      return residuals();
-    });"""
-    for given, told in zip(ENDS, run(ds, script, ENDS), strict=True):
-        there = pipeline.at(ds, **given)
-        found = model_error(pipeline.results(there), fields(pipeline.results(there))[0])
-        expected = [*found.residuals, *found.wrong]
-        here = [*told["turn"], *told["below"], *told["above"]]
-        assert sorted(here) == pytest.approx(sorted(expected), rel=0.01, abs=0.01)
-        counted.add(len(expected))
-    assert 0 < min(counted) < max(counted) < len(tests)
-
-
 REGIONS = """
 const all = regions().map(([name, grid]) => [name, grid]);
 return content.fine.load.flatMap((_, k) => content.inner.flatMap((_place, j) => {
@@ -228,15 +136,3 @@ return content.fine.load.flatMap((_, k) => content.inner.flatMap((_place, j) => 
   return [[rises.some(Number.isNaN) ? "unknown" : verdict, here.join()]];
 }));
 """
-
-
-@pytest.mark.parametrize("is_whole", [True, False])
-def test_each_node_between_points_lies_in_the_region_of_its_verdict(is_whole):
-    velocities = (1.0, 1.5, 2.0, 3.0, 4.0)
-    told = {} if is_whole else {"status": {(600.0, v): PENDING for v in velocities}}
-    ds = synthetic.sweep((200.0, 300.0, 400.0, 500.0, 600.0), velocities, **told)
-    nodes = run(ds, REGIONS)
-    alike = {"mild": "mild", "severe": "severe", "not decided": "open", "unknown": ""}
-    assert [here for _, here in nodes] == [alike[verdict] for verdict, _ in nodes]
-    assert {verdict for verdict, _ in nodes} >= {"mild", "severe", "not decided"}
-    assert ("unknown" in {verdict for verdict, _ in nodes}) == (not is_whole)

@@ -12,16 +12,12 @@ import pytest
 from PIL import Image
 
 import pipeline
-from pipeline.analysis.field import fields
-from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.page.content import content
 from pipeline.page.controls import controls
-from pipeline.page.pictures import coloured
-from pipeline.store.schema import DONE
 from pipeline.sweep.digest import digest
 from tests.helpers import page_sweeps as sweeps
-from tests.helpers import samples, synthetic
+from tests.helpers import synthetic
 
 OWN = synthetic.conditions()
 
@@ -115,37 +111,6 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     held = content(marked)
     assert held["messages"] == {"0": "out of memory", str(3 * 15 + 2): "careful"}
     assert json.dumps(held, allow_nan=False)
-
-
-def test_a_page_of_samples_has_the_probability_between_their_ends(monkeypatch, tmp_path):
-    samples.fewer_draws(monkeypatch)
-    test = {"normal_load": 400.0, "velocity": 2.0, "friction": None}
-    ds = samples.dataset(samples.ensemble(tests=[test]))
-    page = pipeline.explore(ds, tmp_path / "page.html")
-    text = page.path.read_text(encoding="utf-8")
-    held = json.loads(re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)[0])
-    (field,) = fields(pipeline.results(ds))
-    ensemble, scatter = field.ensemble, model_error(pipeline.results(ds), field)
-    loads, velocities = np.array(held["loads"]), np.array(held["velocities"])
-    assert (loads[0], loads[-1]) == (ensemble.loads[0], ensemble.loads[-1]) == (200.0, 750.0)
-    assert (velocities[0], velocities[-1]) == tuple(ensemble.velocities)
-    plane = floats(held["probability"]).reshape(len(loads), len(velocities))
-    middle = len(loads) // 2
-    expected = field.probability(loads[middle], velocities, scatter)
-    np.testing.assert_allclose(plane[middle], expected, atol=1e-6)
-    # Load increases upwards: the top row of the picture has the highest load.
-    picture = opened(held["picture"])
-    assert picture.size == (len(velocities), len(loads))
-    assert coloured(plane[::-1]) == held["picture"]
-    scale = opened(re.findall(r'href="data:image/png;base64,([^"]*)"', text)[-1]).convert("RGB")
-    blue, red = scale.getpixel((0, 0)), scale.getpixel((scale.width - 1, 0))
-    assert blue[2] > blue[0]
-    assert red[0] > red[2]
-    assert held["misfit"] == []
-    assert len(held["measured"]) == 1
-    assert f"he model's own error: {scatter.text}" in unescape(text)
-    assert (page.points, page.points_with_fields) == (int((ds["status"] == DONE).sum()), 0)
-    assert "<th>friction</th>" not in text  # each sample has its own friction
 
 
 # Pictures

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -21,11 +20,8 @@ from pipeline.store.create import writing
 from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.variants import surfaces
-from tests.helpers import synthetic, tiny
-from tests.helpers.entries import rows
-from tests.helpers.samples import dataset, ensemble
-from tests.helpers.scenes import SCENE, STEEL
-from tests.helpers.unknowns import ALL
+from tests.helpers import tiny
+from tests.helpers.scenes import SCENE
 
 
 def back(sweep):
@@ -45,27 +41,6 @@ def test_a_shipped_scene_comes_back_equal(name):
 
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
 SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_normal((32, 16)))
-
-
-@pytest.mark.parametrize(
-    "sweep",
-    [
-        tiny.full(roughness=SCANNED),
-        tiny.sweep(loading=RECORD),
-        tiny.sweep(variants=surfaces((7, 1))),
-        tiny.sweep(
-            variants=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
-        ),
-        tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
-        synthetic.scene(selection=synthetic.selection(), oil=synthetic.OIL),
-        pipeline.results(dataset(ensemble(ALL, 32))).sweep,
-    ],
-    ids=["scan", "record", "surfaces", "rows by hand", "elastic", "picked", "samples"],
-)
-def test_a_sweep_of_any_kind_comes_back_equal(sweep):
-    again = back(sweep)
-    assert again == sweep
-    assert again.variants.names == sweep.variants.names
 
 
 def places(data, path=()):

@@ -5,7 +5,7 @@ import ast
 import pint
 import pytest
 
-from pipeline.quantities import SIZES, UNITS, display, shown_in, si_of
+from pipeline.quantities import SIZES, UNITS, display
 from pipeline.scene.units import UnitError, to_si
 from tests.house.measure import ROOT
 
@@ -49,16 +49,6 @@ def test_usual_units_are_what_the_library_of_all_units_says(unit, like):
     for number in ("1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"):
         expected = REGISTRY.Quantity(float(number), unit).to(base).magnitude
         assert to_si(f"{number} {unit}", like) == pytest.approx(expected, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    "unit",
-    ["mm", "µm", "GPa", "mm³/(N m)", "1/GPa", "mm³", "mm² K/W", "MJ/(m³ K)", "mm²/s", "°C", "N"],
-)
-def test_a_value_is_shown_as_the_number_of_units_that_it_was_read_from(unit):
-    value = to_si(f"3 {unit}", like=f"1 {unit}")
-    assert shown_in(value, unit) == pytest.approx(3.0)
-    assert si_of(3.0, unit) == pytest.approx(value)
 
 
 def shown_units():

@@ -25,10 +25,7 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_points
-from pipeline.sweep.variants import surfaces
-from pipeline.uncertain.samples import Design, Draw, drawn_rows
-from pipeline.uncertain.unknown import Unknown
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import STEEL
@@ -236,41 +233,8 @@ def test_points_are_taken_by_scene_and_place_and_only_if_they_are_sound(path, tm
             assert take_points(store, opened(path)) == 0
 
 
-def sampled(count=2, seed=0):
-    unknown = (Unknown("pin.radius", "normal", (8e-3, 1e-4), "m"),)
-    design = Design(unknown, ("contact",), (0.5, 1.0), seed, 1)
-    return drawn_rows(Draw(unknown, design), count)
-
-
 def several(**changes):
     return tiny.sweep(loads=(150.0,), velocities=(0.5, 1.0), **changes)
-
-
-@pytest.mark.parametrize(
-    ("fewer", "more", "files"),
-    [
-        (several(variants=surfaces((4, 1))), several(variants=surfaces((7, 1, 4))), 8),
-        (several(variants=sampled()), several(variants=sampled(count=5)), 10**6),
-    ],
-    ids=["surfaces", "samples"],
-)
-def test_surfaces_and_samples_are_added_to_those_that_are_there(
-    path, fewer, more, files, monkeypatch
-):
-    chosen = points(fewer)[1::2]
-    with writing(path, fewer) as store:
-        store.commit(run_points(fewer, [point])[0].record(with_fields=False) for point in chosen)
-    before = open_sweep(path).load()
-    with killed_after(monkeypatch, files), writing(path, more):
-        pass
-    with open_sweep(path) as ds:
-        (name,) = more.variants.axes
-        after = ds.sel({name: before[name]}).load()
-    for name in set(before.data_vars) - {"asked"}:
-        np.testing.assert_array_equal(after[name].values, before[name].values)
-    with writing(path, more) as store:
-        assert len(store.pending()) == len(points(more)) - len(chosen)
-    assert verify_store(path).is_clean
 
 
 # Refusals
@@ -288,28 +252,6 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
         "  fidelity.increments: 6 in the store, 7 in the scene",
     ]
     assert contents(alone) == before
-
-
-@pytest.mark.parametrize(
-    ("made", "asked", "complaint"),
-    [
-        ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
-        ({}, {"variants": surfaces((1,))}, "none in the store, realization in"),
-        ({"variants": surfaces((1,))}, {}, "realization in the store, none in"),
-        (
-            {"variants": sampled()},
-            {"variants": sampled(seed=1)},
-            "samples are drawn by another rule",
-        ),
-    ],
-    ids=["fields later", "surfaces later", "surfaces before", "another seed"],
-)
-def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
-    commit(path, several(**made), ())
-    before = contents(path)
-    with pytest.raises(StoreMismatchError, match=complaint):
-        commit(path, several(**asked), ())
-    assert contents(path) == before
 
 
 def test_a_whole_number_is_the_same_as_its_float(path):

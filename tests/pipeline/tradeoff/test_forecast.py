@@ -4,7 +4,6 @@ import pytest
 
 from pipeline.sweep import plan
 from pipeline.sweep.plan import points, run_points, tasks
-from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import estimate
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
@@ -15,7 +14,6 @@ from tribo import (
     Fidelity,
     Grid,
     Ramp,
-    simulate,
 )
 from tribo.simulation import Trunks, contacts
 
@@ -68,29 +66,6 @@ def test_steps_and_temperatures_are_foretold(changes, monkeypatch):
     sweep = changed(SWEEP, **{"roughness": None} | changes)
     forecast = estimate(sweep, workers=1)
     assert (forecast.steps, forecast.temperatures) == counted(sweep, monkeypatch)
-
-
-def test_workers_share_the_time(monkeypatch):
-    # A machine of two cores, on which a contact takes 1 s and its temperature 9 s.
-    timed = 1.0, 9.0, next(simulate(SWEEP.scene, 750.0, 0.0))
-    monkeypatch.setattr(forecast, "time_steps", lambda *_: timed)
-    monkeypatch.setattr(forecast, "cores", lambda: 2)
-    sweep = changed(SWEEP, fidelity=Fidelity(increments=30), steps="end")
-    # 29 increments below 750 N at each velocity, and the ends of three loads.
-    ramp = 32 * 1.0 + 3 * 9.0
-    assert estimate(sweep, 1).seconds == pytest.approx(2 * ramp, rel=0.02)
-    assert estimate(sweep, 2).seconds == pytest.approx(ramp, rel=0.02)
-    many = changed(sweep, velocities=VELOCITIES)
-    whole = estimate(many, 1)
-    assert (whole.points, whole.tasks) == (3 * 40, 120)
-    assert whole.seconds == pytest.approx(1.0 + 40 * ramp + 120 * 0.005)
-    # If workers outnumber cores, they take turns; no more workers are busy than there are tasks.
-    longest = 30 * 1.0 + 9.0 + 0.005  # time of the highest load alone
-    assert estimate(sweep, 50).seconds == pytest.approx(1.0 + 6 / 2 * longest)
-    assert (estimate(sweep, 50).workers, estimate(sweep).workers) == (50, 2)
-    # 4 increments, and ends of 4 loads with a temperature each; 4 samples share a contact.
-    shared = 128 * (4 * 9.0 + 8 * 1.0 / 4)
-    assert estimate("uncertain", 1).seconds == pytest.approx(shared, rel=0.02)
 
 
 def test_the_room_of_a_store_grows_with_the_moments_that_it_has():
