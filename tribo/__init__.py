@@ -23,7 +23,7 @@ The public names, in the order of work:
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
   `WarningKind`
 - verdict: `Conditions`, `judge`, `Verdict`, `Criterion`, `Rule`, `CRITERIA`, `QUANTILES`
-- effects that act after the simulation: `Corrections`, `Friction`, `FRICTIONS`, `Track`, `Disc`,
+- effects that act after the simulation: `Corrections`, `Friction`, `Track`, `Disc`,
   `Stem`, `Bulk`
 - oil film: `Oil`, `lubrication_regime`
 - closed forms: `analytic`
@@ -42,7 +42,6 @@ from .material import Oil as Oil
 from .material import contact_modulus as contact_modulus
 from .material import lubrication_regime as lubrication_regime
 from .numerics import Grid as Grid
-from .simulation import FRICTIONS as FRICTIONS
 from .simulation import PINS as PINS
 from .simulation import PRESETS as PRESETS
 from .simulation import Ball as Ball

@@ -96,8 +96,7 @@ class PointField:
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions, from the same simulated points."""
-        names = "bulk_ratio", "solved_friction"
-        if all(getattr(conditions, name) == getattr(self.conditions, name) for name in names):
+        if conditions.bulk_ratio == self.conditions.bulk_ratio:
             return replace(self, conditions=conditions)  # the same rises per unit friction
         return replace(self, planes=planes_of(self.source, conditions), conditions=conditions)
 
@@ -238,10 +237,9 @@ class PointField:
         """Relative numerical errors of rises at k pairs of load and velocity (4, k).
 
         The first axis has four causes: interpolation between computed points, the preset of
-        numerical settings, faults that the simulation warned of, and corrections added after it for
-        oil film and temperature-dependent friction. The first three errors are those of the surface
-        where their total is largest; the last is that of the hottest surface. An unknown error is
-        NaN.
+        numerical settings, faults that the simulation warned of, and the correction added after it
+        for a film. The errors are those of the surface where their total is largest. An unknown
+        error is NaN.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -249,12 +247,7 @@ class PointField:
         )
         worst = np.nan_to_num(totals(by_plane.swapaxes(0, 1)), nan=math.inf).argmax(axis=0)
         errors: Array = by_plane[worst, :, np.arange(len(loads))].T
-        if not self.conditions.friction_law.by_temperature:
-            errors[-1] = counted_error(self.conditions)
-            return errors
-        rises = self._rise(loads, velocities)[0].max(axis=0)
-        is_solved = [plane.rests_on_solved(loads, velocities) for plane in self.planes]
-        errors[-1] = counted_error(self.conditions, rises, np.all(is_solved, axis=0))
+        errors[-1] = counted_error(self.conditions)
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:

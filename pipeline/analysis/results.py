@@ -32,18 +32,18 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import COORDINATES, DONE, MADE, OF_POINT, PLANE, SCENE_ID, STEPPED
+from pipeline.store.schema import COORDINATES, DONE, MADE, PLANE, SCENE_ID, STEPPED
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.severity import columns_needed, equivalent_rise, require_bulks, worst_rises
+from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
 from pipeline.sweep.variants import VARIANT, Label, Variant
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
 _INNER = ("step", "bulk_ratio", "cooler_share")
-_MARKS = ("status", "warning_flags", "asked", "message", *OF_POINT)
+_MARKS = ("status", "warning_flags", "asked", "message")
 _RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
 
@@ -347,21 +347,7 @@ class Results:
         columns: dict[str, Any] = {k: self.columns[k] for k in names if k in self.columns}
         columns["quantile"] = self.shares
         rises = worst_rises(columns, self.loads[:, None, None], conditions)
-        rises = equivalent_rise(rises, self.solved(conditions), conditions)
         return np.where(self.done, rises, np.nan)
-
-    def solved(self, conditions: Conditions) -> Array:
-        """Rises [K] that the run solved with temperature-dependent friction.
-
-        They are per unit friction coefficient, with the axes of `Results.rises`. Points that the
-        run did not solve in this way are NaN. The result is a single NaN if the run solved no point
-        in this way, or if its friction, bulk temperature or criterion are not those of
-        `conditions`.
-        """
-        solved = self.stored.variant(self.name).scene.solved_friction
-        if solved is None or solved != conditions.solved_friction:
-            return np.array(np.nan)
-        return self.columns.get("coupled_rise", np.array(np.nan))
 
 
 ResultsLike = xr.Dataset | PathLike | Results

@@ -64,9 +64,6 @@ _OF_WARNED = {
     # Seen with 15 to 38 elements in contact, each a single pixel; with some hundreds the error was
     # 0.6 %. Differences between surfaces, or from smaller pixels, are not included.
     WarningKind.FEW_NODES: 0.11,
-    # 0, as friction by temperature has its own part of the error, `counted`.
-    WarningKind.IGNITION: 0.0,
-    WarningKind.UNSOLVED_FRICTION: 0.0,
     WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
 }
 """Relative error of the rise that a warning adds; for other warnings it is unknown.
@@ -76,9 +73,6 @@ Found by `python -m tests.promises.errors`.
 
 _OF_FILM = 0.032
 """Largest relative error of a rise if film resistance is added after the simulation, at 200 N."""
-_OF_FRICTION = 0.3
-"""Relative error of a rise without solved friction by temperature, over the change of ln(friction).
-"""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed".
@@ -93,7 +87,7 @@ _PARTS = (
     "interpolation",
     "preset",
     "warned points",
-    "film and friction by temperature, which only a run of the scene solves",
+    "film",
 )
 
 
@@ -107,7 +101,7 @@ class RiseError:
     interpolation: float | None
     preset: float | None
     warned: float | None  # for points with a warning
-    counted: float | None = 0.0  # error of film and friction by temperature, added after the run
+    counted: float | None = 0.0  # error of a film, added after the run
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
@@ -158,8 +152,7 @@ class RisePlane:
     """Temperature rises [K] at the points of one surface, and the warnings of these points.
 
     Rises are per unit friction coefficient, without the effect of velocity on friction. `flags` are
-    sums of `WarningKind` codes, and `durations` the times of loading [s]. `is_solved` is True at
-    points that the run solved with temperature-dependent friction. These arrays have the shape
+    sums of `WarningKind` codes, and `durations` the times of loading [s], both
     (n_load, n_velocity).
     """
 
@@ -168,16 +161,6 @@ class RisePlane:
     rises: Array
     flags: Indices
     durations: Array
-    is_solved: Mask
-
-    def rests_on_solved(self, loads: Array, velocities: Array) -> Mask:
-        """Mask (k,) of k pairs of load and velocity: True if all points around are solved.
-
-        Around a pair are the points between which its rise is interpolated. A point is solved if
-        the run solved its contact with temperature-dependent friction.
-        """
-        rows, columns = self.rests_on(loads, velocities)
-        return np.asarray(self.is_solved[rows[..., None], columns].all(axis=(1, 2)))
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """Mask (k,) of k pairs of load and velocity: True for computed points."""
@@ -242,10 +225,9 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
     """
     scene.require("time")
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
-    is_solved = np.broadcast_to(~np.isnan(scene.solved(conditions)), rises.shape)
     times = np.nan_to_num(scene.columns["time"], nan=-np.inf).max(axis=-1)
     shape = -1, *rises.shape[-2:]
-    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times, is_solved))
+    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times))
     axes = scene.loads, scene.velocities
     return tuple(RisePlane(*axes, *values) for values in zip(*parts, strict=True))
 
@@ -287,26 +269,10 @@ def preset_error(velocity_error: float | None) -> float:
     return math.nan if velocity_error is None else SHARE * velocity_error
 
 
-def counted_error(
-    conditions: Conditions, rises: Array | float = 0.0, is_solved: Mask | bool = False
-) -> Array:
-    """Relative error of rises due to corrections for oil film and temperature-dependent friction.
-
-    `rises` [K] are per unit friction coefficient. `is_solved` is True for rises for which the run
-    itself solved the temperature-dependent friction; other rises are corrected after the run. The
-    error of a corrected rise is NaN if friction may grow without limit as the contact gets hotter.
-    """
-    if (parts := conditions.corrections) is None:
-        return np.array(0.0)
-    law = conditions.friction_law
-    film = _OF_FILM if parts.film_resistance else 0.0
-    if not (law.by_temperature and law.coefficient):
-        return np.array(film)
-    bulk = conditions.coldest_bulk_temperature
-    change = law.spread(bulk, conditions.critical_temperature or bulk)
-    may_ignite = np.vectorize(conditions.may_ignite, otypes=[bool])(np.nan_to_num(rises))
-    unsolved = np.where(may_ignite, math.nan, math.hypot(film, _OF_FRICTION * change))
-    return np.where(is_solved, film, unsolved)
+def counted_error(conditions: Conditions) -> Array:
+    """Relative error of rises due to a film, which is added after the simulation."""
+    parts = conditions.corrections
+    return np.array(_OF_FILM if parts and parts.film_resistance else 0.0)
 
 
 def _neighbours(is_done: Mask) -> Indices:

@@ -67,7 +67,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     data = pipeline.results(ds)
     conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])
-    contact = _contact_frame(point, bool(conditions.friction_law.by_temperature))
+    contact = _contact_frame(point)
     if conditions.critical_temperature is None:
         decides = conditions.contact_temperature(pipeline.results(point).rises(conditions))
         frame = contact = frame_of(_PLACE, [[*place, decides.item()]]).join(contact)
@@ -81,15 +81,13 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     return Result(text=wrapped(text), warned=pipeline.warned(data), frames=[frame])
 
 
-def _contact_frame(ds: xr.Dataset, solved: bool) -> pd.DataFrame:
+def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
     """Frame of one row: the contact at the end of a point, and its temperature over all steps.
 
-    The highest temperature and the failed share are the largest of all steps. Both are left out if
-    friction depends on temperature (`solved`).
+    The highest temperature and the failed share are the largest of all steps.
     """
-    both = pipeline.end_of_point(ds)
-    if not solved:
-        both = both.merge(pipeline.temperatures(ds).max("step"), compat="override")
+    highest = pipeline.temperatures(ds).max("step")
+    both = pipeline.end_of_point(ds).merge(highest, compat="override")
     values = {head: both[name].item() for name, head in _CONTACT.items() if name in both}
     return frame_of([*values], [[*values.values()]])
 

@@ -71,11 +71,7 @@ function showControl(control) {
 function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, ...others }) {
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
   const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
-  const [nodes, factors] = others.strip_friction ? [[0], [1]] : content.friction_by_temperature;
-  const limitOf = (/** @type {number} */ kelvin) => Math.max(
-    ...[kelvin, ...nodes.filter((node) => node > coldest && node < kelvin)]
-      .map((one) => (one - coldest) / factor / linear(nodes, factors, one)),
-  );
+  const limitOf = (/** @type {number} */ kelvin) => (kelvin - coldest) / factor;
   const limit = others.critical_temperature === null ? NaN : limitOf(others.critical_temperature);
   return { coldest, factor, ratio: difference && difference / factor, limitOf, limit };
 }

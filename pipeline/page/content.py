@@ -272,9 +272,6 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "beside": beside.reshape(2, -1).T.tolist(),
         "measured": _tests(data, fine_loads, nodes[: own_nodes[-1] + 1], first),
         "friction_factors": factor.tolist(),
-        "friction_by_temperature": [
-            *zip(*(conditions.friction_law.by_temperature or ((0.0, 1.0),)), strict=True)
-        ],
         "plane": packed_array(np.concatenate([*map(np.ravel, (plane, columns))]), "<f4"),
         "columns": _offsets(own_columns, own_nodes, state.size, fine_loads.size),
         "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),

@@ -30,16 +30,10 @@ function kept(key, make) {
   return made;
 }
 
-/** Lowest contact temperature [K] that a rise at friction 1 makes. @param {number} rise */
+/** Contact temperature [K] that a rise at friction 1 makes. @param {number} rise */
 function temperature(rise) {
-  const [, factors] = content.friction_by_temperature;
-  const { coldest, factor, limitOf } = heatOf(chosen.conditions);
-  let [low, high] = [coldest, coldest + factor * Math.max(...factors) * rise];
-  for (let n = 0; n < 40 && factors.length > 1; n += 1) {
-    const middle = (low + high) / 2;
-    [low, high] = limitOf(middle) < rise ? [middle, high] : [low, middle];
-  }
-  return high;
+  const { coldest, factor } = heatOf(chosen.conditions);
+  return coldest + factor * rise;
 }
 
 /** True if the stored fields hold for the chosen bulk temperatures. */

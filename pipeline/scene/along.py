@@ -26,7 +26,7 @@ from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.tables import CURVES, entry_at, flat
+from pipeline.sweep.tables import CURVE, entry_at, flat
 from pipeline.sweep.tables import FRICTION as COEFFICIENT
 from pipeline.sweep.variants import PLACE_UNITS, Column, Row, numbered_rows
 from tribo import InputError
@@ -224,7 +224,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
         for head, (_, unit) in found.items()
     ]
     # A friction measured at one place replaces curves of friction.
-    curves = dict.fromkeys(CURVES if COEFFICIENT in found else ())
+    curves = {CURVE: None} if COEFFICIENT in found else {}
     table = (
         Row(
             {head: labels[k] for head, (labels, _) in found.items()},

@@ -157,14 +157,12 @@ def _unfit_friction(scene: Any) -> Misfits:
     friction = scene.friction
     if friction.band and friction.band[0] > friction.band[1]:
         yield "friction.band", f"{quoted(list(friction.band))} falls; give the lower one first"
-    for name, unit in (("velocity", "m/s"), ("temperature", "°C")):
-        path = f"friction.by_{name}"
-        nodes = [getattr(row, name) for row in getattr(friction, f"by_{name}") or ()]
-        if twice := [node for node in nodes if nodes.count(node) > 1]:
-            yield path, f"has {display(twice[0], unit)} twice; give each once"
-        if nodes and friction.coefficient == 0:
-            words = f"0 cannot be scaled by {path}; give a typical one, such as 0.1"
-            yield "friction.coefficient", words
+    nodes = [row.velocity for row in friction.by_velocity or ()]
+    if twice := [node for node in nodes if nodes.count(node) > 1]:
+        yield "friction.by_velocity", f"has {display(twice[0], 'm/s')} twice; give each once"
+    if nodes and friction.coefficient == 0:
+        words = "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
+        yield "friction.coefficient", words
 
 
 @_check("measured", "tested")

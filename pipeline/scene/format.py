@@ -264,14 +264,10 @@ class FrictionByVelocity(Declared):
     velocity: A[float, SPEED, "Sliding velocity."]
     coefficient: A[float, FRICTION, "Coefficient of friction."]
 
-class FrictionByTemperature(Declared):
-    temperature: A[float, TEMPERATURE, "Temperature of the contact."]
-    coefficient: A[float, Number(above=0), "Coefficient of friction."]
-
 class Friction(Declared):
     coefficient: A[float, FRICTION,
         "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales the "
-        "values of `by_velocity` and `by_temperature`; one in the scene (`--set`) keeps them."]
+        "values of `by_velocity`; one in the scene (`--set`) keeps them."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
         "Lowest and highest coefficient, whose transitions the diagram draws as thin lines."] = None
     same_rig: A[bool,
@@ -279,10 +275,6 @@ class Friction(Declared):
         "tests; false if the scene is another machine than the rig."] = True
     by_velocity: A[tuple[FrictionByVelocity, ...],
         f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
-    by_temperature: A[tuple[FrictionByTemperature, ...],
-        "Friction by the temperature in each part of the contact, linear between the values, "
-        "constant beyond. Its factor on the coefficient multiplies that of the velocity. "
-        f"{LATER}"] = ()
 
 class Bulks(Declared):
     pin: A[float, BULK, "Temperature of the pin."]

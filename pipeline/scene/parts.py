@@ -170,19 +170,15 @@ def corrections_of(
     `scene` has the tables of the scene; `pin`, `disk` and `motion` were made from them.
     """
     friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
-    curves: dict[str, Any] = {
-        f"by_{name}": tuple(
-            sorted((getattr(row, name), row.coefficient / friction.coefficient) for row in rows)
-        )
-        for name in ("velocity", "temperature")
-        if (rows := getattr(friction, f"by_{name}"))
-    }
+    curve = sorted(
+        (row.velocity, row.coefficient / friction.coefficient) for row in friction.by_velocity or ()
+    )
     stem = tribo.Stem(rod.resistance) if rod and not isinstance(rod, Rod) else None
     if isinstance(rod, Rod):
         conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
         stem = tribo.Stem.rod(rod.length, rod.area, *conduction)
     corrections = tribo.Corrections(
-        friction=tribo.Friction(**curves),
+        friction=tribo.Friction(by_velocity=tuple(curve)),
         track=_track_of(scene.disk, pin, disk),
         pin_track=_track_of(scene.pin, pin, pin.material),
         stem=stem,

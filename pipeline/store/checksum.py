@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.schema import AT_END, OF_POINT, STEPPED, VARIABLES
+from pipeline.store.schema import AT_END, STEPPED, VARIABLES
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
-_COVERED = {*STEPPED, *AT_END, *OF_POINT, "message", "warning_flags"}
+_COVERED = {*STEPPED, *AT_END, "message", "warning_flags"}
 
 
 def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:

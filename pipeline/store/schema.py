@@ -97,12 +97,6 @@ BULK_COLUMNS = {
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {"bulk_response": _field("1", "pin rise per kelvin by which the disk is warmer")}
 """Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
-OF_POINT = {
-    "coupled_rise": Variable(
-        PLANE, "K", f"deciding rise {_RISE} with friction by temperature; inf: the contact ignites"
-    ),
-}
-"""Variables of a point that scenes with friction by temperature have in addition."""
 _STATES = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
 _KINDS = {
     "flag_masks": [int(kind) for kind in WarningKind],
@@ -122,7 +116,7 @@ INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS = "about", "fields"
 """Zarr groups: one for texts and facts of the store, one for the fields over x and y."""
-VARIABLES = COORDINATES | MADE | RECORDS | OF_POINT | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
@@ -193,8 +187,6 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     of_given = [sweep.variant(name).scene for name in sweep.variants.given]
     if not any(scene.unequal_bulks for scene in of_given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    if not any(scene.solved_friction for scene in of_given):
-        absent |= {*OF_POINT}
     for name, variable in (VARIABLES | IDS).items():
         if name in absent or name in table:
             continue

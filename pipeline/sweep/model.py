@@ -149,8 +149,7 @@ class Sweep:
     @cached_property
     def scene(self) -> Scene:
         """The scene to simulate, with its numerical choices."""
-        scene, solved = self.parts.scene, self.conditions.solved_friction
-        return scene if solved == scene.solved_friction else replace(scene, solved_friction=solved)
+        return self.parts.scene
 
     @property
     def plane(self) -> Any:

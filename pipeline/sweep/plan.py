@@ -27,17 +27,12 @@ from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Row
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
-    UNSOLVED,
-    CoupledRise,
     Note,
     PointWarning,
-    SolvedFriction,
     Trunks,
     contacts,
     fit_elements,
     heat,
-    solve_friction,
-    warn_friction,
 )
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
@@ -64,9 +59,6 @@ class PointResult:
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     warnings: tuple[PointWarning, ...]  #: Reasons for caution about the result.
     wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
-    #: Case for which friction by temperature was solved, and its result.
-    solved: SolvedFriction | None = field(default=None, repr=False)
-    coupled: CoupledRise = field(default=UNSOLVED, repr=False)
 
     @property
     def fields(self) -> dict[str, Array]:
@@ -101,7 +93,6 @@ class PointResult:
             data={
                 **{name: v for name, v in self.columns.items() if name not in _MADE},
                 **{name: v.astype(np.float32) for name, v in fields.items()},
-                **({"coupled_rise": np.array(self.coupled.rise)} if self.solved else {}),
             },
             message="; ".join(map(str, self.warnings)),
             warning_flags=sum({int(warning.kind) for warning in self.warnings}),
@@ -110,9 +101,7 @@ class PointResult:
 
     def verdict(self, conditions: Conditions) -> Verdict:
         """Mild or severe wear at the worst step of the point's loading, under `conditions`."""
-        is_solved = conditions.solved_friction == self.solved
-        coupled = self.coupled if is_solved else UNSOLVED
-        return verdict(self.columns, self.point.load, conditions, coupled)
+        return verdict(self.columns, self.point.load, conditions)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,8 +185,7 @@ def run_points(
     variants = [sweep.variant(point.variant) for point in points]
     first, name_of_source = sweep.contact_of(points[0])
     source = sweep.variant(name_of_source).scene
-    # Rises per unit friction coefficient are the same for all frictions.
-    scenes = [fit_elements(replace(one.scene, solved_friction=None), load) for one in variants]
+    scenes = [fit_elements(one.scene, load) for one in variants]
     places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
     different = tuple(dict.fromkeys(places))
     heat_steps, kept = stations.heat_steps(source, load), stations.kept(source, load)
@@ -219,20 +207,14 @@ def run_points(
         course = [moment[number] for moment in states[-1].course]
         records = [*course, *(record_at(place[0], state) for state in states)]
         columns = {name: np.array([record[name] for record in records]) for name in records[0]}
-        solved = variant.scene.solved_friction
-        coupled = UNSOLVED
-        if solved:
-            coupled = solve_friction(variant.scene, states, columns, load, variant.conditions)
         results.append(
             PointResult(
                 point=point,
                 columns=columns,
                 state=states[-1],
                 shape=variant.scene.grid.shape,
-                warnings=(*warnings(variant.scene, states[-1]), *warn_friction(coupled)),
+                warnings=tuple(warnings(variant.scene, states[-1])),
                 wall_time=0.0,
-                solved=solved,
-                coupled=coupled,
             )
         )
     duration = (time.perf_counter() - began) / len(points)

@@ -18,12 +18,11 @@ import numpy as np
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError, Scene, State, Verdict
-from tribo.simulation import UNSOLVED, CoupledRise, state_rises
+from tribo.simulation import state_rises
 from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
 from tribo.simulation.verdict import RISES as RISES
 from tribo.simulation.verdict import above_colder as above_colder
-from tribo.simulation.verdict import equivalent_rise as equivalent_rise
 from tribo.simulation.verdict import worst_moment as worst_moment
 from tribo.thermal import failed_share
 from tribo.types import Array
@@ -102,20 +101,14 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     return decisive
 
 
-def verdict(
-    columns: Mapping[str, Array],
-    load: float,
-    conditions: Conditions,
-    coupled: CoupledRise = UNSOLVED,
-) -> Verdict:
+def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
     """Mild or severe wear at a point, from its values at each step and its full load [N].
 
-    `columns` has the arrays that `worst_rises` takes, for one point. `coupled` is the rise solved
-    with temperature-dependent friction, if any.
+    `columns` has the arrays that `worst_rises` takes, for one point.
     """
     if conditions.bulk_ratio:
         require_bulks(columns, conditions)
-    return tribo_verdict.verdict(columns, load, conditions, coupled)
+    return tribo_verdict.verdict(columns, load, conditions)
 
 
 def boundary_velocity_error(rise: float, expected: float, exponent: float) -> float:

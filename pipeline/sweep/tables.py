@@ -7,7 +7,7 @@ from typing import Any
 
 Entries = Mapping[str, Any]
 FRICTION = "friction.coefficient"
-CURVES = "friction.by_velocity", "friction.by_temperature"
+CURVE = "friction.by_velocity"
 _CONTENTS = {
     "disk.roughness.content": ("disk.roughness.", "window."),
     "loading.content": ("loading.file",),
@@ -67,18 +67,15 @@ def changes(before: Any, after: Any, place: str = "") -> Iterator[tuple[str, Any
 def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
     """Return tables with the entries at several paths replaced by `values`.
 
-    If the coefficient of friction is replaced, the coefficients in the tables
-    ``friction.by_velocity`` and ``friction.by_temperature`` change in proportion. A table that is
-    itself in `values` is not scaled. The digest of a file's content is removed if an entry on
-    which the content depends is replaced.
+    If the coefficient of friction is replaced, the coefficients in the table
+    ``friction.by_velocity`` change in proportion, unless it is itself in `values`. The digest of
+    a file's content is removed if an entry on which the content depends is replaced.
     """
     values = dict(values)
     old, new = entry_at(tables, FRICTION), values.get(FRICTION)
-    if isinstance(old, int | float) and old and isinstance(new, int | float):
-        for path in CURVES:
-            if path not in values and (curve := entry_at(tables, path)):
-                scaled = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
-                values[path] = scaled
+    are_numbers = isinstance(old, int | float) and old and isinstance(new, int | float)
+    if are_numbers and CURVE not in values and (curve := entry_at(tables, CURVE)):
+        values[CURVE] = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
     changed = dict(tables)
     for content, names in _CONTENTS.items():
         if content not in values and any(path.startswith(names) for path in values):

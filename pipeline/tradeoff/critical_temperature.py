@@ -18,7 +18,7 @@ from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Report
-from pipeline.sweep.tables import CURVES, replace_values
+from pipeline.sweep.tables import CURVE, replace_values
 from pipeline.sweep.variants import Label, Variants, labelled_rows, surfaces
 from tribo import Criterion, InputError
 from tribo.errors import require_positive
@@ -193,7 +193,7 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     for number, test in enumerate(sweep.measured):
         row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}
         if test.friction is not None:  # a measured value replaces friction curves
-            row |= {**dict.fromkeys(CURVES), "friction.coefficient": test.friction}
+            row |= {CURVE: None, "friction.coefficient": test.friction}
         if test.bulk_temperature is not None:
             row["temperature.bulk"] = f"{test.bulk_temperature!r} K"
         if test.hold is not None:

@@ -32,7 +32,6 @@ _HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _FIELDS_OF_STATE = 3  # arrays kept for each increment of a ramp
 _MANY = 20_000  # tasks from which the work is divided evenly, not scheduled one by one
-_OF_FRICTION = 2.0  # mean number of heat partitions to solve the friction of a point
 _MOST_PIXELS = 2e7  # largest surface that is generated for a forecast
 _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 
@@ -137,9 +136,7 @@ class _TaskTimes:
             has[task.ramp[0], load] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
-        is_solved = bool(scene.solved_friction)
-        solving = _OF_FRICTION * warms * len(task.points) * is_solved
-        of_heat = (heats_on_way / scene.coarsening**2 + heats + solving) * self.heat_time
+        of_heat = (heats_on_way / scene.coarsening**2 + heats) * self.heat_time
         commits = len(task.points) * _SECONDS_TO_COMMIT
         return float(steps * self.contact_time + of_heat + commits)
 

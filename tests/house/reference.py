@@ -20,7 +20,7 @@ from tests.helpers.campaigns import table
 
 _VARIABLES = {
     "Coordinates": schema.COORDINATES | schema.MADE | schema.IDS,
-    "Variables of each point": schema.RECORDS | schema.OF_POINT,
+    "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Variables of bodies that differ in bulk temperature": schema.BULK_COLUMNS | schema.BULK_FIELDS,
     "Fields at the end of each point": schema.FIELDS,

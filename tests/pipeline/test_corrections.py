@@ -7,7 +7,6 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.rise_error import counted_error
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
@@ -33,9 +32,6 @@ pin.loss = "0.5 W/K"
 disk.loss = "2 W/K"
 friction.by_velocity = [
   { velocity = "1.5 m/s", coefficient = 0.09 }, { velocity = "50 cm/s", coefficient = 0.11 },
-]
-friction.by_temperature = [
-  { temperature = "150 degC", coefficient = 0.1 }, { temperature = "50 degC", coefficient = 0.1 },
 ]
 """
 
@@ -82,57 +78,6 @@ def test_corrections_cost_no_point_and_change_no_stored_number(store):
     assert stored[0].equals(stored[1])
     assert pipeline.boundary(ds).attrs["corrections"]
     commit_all(store, tiny.full(conditions=CONDITIONS))
-
-
-def test_each_command_has_the_friction_of_the_temperature_itself(store):
-    """Expected temperatures are fixed points, iterated here on the stored rises."""
-    nodes, factors = (300.0, 360.0), (1.1, 0.8)
-    curve = tribo.Friction(by_temperature=tuple(zip(nodes, factors, strict=True)))
-    conditions = replace(CONDITIONS, corrections=tribo.Corrections(friction=curve))
-    plain = pipeline.open_sweep(store)
-    ds = with_fields(plain, conditions=conditions)
-    rises = plain["rise_quantile"].values
-    expected = np.full_like(rises, 298.15)
-    for _ in range(200):
-        friction = 0.12 * np.interp(expected, nodes, factors)
-        expected = (expected + 298.15 + friction * rises) / 2
-    hot = pipeline.at(ds, friction=0.12)
-    found = pipeline.temperatures(hot)["temperature_quantile"]
-    np.testing.assert_allclose(found.transpose(*plain["rise_quantile"].dims), expected, rtol=1e-9)
-    steady = pipeline.at(plain, friction=0.1 * np.interp(345.0, nodes, factors))
-    crossings = pipeline.boundary(ds)["critical_velocity"]
-    np.testing.assert_allclose(crossings, pipeline.boundary(steady)["critical_velocity"])
-    np.testing.assert_allclose(
-        javascript.run(ds, "return boundaries().velocity.map(({ middle }) => middle);"),
-        crossings,
-        rtol=5e-3,
-    )
-    margin = pipeline.margin(ds, 600.0, 1.0)
-    point = pipeline.run_point(tiny.full(conditions=CONDITIONS), 600.0, 1.0).verdict(conditions)
-    assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
-    script = "return [0, 1].map((end) => temperature(argument + end));"
-    page = np.array(javascript.run(ds, script, conditions.limit(margin.decisive_temperature)))
-    assert page[0] == pytest.approx(margin.decisive_temperature, rel=1e-9)
-    scale = conditions.temperature_error(margin.decisive_temperature)
-    slope = (page[1] - page[0]) * conditions.limit(margin.decisive_temperature)
-    assert scale == pytest.approx(slope, rel=0.01)
-    change = np.log(np.interp([298.15, 345.0], nodes, factors))
-    assert counted_error(conditions) == pytest.approx(0.3 * abs(change[1] - change[0]))
-
-
-def test_entries_of_a_scene_become_corrections(tmp_path):
-    (tmp_path / "plain.toml").write_text(SCENE)
-    (tmp_path / "scene.toml").write_text(BESIDE)
-    corrections = pipeline.load_scene(tmp_path / "scene.toml").conditions.corrections
-    assert corrections.track == tribo.Track.under(tribo.Cylinder(2e-3, 3.4e-3, STEEL), STEEL, 0.34)
-    assert corrections.stem == ALL.stem
-    assert corrections.film_resistance == pytest.approx(1e-8)
-    np.testing.assert_allclose(corrections.friction.by_velocity, ALL.friction.by_velocity)
-    np.testing.assert_allclose(corrections.friction.by_temperature, ((323.15, 1.0), (423.15, 1.0)))
-    assert corrections.pin_bulk == ALL.pin_bulk
-    assert corrections.disk_bulk.loss == 2.0
-    assert corrections.disk_bulk.capacity == pytest.approx(np.pi / 4 * 0.15**2 * 0.01 * 3.666e6)
-    assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
 
 
 def test_bodies_that_roll_have_a_track_each(tmp_path, irg):

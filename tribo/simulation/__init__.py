@@ -9,16 +9,11 @@ from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import state_rises as state_rises
-from tribo.simulation.coupled_friction import UNSOLVED as UNSOLVED
-from tribo.simulation.coupled_friction import CoupledRise as CoupledRise
 from tribo.simulation.element_size import fit_elements as fit_elements
 from tribo.simulation.fidelity import PRESETS as PRESETS
 from tribo.simulation.fidelity import Fidelity as Fidelity
-from tribo.simulation.friction import FRICTIONS as FRICTIONS
 from tribo.simulation.friction import Friction as Friction
-from tribo.simulation.friction import SolvedFriction as SolvedFriction
 from tribo.simulation.judge import judge as judge
-from tribo.simulation.judge import solve_friction as solve_friction
 from tribo.simulation.loading_step import advance as advance
 from tribo.simulation.loading_step import start as start
 from tribo.simulation.motion import Motion as Motion
@@ -32,7 +27,6 @@ from tribo.simulation.point import heated as heated
 from tribo.simulation.point import simulate as simulate
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
-from tribo.simulation.point_warnings import warn_friction as warn_friction
 from tribo.simulation.point_warnings import warnings as warnings
 from tribo.simulation.scene import Scene as Scene
 from tribo.simulation.state import Heat as Heat

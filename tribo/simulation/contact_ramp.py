@@ -62,7 +62,7 @@ def wear_number(scene: Scene, velocity: float) -> float:
 
 
 def mechanics(scene: Scene) -> Scene:
-    """Copy of a scene with wear rate and thermal constants set to 1, and without `solved_friction`.
+    """Copy of a scene with wear rate and thermal constants set to 1.
 
     If two scenes have equal copies, they have the same contacts at equal load and equal
     `wear_number`, specific wear rate times velocity, unless `inseparable` gives a reason.
@@ -79,7 +79,6 @@ def mechanics(scene: Scene) -> Scene:
     parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
     parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
     parts["disk"] = replace(scene.disk, **athermal)
-    parts["solved_friction"] = None
     if isinstance(scene.wear, Wear) and scene.wears:
         parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
     return Scene(**parts)

@@ -112,8 +112,7 @@ class Corrections:
     Attributes
     ----------
     friction : Friction
-        Dependence of friction on velocity and temperature, as factors on the coefficient of
-        `Conditions.friction`.
+        Dependence of friction on velocity, as factors on the coefficient of `Conditions.friction`.
     track, pin_track : Track or None
         Tracks of disk and pin, which earlier turns have warmed. The track of a body at rest stays
         cold.
@@ -187,7 +186,6 @@ class Corrections:
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are set, by name, as values of built-in types."""
         curves = {"by_velocity": self.friction.by_velocity}
-        curves |= {"by_temperature": self.friction.by_temperature}
         plain = asdict(self)
         plain["friction"] = {k: [list(pair) for pair in v] for k, v in curves.items() if v}
         for name, track in (("track", self.track), ("pin_track", self.pin_track)):
@@ -201,7 +199,6 @@ class Corrections:
         film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
             "friction by velocity": _describe_curve(self.friction.by_velocity),
-            "friction by temperature": _describe_curve(self.friction.by_temperature),
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))

@@ -1,88 +1,22 @@
-"""One point simulated and judged; solves friction by temperature if the verdict depends on it."""
+"""One point simulated and judged."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from tribo.errors import InputError
 from tribo.loading import Ramp
-from tribo.simulation.coupled_friction import UNSOLVED, CoupledRise, coupled_heat
 from tribo.simulation.point import simulate
 from tribo.simulation.scene import Scene
-from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
 from tribo.simulation.trunks import Trunks
 from tribo.simulation.verdict import (
     Conditions,
-    Judging,
     Verdict,
-    rise_limit,
     verdict,
-    worst_moment,
 )
-from tribo.types import Array
-
-_NEAR = 0.3
-"""Friction by temperature is solved for rises within this relative distance of their limit."""
-
-
-def solve_friction(
-    scene: Scene,
-    states: Sequence[State],
-    columns: Mapping[str, Array],
-    load: float,
-    conditions: Judging,
-) -> CoupledRise:
-    """Solve for the rise at a point's worst time, if friction depends on temperature.
-
-    The worst time is the step at full load with the highest rise. The rise is solved only if the
-    solution may change the verdict: if the rise, with corrections, is within 30 % of its limit, if
-    the critical temperature is not known, or if a mild contact may heat itself until wear is severe
-    (`Judging.may_ignite`). Otherwise, and with the heat model "history", `UNSOLVED` is returned.
-
-    Parameters
-    ----------
-    scene : Scene
-        System that was simulated.
-    states : sequence of State
-        States of the last steps, including those at full load.
-    columns : mapping
-        Variables of all steps by name: arrays with a step on the first axis; see `verdict`.
-    load : float
-        Load of the point [N].
-    conditions : Judging
-        Friction, temperatures and criterion.
-    """
-    solved, parts = conditions.solved_friction, conditions.corrections
-    if not solved or not parts or scene.remembers_heat:
-        return UNSOLVED
-    together = parts.applied(columns)
-    rises = conditions.decisive.rise(together)
-    worst = int(worst_moment(rises, together["normal_load"], load))
-    state = states[worst - len(rises)]
-    if state.heat is None or not _may_change_verdict(conditions, rises[worst]):
-        return UNSOLVED
-    velocity = state.sliding_distance / state.time
-    added = float(parts.added_rise(columns)[worst])
-    law = solved.law
-    heat = coupled_heat(scene, state, velocity, law, solved.bulk_temperature, added)
-    rise = math.inf if heat.outcome == "ignites" else conditions.decisive.rise(heat.columns)
-    quantiles = heat.rise_quantile / law.coefficient if heat.outcome == "solved" else None
-    return CoupledRise(float(rise) / law.coefficient, heat.outcome, quantiles)
-
-
-def _may_change_verdict(conditions: Judging, rise: float) -> bool:
-    """True if the verdict may change once friction that depends on temperature is solved.
-
-    `rise` is the rise per unit friction before the solution [K].
-    """
-    if conditions.critical_temperature is None:
-        return True
-    return abs(rise / rise_limit(conditions) - 1) <= _NEAR or conditions.may_ignite(rise)
 
 
 @np.errstate(under="ignore")
@@ -155,5 +89,4 @@ def judge(
         raise InputError(f"load is {load:g} N, at which nothing is in contact")
     records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
     columns = {name: np.array([one[name] for one in records]) for name in records[0]}
-    coupled = solve_friction(scene, states, columns, load, conditions)
-    return verdict(columns, load, conditions, coupled)
+    return verdict(columns, load, conditions)

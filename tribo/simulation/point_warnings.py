@@ -10,7 +10,6 @@ import numpy as np
 
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
-from tribo.simulation.coupled_friction import CoupledRise
 from tribo.simulation.disk_positions import part_count
 from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS, summit_width
 from tribo.simulation.pins import Ball
@@ -80,10 +79,6 @@ class WarningKind(IntFlag):
         ball at a single point, too.
     MOLTEN
         The contact is so hot that steel would melt. Found in a sweep only.
-    IGNITION
-        Friction that rises with temperature heats the contact ever faster.
-    UNSOLVED_FRICTION
-        Friction that depends on temperature was not solved.
 
     Examples
     --------
@@ -101,8 +96,6 @@ class WarningKind(IntFlag):
     FEW_TURNS = 128
     SLOW_RISE = 256
     MOLTEN = 512
-    IGNITION = 1024
-    UNSOLVED_FRICTION = 2048
 
     @property
     def label(self) -> str:
@@ -160,34 +153,6 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
         _slow_rise,
     )
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
-
-
-def warn_friction(coupled: CoupledRise) -> list[PointWarning]:
-    """Reasons for caution about a point whose friction depends on temperature.
-
-    `coupled` is the solution for the rise. The list is empty unless the contact ignites or the
-    solution did not converge.
-
-    Examples
-    --------
-    >>> [str(one)[:20] for one in warn_friction(CoupledRise(np.inf, "ignites"))]
-    ['the contact ignites:']
-    """
-    match coupled.outcome:
-        case "ignites":
-            text = (
-                "the contact ignites: friction rises so steeply with the temperature that the "
-                "contact warms itself; it is judged at the highest friction of "
-                "friction.by_temperature, and its temperature is at most the one printed"
-            )
-            return [PointWarning(WarningKind.IGNITION, text)]
-        case "not converged":
-            text = (
-                "friction.by_temperature did not converge; each part of the contact is taken to "
-                "have the friction of its own temperature alone: give a smoother table"
-            )
-            return [PointWarning(WarningKind.UNSOLVED_FRICTION, text)]
-    return []
 
 
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:

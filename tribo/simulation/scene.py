@@ -12,7 +12,6 @@ from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.numerics import Grid
 from tribo.simulation.fidelity import Fidelity
-from tribo.simulation.friction import SolvedFriction
 from tribo.simulation.motion import Motion, Velocities
 from tribo.simulation.pins import Pin
 from tribo.surface import (
@@ -62,9 +61,6 @@ class Scene:
     unequal_bulks : bool
         True if the bodies may have different bulk temperatures. Then the response of the contact to
         a difference is also computed.
-    solved_friction : SolvedFriction, optional
-        Law and conditions for which friction by temperature is solved, at points whose verdict
-        depends on it.
     fidelity : Fidelity
         Numerical choices.
 
@@ -89,7 +85,6 @@ class Scene:
     friction_heat: bool = True
     motion: Motion | None = None
     unequal_bulks: bool = False
-    solved_friction: SolvedFriction | None = None
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:

@@ -19,8 +19,7 @@ import numpy as np
 
 from tribo.errors import InputError
 from tribo.simulation.corrections import Corrections
-from tribo.simulation.coupled_friction import UNSOLVED, CoupledRise, Outcome
-from tribo.simulation.friction import STEEP, Friction, SolvedFriction
+from tribo.simulation.friction import Friction
 from tribo.thermal import BULK_RATIOS, Criterion, add_bulk_ratio, failed_share
 from tribo.types import Array, Indices
 
@@ -84,67 +83,37 @@ class Judging(ABC):
 
     @property
     def friction_law(self) -> Friction:
-        """Coefficient of friction and its dependence on velocity and temperature."""
+        """Coefficient of friction and its dependence on velocity."""
         present = self.corrections.friction if self.corrections else Friction()
         return replace(present, coefficient=self.rise_factor)
 
-    @property
-    def solved_friction(self) -> SolvedFriction | None:
-        """Law, bulk temperature and criterion to solve friction and contact temperature together.
-
-        None if the two are not solved together: friction is 0 or does not depend on temperature, or
-        the criterion is a user's rule.
-        """
-        law = self.friction_law
-        if not (law.by_temperature and law.coefficient):
-            return None
-        decisive = self.decisive
-        if decisive.rule:
-            return None
-        return SolvedFriction(law, self.bulk_temperature, decisive.name, decisive.share)
-
-    def may_ignite(self, rise: float) -> bool:
-        """True if a mild contact may heat itself ever faster until its wear is severe (ignite).
-
-        It may if wear is mild at the `rise` per unit friction [K], but would be severe at the
-        highest friction, and friction rises steeply enough with temperature.
-        """
-        law, bulk, critical = self.friction_law, self.bulk_temperature, self.critical_temperature
-        if critical is None or not law.by_temperature:
-            return False
-        hottest = float(law.hottest(rise, bulk))
-        is_mild = rise <= self.limit(critical) and hottest > critical
-        return is_mild and law.steepness(bulk, hottest) >= STEEP
-
     def contact_temperature(self, rise: Any) -> Any:
         """Temperature of the contact [K], from one or more rises per unit friction [K]."""
-        return self.friction_law.temperature(rise, self.coldest_bulk_temperature)
+        return self.coldest_bulk_temperature + self.rise_factor * rise
 
     def limit(self, temperature: float) -> float:
         """Rise per unit friction coefficient above which the contact exceeds a temperature [K]."""
-        return float(self.friction_law.limit(temperature, self.coldest_bulk_temperature))
+        if self.rise_factor == 0:
+            return math.inf
+        return (temperature - self.coldest_bulk_temperature) / self.rise_factor
 
     def temperature_error(self, temperature: float) -> float:
         """Derivative dT/d ln(rise) [K] at a contact `temperature` T [K].
 
         This derivative times the relative error of the rise is the error of T.
         """
-        return self.friction_law.sensitivity(temperature, self.coldest_bulk_temperature)
+        return temperature - self.coldest_bulk_temperature
 
     def require_proportional(self) -> None:
         """Raise `InputError` if the rise is not in proportion to the coefficient of friction.
 
-        It is not if the bulk temperatures of pin and disk differ, and friction depends on velocity
-        or temperature.
+        It is not if the bulk temperatures of pin and disk differ, and friction depends on velocity.
         """
-        law = self.friction_law
-        for name, curve in (("velocity", law.by_velocity), ("temperature", law.by_temperature)):
-            if curve and self.bulk_difference:
-                raise InputError(
-                    f"friction.by_{name}: the bulk temperatures of pin and disk differ, and then "
-                    "the rise is not proportional to friction; give one bulk temperature, or one "
-                    "friction"
-                )
+        if self.friction_law.by_velocity and self.bulk_difference:
+            raise InputError(
+                "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
+                "rise is not proportional to friction; give one bulk temperature, or one friction"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,7 +132,7 @@ class Conditions(Judging):
         Temperature of the disk far from the contact [K]; None if it equals the pin's.
     corrections : Corrections or None
         Warming of the bodies, the pin's stem, a film on the disk, and friction that depends on
-        velocity or temperature; None without corrections.
+        velocity; None without corrections.
     criterion : Criterion
         Criterion of severe wear. By default wear is severe if more than a tenth of the contact is
         above the critical temperature.
@@ -223,10 +192,6 @@ class Verdict:
     added_rise : float
         Third part: the rise added by the warming of the bodies and of the pin's stem, by the film
         on the disk, and by friction that depends on velocity [K].
-    friction : {"solved", "ignites", "not converged"} or None
-        How the solution of temperature-dependent friction ended, see `CoupledRise`; None without
-        such a solution. If the contact "ignites", its temperatures are computed with the highest
-        friction of the law.
 
     Examples
     --------
@@ -242,7 +207,6 @@ class Verdict:
     bulk_temperature: float
     contact_rise: float
     added_rise: float
-    friction: Outcome | None = None
 
 
 def rise_limit(conditions: Judging) -> float:
@@ -279,37 +243,14 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 
 
-def equivalent_rise(rise: Any, coupled: Any, conditions: Judging) -> Any:
-    """Rises r [K] per unit friction coefficient that give the solved contact temperatures.
-
-    The contact temperatures are T = T_b + µ(T)·r. T_b is the bulk temperature of the colder body,
-    and µ(T) the friction coefficient at T. `rise` has the rises per unit friction coefficient,
-    without the effect of temperature on friction [K]. `coupled` has the solved rises T − T_b,
-    divided by the law's nominal coefficient [K], as in `CoupledRise`. Where `coupled` is NaN (not
-    solved), r is `rise`. Where `coupled` is infinite (the contact heats itself without bound), T is
-    T_b + the law's highest friction · `rise`.
-    """
-    if not np.isfinite(coupled).any() and not np.isinf(coupled).any():
-        return rise
-    law, bulk = conditions.friction_law, conditions.coldest_bulk_temperature
-    solved = bulk + law.coefficient * np.asarray(coupled)
-    temperature = np.where(np.isinf(solved), law.hottest(rise, bulk), solved)
-    return np.where(np.isnan(solved), rise, law.limit(temperature, bulk))
-
-
-def verdict(
-    columns: Mapping[str, Array],
-    load: float,
-    conditions: Judging,
-    coupled: CoupledRise = UNSOLVED,
-) -> Verdict:
+def verdict(columns: Mapping[str, Array], load: float, conditions: Judging) -> Verdict:
     """Mild or severe wear at a point, from its columns and its load [N].
 
     `columns` has arrays by name, with a step on the first axis: ``time`` [s], ``normal_load`` [N],
     and the rises above the pin's bulk per unit friction coefficient [K] ``mean_rise`` and
     ``rise_quantile`` (n_step, n_quantile). Corrections also need the variables in
     `tribo.simulation.corrections.NEEDED`. Unequal bulk temperatures also need
-    ``mean_bulk_response`` and ``bulk_rise_quantile``. `coupled` is the result of `solve_friction`.
+    ``mean_bulk_response`` and ``bulk_rise_quantile``.
     """
     ratio, bulk = conditions.bulk_ratio, conditions.coldest_bulk_temperature
     alone = above_colder(columns, ratio)
@@ -317,13 +258,8 @@ def verdict(
     together = above_colder(parts.applied(columns), ratio) if parts else alone
     rises = conditions.decisive.rise(together)
     worst = int(worst_moment(rises, together["normal_load"], load))
-    rise = float(equivalent_rise(rises[worst], coupled.rise, conditions))
-    factor = rise / rises[worst] if rises[worst] else 1.0
-    quantiles = factor * together["rise_quantile"][worst]
-    if coupled.rise_quantile is not None:
-        quantiles = equivalent_rise(quantiles, coupled.rise_quantile, conditions)
-    contact_rise = factor * conditions.decisive.rise(alone)[worst]
-    of_contact = float(conditions.contact_temperature(contact_rise))
+    rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
+    of_contact = float(conditions.contact_temperature(conditions.decisive.rise(alone)[worst]))
     known = conditions.critical_temperature is not None
     decisive = float(conditions.contact_temperature(rise))
     return Verdict(
@@ -335,5 +271,4 @@ def verdict(
         bulk_temperature=bulk,
         contact_rise=of_contact - bulk,
         added_rise=decisive - of_contact,
-        friction=coupled.outcome,
     )

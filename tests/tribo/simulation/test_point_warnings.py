@@ -25,23 +25,6 @@ def assert_told(words, scene, state, kind):
     assert not words or words in messages[0]
 
 
-def test_kinds_keep_the_bits_that_stores_have():
-    assert {kind.label: kind.value for kind in WarningKind} == {
-        "unstable wear": 1,
-        "contact at edge": 2,
-        "few nodes": 4,
-        "few steps": 8,
-        "present heat": 16,
-        "coarse pixels": 32,
-        "beyond shape": 64,
-        "few turns": 128,
-        "slow rise": 256,
-        "molten": 512,
-        "ignition": 1024,
-        "unsolved friction": 2048,
-    }
-
-
 def touching(scene, places):
     """State of a scene with contact at some elements, without a temperature."""
     state = start(scene)

@@ -78,7 +78,6 @@ type Content = {
   /** Equally likely errors of the critical temperature [K]. */
   critical_errors: number[];
   /** Temperatures of the contact [K], and the factor of friction at each. */
-  friction_by_temperature: [number[], number[]];
   plane: Float32Array;
   /** Where lines along velocity begin that have their own points alone, by surface and node of load. */
   lines: { [place: string]: number };
