@@ -19,12 +19,11 @@ The public names, in the order of work:
 
 - bodies: `Material`, `contact_modulus`, `Pin`, `Cylinder`, `Ball`, `Crowned`, `PINS`
 - surface: `Grid`, `Surface`, `SelfAffineRoughness`, `MeasuredRoughness`
-- load, motion and wear: `Ramp`, `MeasuredLoad`, `Motion`, `Wear`, `RunningIn`, `WearLaw`, `LAWS`
+- load, motion and wear: `Ramp`, `MeasuredLoad`, `Motion`, `Wear`, `WearLaw`
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
   `WarningKind`
 - verdict: `Conditions`, `judge`, `Verdict`, `Criterion`, `Rule`, `CRITERIA`, `QUANTILES`
-- effects that act after the simulation: `Corrections`, `Friction`, `Track`, `Disc`,
-  `Stem`, `Bulk`
+- effects that act after the simulation: `Corrections`, `Friction`, `Track`, `Disc`
 - oil film: `Oil`, `lubrication_regime`
 - closed forms: `analytic`
 - errors: `TriboError`, `InputError`, `ConvergenceError`, `InvariantError`
@@ -67,12 +66,8 @@ from .surface import SelfAffineRoughness as SelfAffineRoughness
 from .surface import Surface as Surface
 from .thermal import CRITERIA as CRITERIA
 from .thermal import QUANTILES as QUANTILES
-from .thermal import Bulk as Bulk
 from .thermal import Criterion as Criterion
 from .thermal import Disc as Disc
 from .thermal import Rule as Rule
-from .thermal import Stem as Stem
-from .wear import LAWS as LAWS
-from .wear import RunningIn as RunningIn
 from .wear import Wear as Wear
 from .wear import WearLaw as WearLaw

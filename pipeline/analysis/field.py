@@ -18,7 +18,7 @@ import numpy as np
 from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results
-from pipeline.analysis.rise_error import RisePlane, counted_error, planes_of, rise_errors, totals
+from pipeline.analysis.rise_error import RisePlane, planes_of, rise_errors, totals
 from pipeline.analysis.transition import Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
@@ -234,12 +234,11 @@ class PointField:
         return tuple(Curve(self.loads, part) for part in self._rises_and_marks(self.velocities))
 
     def errors(self, loads: Places, velocities: Places) -> Array:
-        """Relative numerical errors of rises at k pairs of load and velocity (4, k).
+        """Relative numerical errors of rises at k pairs of load and velocity (3, k).
 
-        The first axis has four causes: interpolation between computed points, the preset of
-        numerical settings, faults that the simulation warned of, and the correction added after it
-        for a film. The errors are those of the surface where their total is largest. An unknown
-        error is NaN.
+        The first axis has three causes: interpolation between computed points, the preset of
+        numerical settings, and faults that the simulation warned of. The errors are those of the
+        surface where their total is largest. An unknown error is NaN.
         """
         loads, velocities = places_of(loads, velocities)
         by_plane = np.array(
@@ -247,7 +246,6 @@ class PointField:
         )
         worst = np.nan_to_num(totals(by_plane.swapaxes(0, 1)), nan=math.inf).argmax(axis=0)
         errors: Array = by_plane[worst, :, np.arange(len(loads))].T
-        errors[-1] = counted_error(self.conditions)
         return errors
 
     def transitions(self, axis: str, loads: Places, velocities: Places) -> Transitions:

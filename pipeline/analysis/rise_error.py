@@ -6,8 +6,6 @@ temperature. The parts are due to:
 - Interpolation: the error is 0 only at a computed point.
 - The preset's numerical choices: from the promised error of the critical velocity.
 - Warnings: those of the points between which the rise is interpolated.
-- Corrections after the simulation: for an oil film, and for friction by temperature if the run did
-  not solve it.
 
 Each part is a bound that holds for some 99 % of operating points. The parts are independent, so
 that their squares add. An unknown part is None, and makes the total None.
@@ -71,8 +69,6 @@ _OF_WARNED = {
 Found by `python -m tests.promises.errors`.
 """
 
-_OF_FILM = 0.032
-"""Largest relative error of a rise if film resistance is added after the simulation, at 200 N."""
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed".
@@ -87,13 +83,12 @@ _PARTS = (
     "interpolation",
     "preset",
     "warned points",
-    "film",
 )
 
 
 @dataclass(frozen=True, slots=True)
 class RiseError:
-    """Numerical error of a temperature rise, split into four parts by cause.
+    """Numerical error of a temperature rise, split into three parts by cause.
 
     The parts are relative to the rise; `times` converts them to K. A part is None if unknown.
     """
@@ -101,16 +96,15 @@ class RiseError:
     interpolation: float | None
     preset: float | None
     warned: float | None  # for points with a warning
-    counted: float | None = 0.0  # error of a film, added after the run
 
     @classmethod
     def of(cls, parts: Array) -> RiseError:
-        """Make an error from its parts (4,), in the order of the attributes; NaN if unknown."""
+        """Make an error from its parts (3,), in the order of the attributes; NaN if unknown."""
         return cls(*(None if math.isnan(part) else part for part in parts.tolist()))
 
     @property
     def parts(self) -> Array:
-        """The parts as an array (4,), in the order of the attributes; NaN if unknown."""
+        """The parts as an array (3,), in the order of the attributes; NaN if unknown."""
         return np.array(astuple(self), float)
 
     @property
@@ -135,7 +129,7 @@ class RiseError:
     def times(self, factor: float) -> RiseError:
         """Multiply all parts by a factor; a factor of 0 makes unknown parts 0, too."""
         if factor == 0:
-            return RiseError(0.0, 0.0, 0.0, 0.0)
+            return RiseError(0.0, 0.0, 0.0)
         return RiseError(*(None if part is None else factor * part for part in astuple(self)))
 
 
@@ -235,18 +229,18 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
 def rise_errors(
     grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
 ) -> Array:
-    """Relative errors of the temperature rises at k pairs of load and velocity, (4, k).
+    """Relative errors of the temperature rises at k pairs of load and velocity, (3, k).
 
     The first axis has the causes: interpolation between points, the preset (grid and load steps),
-    warnings of the simulation, and corrections after it. The last error is 0 here; an unknown error
-    is NaN. `grid` has the computed rises of one surface, between which others are interpolated.
+    and warnings of the simulation. An unknown error is NaN. `grid` has the computed rises of one
+    surface, between which others are interpolated.
     `velocity_error` is the relative error of the critical velocity due to the preset, or None if
     unknown.
     """
     rows, columns = grid.rests_on(loads, velocities)
     warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
     between = _interpolation(grid, rows, columns, loads, velocities)
-    return np.stack(np.broadcast_arrays(between, preset_error(velocity_error), warned, 0.0))
+    return np.stack(np.broadcast_arrays(between, preset_error(velocity_error), warned))
 
 
 def _slots(points: Array, places: Array) -> Indices:
@@ -267,12 +261,6 @@ def preset_error(velocity_error: float | None) -> float:
     the measured ratio `SHARE`. The result is NaN if `velocity_error` is None (unknown).
     """
     return math.nan if velocity_error is None else SHARE * velocity_error
-
-
-def counted_error(conditions: Conditions) -> Array:
-    """Relative error of rises due to a film, which is added after the simulation."""
-    parts = conditions.corrections
-    return np.array(_OF_FILM if parts and parts.film_resistance else 0.0)
 
 
 def _neighbours(is_done: Mask) -> Indices:

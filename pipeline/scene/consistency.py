@@ -10,12 +10,11 @@ from pipeline.quantities import display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, RandomSurface
 from pipeline.scene.library import library
-from pipeline.scene.parts import DISC, track_length
+from pipeline.scene.parts import track_length
 from pipeline.scene.runs import run_faults
 from tribo.simulation.pins import sizes_of
 
-_PLATE = "track_length", "capacity", "loss"
-"""Entries of a body that is a plate."""
+_OF_BODY = "diameter", "width", "track_length"
 _ALIKE = 0.01  # relative difference allowed between two lengths of one track
 _SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
 Misfits = Iterator[tuple[str, str]]
@@ -107,19 +106,7 @@ def _unfit_track(scene: Any) -> Misfits:
         yield "motion.track_length", f"{display(worn, 'mm')} {problem}"
 
 
-@_check("pin.stem", "motion", "sweep.velocities")
-def _turning_rod(scene: Any) -> Misfits:
-    if scene.pin.stem and scene.motion:
-        motion = tribo.Motion(**vars(scene.motion))
-        if any(motion.velocities(velocity).pin for velocity in scene.sweep.velocities):
-            yield (
-                "pin.stem",
-                "the pin turns, and a rod between its end and a holder belongs to a pin at rest; "
-                "leave it out, or leave out [motion]",
-            )
-
-
-@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in (*DISC, *_PLATE)))
+@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _OF_BODY))
 def _unfit_bodies(scene: Any) -> Misfits:
     """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate.
 
@@ -127,15 +114,11 @@ def _unfit_bodies(scene: Any) -> Misfits:
     """
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
-        plate, disc = (
-            [key for key in keys if getattr(body, key) is not None] for keys in (_PLATE, DISC)
-        )
-        if body.diameter and plate:
-            words = f"a disc, and {' and '.join(plate)} of a plate, would count one heat twice"
+        if body.diameter and body.track_length:
+            words = "a disc, and track_length of a plate, would count one heat twice"
             yield f"{name}.diameter", f"{words}; give one of them"
-        elif disc and not body.diameter:
-            problem = f"belongs to a disc; give {name}.diameter and {name}.width, or leave it out"
-            yield f"{name}.{disc[0]}", problem
+        elif body.width and not body.diameter:
+            yield f"{name}.width", f"belongs to a disc; give {name}.diameter, or leave it out"
         elif body.diameter and not body.width:
             yield f"{name}.width", "missing; a disc with a diameter needs a width"
         if body.diameter and body.width and length and body.width < length:

@@ -46,7 +46,6 @@ BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
 CRITICAL = Quantity("145 degC", usual=(50, 800))
 CRITICAL_SD = Quantity("8 K", ends=("0.001 K", "200 K"), name="a difference")
 ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
-HEAT_TRANSFER = Quantity("50 W/(m^2 K)")
 SIZE = Quantity("100 mm", usual=(0.1, 1e5))
 FRICTION = Number(at_least=0, usual=(0, 1))
 SEED = Whole(at_least=0)
@@ -94,39 +93,16 @@ class Material(Declared):
     density: A[float, Quantity("7800 kg/m^3", usual=(500, 25000)), "Density."]
     specific_heat: A[float, Quantity("470 J/(kg K)", usual=(100, 5000)), "Specific heat capacity."]
 
-class Rod(Declared):
-    length: A[float, Quantity("4 mm"), "Length of the rod, of the pin's material."]
-    area: A[float, Quantity("13.6 mm^2"), "Cross section of the rod."]
-
-class Resistance(Declared):
-    resistance: A[float, Quantity("8 K/W"), "Thermal resistance to the holder."]
-
-class Plate(Declared):
-    diameter: A[float, Quantity("150 mm")]
-    thickness: A[float, Quantity("10 mm")]
-
-CAPACITY = Either(Quantity("650 J/K", usual=(0.5, 1e6)), table_of(Plate))
 
 class Body(Declared):
     material: A[str, "Name of the material, in this file or in the library."]
     track_length: A[float | None, Quantity("314 mm", usual=(20, 1e4)),
         "Length of the track around the body, under a pin or around a pin that rolls, on a plate; "
         f"earlier turns have warmed it. Without it each turn meets a cold track. {LATER}"] = None
-    capacity: A[float | Plate | None, CAPACITY,
-        f"Heat capacity or size of the body behind the track. The body starts at `bulk`. {LATER}"
-        ] = None
-    loss: A[float | None, Quantity("2 W/K"),
-        f"Heat loss of the body for each kelvin above its start; none by default. {LATER}"] = None
     diameter: A[float | None, Quantity("100 mm", usual=(6, 3000)),
         "Diameter, if the body is a disc that conducts as a whole and is heated around its rim; it "
-        f"excludes `track_length`, `capacity` and `loss`. {LATER}"] = None
+        f"excludes `track_length`. {LATER}"] = None
     width: A[float | None, Quantity("20 mm"), "Width of the disc; needed with `diameter`."] = None
-    bore: A[float | None, Quantity("30 mm"), "Diameter of its hole, if the disc is a ring."] = None
-    rim_loss: A[float | None, HEAT_TRANSFER,
-        "Heat loss of the rim to oil and air, for each area and kelvin; none by default."] = None
-    face_loss: A[float | None, HEAT_TRANSFER, "Heat loss of each face; none by default."] = None
-    shaft_loss: A[float | None, Quantity("5 W/K"),
-        "Heat loss to the shaft for each kelvin; none by default."] = None
 
 class _Pin(Declared):
     shape: A[str, OneOf(tuple(tribo.PINS)), "Shape of the pin."]
@@ -135,9 +111,6 @@ class _Pin(Declared):
     length: A[float | None, Quantity("3.4 mm", usual=(0.1, 1000)),
         "Length of the line contact, along y; needed for a cylinder."] = None
     crown_radius: A[float | None, SIZE, "Radius across sliding; needed for a crowned pin."] = None
-    stem: A[Rod | Resistance | None,
-        "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
-        f"thermal resistance. Without the table the pin is a half-space. {LATER}"] = None
 
 class Pin(Body, _Pin):
     pass
@@ -175,12 +148,7 @@ class MeasuredSurface(Declared):
         "Continuation of a surface that is smaller than the window."] = "no"
     content: A[str | None, StoreOnly()] = None
 
-class Film(Declared):
-    thickness: A[float, Quantity("20 nm"), "Thickness of the film."]
-    thermal_conductivity: A[float, Quantity("2 W/(m K)"), "Thermal conductivity of the film."]
-
 class Disk(Body):
-    film: A[Film | None, f"Oxide or tribofilm on the disk, a thermal resistance. {LATER}"] = None
     roughness: A[RandomSurface | MeasuredSurface | None,
         "Surface of the disk, random or measured; smooth without the table. In Python also [your "
         "own](OWN_LAWS.md)."] = None
@@ -229,15 +197,6 @@ class Archard(Declared):
         'past; over positions of the disk if y is not periodic. "local": each element by its '
         "own pressure."]
 
-class RunningIn(Declared):
-    form_name = "running-in"
-    law: A[str, OneOf(tuple(tribo.LAWS)), "Name of a law that ships."]
-    initial_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k₀ before running in [m²/N]."]
-    final_rate: A[float, ANY_WEAR_RATE, "Specific wear rate k∞ after running in [m²/N]."]
-    distance: A[float, Quantity("100 m"), "Sliding distance L over which the rate falls [m]."]
-    pattern: A[str, WEAR_PATTERN, "Pattern of the wear, as in `tribo.Wear`."] = "swept"
-
-WEAR = Either(table_of(Archard), table_of(RunningIn))
 
 class Oil(Declared):
     like: A[str | None,
@@ -417,7 +376,7 @@ class _SceneFile(Declared):
     motion: A[Motion | None,
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."] = None
-    wear: A[Any, WEAR,
+    wear: A[Any, table_of(Archard),
         "Wear of the pin: Archard's law, or a rate by sliding distance; in Python also [your own "
         "law](OWN_LAWS.md). Without the table there is no wear."] = None
     oil: A[Oil | None,

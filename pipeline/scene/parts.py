@@ -20,10 +20,8 @@ from pipeline.scene.format import (
     MeasuredSurface,
     Motion,
     Oil,
-    Plate,
     Ramp,
     Record,
-    Rod,
     Window,
 )
 from pipeline.scene.names import UNITS
@@ -35,7 +33,6 @@ from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
-DISC = "diameter", "width", "bore", "rim_loss", "face_loss", "shaft_loss"
 """Entries of a body that is a disc."""
 _RECORD = "time", "load"
 _WRONG_SIZE = (
@@ -133,13 +130,8 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
 
 
 def wear_of(table: Any) -> Any:
-    """Make the wear law of a scene from `table`, the scene's table ``[wear]``.
-
-    If the table names a law of `tribo.LAWS`, it is that law; otherwise it is a `tribo.Wear`.
-    """
-    values = dict(vars(table))
-    law: Any = tribo.LAWS[values.pop("law")] if "law" in values else tribo.Wear
-    return law(**values)
+    """Make the wear of a scene from `table`, the scene's table ``[wear]``."""
+    return tribo.Wear(**vars(table))
 
 
 def oil_of(table: Oil) -> tribo.Oil:
@@ -169,22 +161,14 @@ def corrections_of(
 
     `scene` has the tables of the scene; `pin`, `disk` and `motion` were made from them.
     """
-    friction, rod, film = scene.friction, scene.pin.stem, scene.disk.film
+    friction = scene.friction
     curve = sorted(
         (row.velocity, row.coefficient / friction.coefficient) for row in friction.by_velocity or ()
     )
-    stem = tribo.Stem(rod.resistance) if rod and not isinstance(rod, Rod) else None
-    if isinstance(rod, Rod):
-        conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
-        stem = tribo.Stem.rod(rod.length, rod.area, *conduction)
     corrections = tribo.Corrections(
         friction=tribo.Friction(by_velocity=tuple(curve)),
         track=_track_of(scene.disk, pin, disk),
         pin_track=_track_of(scene.pin, pin, pin.material),
-        stem=stem,
-        film_resistance=film.thickness / film.thermal_conductivity if film else 0.0,
-        pin_bulk=_bulk_of(scene.pin, pin.material),
-        disk_bulk=_bulk_of(scene.disk, disk),
         motion=motion if track_length(scene.pin) or track_length(scene.disk) else None,
     )
     return corrections if corrections != tribo.Corrections() else None
@@ -211,19 +195,9 @@ def _track_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Tra
 
 def disc_of(body: Body) -> tribo.Disc | None:
     """Make the `tribo.Disc` of a body; None if the body is not a disc, or a size is missing."""
-    sizes = {name: getattr(body, name) for name in DISC if getattr(body, name) is not None}
-    return tribo.Disc(**sizes) if body.diameter and body.width else None
-
-
-def _bulk_of(body: Body, material: tribo.Material) -> tribo.Bulk | None:
-    """Make the `tribo.Bulk` of a body: heat capacity and loss; None if the table has neither."""
-    capacity, loss = body.capacity, body.loss
-    if capacity is None and loss is None:
-        return None
-    if isinstance(capacity, Plate):
-        volume = math.pi / 4 * capacity.diameter**2 * capacity.thickness
-        capacity = volume * material.density * material.specific_heat
-    return tribo.Bulk(capacity or 0.0, loss or 0.0)
+    if body.diameter and body.width:
+        return tribo.Disc(diameter=body.diameter, width=body.width)
+    return None
 
 
 def roughness_of(

@@ -229,30 +229,12 @@ def _conditions(made):
 
 def _beside(corrections):
     """Scene entries for `Corrections`, such as films and tracks, except friction curves."""
-    bodies = ("track_length", "capacity", "loss")
-    entries = {f"{body}.{key}": None for body in ("pin", "disk") for key in bodies}
-    entries |= {"disk.film": None, "pin.stem": None}
+    entries = {f"{body}.track_length": None for body in ("pin", "disk")}
     if corrections is None:
         return entries
-    bodies = (
-        ("pin", corrections.pin_track, corrections.pin_bulk),
-        ("disk", corrections.track, corrections.disk_bulk),
-    )
-    for body, track, bulk in bodies:
+    for body, track in (("pin", corrections.pin_track), ("disk", corrections.track)):
         if track and track.disc is None:
             entries[f"{body}.track_length"] = f"{track.length!r} m"
-        if bulk:
-            entries[f"{body}.capacity"] = f"{bulk.capacity!r} J/K" if bulk.capacity else None
-            entries[f"{body}.loss"] = f"{bulk.loss!r} W/K" if bulk.loss else None
-    if corrections.film_resistance:
-        film = {"thickness": f"{corrections.film_resistance!r} m"}
-        entries["disk.film"] = film | {"thermal_conductivity": "1 W/(m K)"}
-    if corrections.stem and not corrections.stem.settling_time:
-        entries["pin.stem"] = {"resistance": f"{corrections.stem.resistance!r} K/W"}
-    elif corrections.stem:  # the stem is a steel rod
-        length = (corrections.stem.settling_time * 45.0 / (7800.0 * 470.0)) ** 0.5
-        area = length / (45.0 * corrections.stem.resistance)
-        entries["pin.stem"] = {"length": f"{length!r} m", "area": f"{area!r} m^2"}
     return entries
 
 

@@ -17,19 +17,10 @@ STEEL = tiny.sweep().scene.disk
 ALL = tribo.Corrections(
     friction=tribo.Friction(by_velocity=((0.5, 1.1), (1.5, 0.9))),
     track=tribo.Track.under(tiny.sweep().scene.pin, STEEL, 0.34),
-    stem=tribo.Stem.rod(4e-3, 13.6e-6, 45.0, STEEL.thermal_diffusivity),
-    film_resistance=1e-8,
-    pin_bulk=tribo.Bulk(loss=0.5),
-    disk_bulk=tribo.Bulk(capacity=650.0, loss=2.0),
 )
 CONDITIONS = Conditions(0.1, 298.15, 345.0)
 BESIDE = """extends = "plain.toml"
-pin.stem = { length = "4 mm", area = "13.6 mm^2" }
 disk.track_length = "34 cm"
-disk.film = { thickness = "20 nm", thermal_conductivity = "2 W/(m K)" }
-disk.capacity = { diameter = "15 cm", thickness = "1 cm" }
-pin.loss = "0.5 W/K"
-disk.loss = "2 W/K"
 friction.by_velocity = [
   { velocity = "1.5 m/s", coefficient = 0.09 }, { velocity = "50 cm/s", coefficient = 0.11 },
 ]
@@ -105,7 +96,6 @@ UNKNOWN = """
 "friction.coefficient" = { mean = 0.1, sd = 0.01 }
 "materials.steel.thermal_conductivity" = { from = "30 W/(m K)", to = "60 W/(m K)" }
 "disk.track_length" = { from = "10 cm", to = "60 cm" }
-"disk.film.thickness" = { median = "20 nm", factor = 1.5 }
 "disk.capacity.thickness" = { from = "0.1 mm", to = "0.5 mm" }
 "pin.loss" = ["0.2 W/K", "0.5 W/K"]
 """

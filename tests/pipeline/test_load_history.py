@@ -11,8 +11,6 @@ from pipeline import run_point
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import momentary_rise
 from tests.helpers import tiny
-from tests.helpers.entries import changed
-from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
@@ -55,33 +53,3 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
     assert margin.decisive_temperature == pytest.approx(verdict.decisive_temperature, rel=1e-9)
     last = 298.15 + 0.1 * momentary_rise(sweep.scene, point.state, sweep.conditions)
     assert margin.decisive_temperature == pytest.approx(last, rel=1e-9)
-
-
-def test_a_bulk_has_all_the_energy_of_a_record(tmp_path):
-    """The bulk warms by µV∫F dt of the record over its capacity, and the contact with it."""
-    sweep = sweep_of(RECORD, steps="end")
-    kept = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=500.0))
-    sweep = changed(sweep, conditions=replace(sweep.conditions, corrections=kept))
-    commit_all(tmp_path / "a.zarr", sweep)
-    warm = pipeline.open_sweep(tmp_path / "a.zarr")
-    plain = with_fields(warm, conditions=replace(sweep.conditions, corrections=None))
-    at = {"load": LOAD, "velocity": VELOCITY, "step": 0}
-    rise, cold = (pipeline.temperatures(ds)["mean_temperature"].sel(at) for ds in (warm, plain))
-    share = 1 - warm["pin_heat_share"].sel(at).item()
-    energy = 0.1 * VELOCITY * LOAD / 750.0 * np.trapezoid(LOADS, TIMES)
-    # A linear load from zero to the last one would have only half of this energy.
-    assert (rise - cold).item() == pytest.approx(share**2 * energy / 500.0, rel=5e-3)
-
-
-def test_a_hold_that_warms_a_body_is_judged_inside():
-    warming = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=3.0, loss=1.0))
-    conditions = Conditions(0.1, 298.15, 418.15, corrections=warming)
-    ramp = tribo.Ramp(150.0, 750.0, hold=100.0)
-    wear = tribo.Wear(1e-16)
-    held = tiny.sweep(loading=ramp, wear=wear, loads=(600.0,), conditions=conditions)
-    result = pipeline.run_point(held, 600.0, 1.0)
-    steps = [step for step in ramp.stations(600.0, held.scene.fidelity.increments) if step.holding]
-    assert len(result.columns["time"]) == 1 + len(steps)  # all steps of the hold, and its beginning
-    assert 4.0 < result.verdict(conditions).time < 104.0
-    without = changed(held, conditions=replace(conditions, corrections=None))
-    assert len(pipeline.run_point(without, 600.0, 1.0).columns["time"]) == 2

@@ -152,18 +152,6 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
         stored.pin.profile(stored.grid)
 
 
-def test_a_pin_and_a_surface_are_simulated_as_they_are(laws):
-    plain = scene({})
-    pin = laws.Blunt(2e-3, 3.4e-3, plain.scene.pin.material, 1e-7)
-    blunt = scene({"pin": pin, "surface": laws.Dimples(2e-7, 1e-4)})
-    assert blunt.scene.pin is pin
-    assert blunt.scene.heights().max() == pytest.approx(2e-7)
-    assert blunt.scene.separation(None).max() < plain.scene.separation(None).max()
-    thick = scene({"pin": pin}, **{"pin.parameters.radius": 4e-3, "pin.stem.resistance": "8 K/W"})
-    assert thick.scene.pin == replace(pin, radius=4e-3)
-    assert thick.conditions.corrections.stem.resistance == 8
-
-
 def test_a_criterion_is_given_to_answers(laws):
     commit_all("small.zarr", scene({}))
     crossings = pipeline.boundary(pipeline.at("small.zarr", criterion=laws.median))

@@ -1,10 +1,8 @@
 """Physics beside the two half-spaces, which acts after the simulation.
 
-Friction by velocity multiplies the rise per unit friction coefficient. Friction by temperature acts
-where a temperature is computed from that rise. The other effects are in series with the half-spaces
-in one thermal circuit, `tribo.thermal.circuit_rise`, in proportion to friction: a film on the disk,
-the stem that holds the pin, the heat of earlier turns in the tracks of both bodies, and a bulk
-behind them that warms. All effects follow from what a simulation records, and need no new one.
+Friction by velocity multiplies the rise per unit friction coefficient. The heat of earlier turns in
+the tracks of both bodies is in series with the half-spaces, in proportion to friction
+(`tribo.thermal.circuit_rise`). Both follow from what a simulation records, and need no new one.
 
 A track that has kept heat of earlier turns is warmer by w·s. Here w is its warming if all heat went
 into its body, and s is the body's share of the heat. That share is taken as constant in time, so
@@ -30,20 +28,14 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
 from tribo.thermal import (
-    Bulk,
     Disc,
-    Stem,
-    bulk_warming,
     circuit_rise,
-    conductances,
     track_warming,
 )
-from tribo.thermal.circuit import Values
 from tribo.types import Array
 
 NEEDED = (
-    "time", "normal_load", "sliding_distance", "mean_pressure", "contact_width", "pin_heat_share",
-    "mean_rise",
+    "time", "normal_load", "sliding_distance", "contact_width", "pin_heat_share", "mean_rise",
 )  # fmt: skip
 """Names of the variables of a step that corrections need."""
 
@@ -118,13 +110,6 @@ class Corrections:
         cold.
     motion : Motion or None
         Motion of both bodies; None where the pin is at rest.
-    stem : Stem or None
-        Stem that holds the pin; valid only for a pin that does not turn.
-    pin_bulk, disk_bulk : Bulk or None
-        Heat capacity and heat loss of each body as a whole. A body with None keeps its starting
-        temperature.
-    film_resistance : float
-        Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
     course : tuple of tuple of float
         A recorded load over time: pairs of time [s] and load divided by the last load. Empty for a
         ramp.
@@ -141,11 +126,7 @@ class Corrections:
 
     friction: Friction = field(default_factory=Friction)
     track: Track | None = None
-    stem: Stem | None = None
-    film_resistance: float = 0.0
     pin_track: Track | None = None
-    pin_bulk: Bulk | None = None
-    disk_bulk: Bulk | None = None
     motion: Motion | None = None
     course: tuple[tuple[float, float], ...] = ()
     rate: float | None = None
@@ -155,19 +136,6 @@ class Corrections:
             raise InputError(
                 f"friction.coefficient is {self.friction.coefficient!r}; it must be 1, since the "
                 "conditions' coefficient scales it"
-            )
-        for name, track, bulk in (
-            ("pin", self.pin_track, self.pin_bulk),
-            ("disk", self.track, self.disk_bulk),
-        ):
-            if track and track.disc and bulk:
-                raise InputError(
-                    f"{name}_bulk is {bulk}, and the {name} is a disc of {track.disc}, which keeps "
-                    "the same heat; give one of them"
-                )
-        if not 0 <= self.film_resistance < math.inf:
-            raise InputError(
-                f"film_resistance is {self.film_resistance!r} m² K/W; it must be finite and ≥ 0"
             )
 
     def under(self, loading: Ramp | MeasuredLoad) -> Self:
@@ -179,9 +147,7 @@ class Corrections:
     @property
     def keeps_heat(self) -> bool:
         """True if a body gets warmer the longer its load is held."""
-        bulks = self.pin_bulk, self.disk_bulk
-        tracks = self.track or self.pin_track or (self.stem and self.stem.settling_time)
-        return bool(tracks or any(bulk.capacity for bulk in bulks if bulk))
+        return bool(self.track or self.pin_track)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the corrections that are set, by name, as values of built-in types."""
@@ -196,26 +162,19 @@ class Corrections:
     @property
     def text(self) -> str:
         """The corrections that are set, in words, with their sizes."""
-        film = f"{self.film_resistance:.3g} m² K/W" if self.film_resistance else ""
         parts = {
             "friction by velocity": _describe_curve(self.friction.by_velocity),
             **{
                 f"{'disc of' if track and track.disc else 'earlier turns of'} the {body}": track
                 for body, track in (("pin", self.pin_track), ("disk", self.track))
             },
-            "stem of the pin": self.stem and f"{self.stem.resistance:.3g} K/W",
-            "film on the disk": film,
-            "bulk of the pin": self.pin_bulk,
-            "bulk of the disk": self.disk_bulk,
         }
         return "; ".join(f"{name}, {size}" for name, size in parts.items() if size)
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Contact temperature [K] to add to that of two half-spaces, per unit friction coefficient.
 
-        It is due to the thermal resistances of the film and of the pin's stem, to tracks that
-        earlier turns have warmed, and to the resistance and warming of each body's bulk. Effects on
-        friction are left out.
+        It is due to tracks that earlier turns have warmed. Effects on friction are left out.
 
         `columns` has the variables `NEEDED` by name, with the steps on the last axis in order of
         time. The result has their shape. At a step whose ``mean_rise`` is 0 or NaN, it is 0 or NaN.
@@ -233,43 +192,17 @@ class Corrections:
         ]
         speeds = np.array([self._speeds(velocity) for velocity in V.tolist()])
         resistances = (
-            _stem_resistance(self.stem, histories)
-            + _turn_resistance(self.pin_track, histories, speeds[:, 0])
-            + (self.pin_bulk.resistance if self.pin_bulk else 0.0),
-            self.film_resistance * columns["mean_pressure"][heats] / F
-            + _turn_resistance(self.track, histories, speeds[:, 1])
-            + (self.disk_bulk.resistance if self.disk_bulk else 0.0),
+            _turn_resistance(self.pin_track, histories, speeds[:, 0]),
+            _turn_resistance(self.track, histories, speeds[:, 1]),
         )
-        warmings = self._warm_bulks(histories, V, conductances(theta, share, F * V, *resistances))
         added: Array = rise * 0.0
-        added[heats] = circuit_rise(theta, share, F * V, *resistances, *warmings) - theta
+        added[heats] = circuit_rise(theta, share, F * V, *resistances) - theta
         return added
 
     def _speeds(self, sliding: float) -> tuple[float, float]:
         """Speeds of the surfaces of pin and disk past the contact, for a sliding velocity [m/s]."""
         pin, disk = self.motion.velocities(sliding) if self.motion else (0.0, sliding)
         return abs(pin), abs(disk)
-
-    def _warm_bulks(
-        self, histories: Sequence[_History], velocities: Array, to_bodies: tuple[Values, Values]
-    ) -> Array:
-        """Warming of the bulk of pin and disk at the last steps of histories [K], (2, n_history).
-
-        The result is zeros (2, 1) if no bulk has a heat capacity. `velocities` are sliding
-        velocities [m/s], `to_bodies` the conductances from the contact to pin and disk at these
-        steps [W/K].
-        """
-        bulks = self.pin_bulk, self.disk_bulk
-        if not any(bulk and bulk.capacity for bulk in bulks):
-            return np.zeros((2, 1))
-        return np.array(
-            [
-                bulk_warming(history.times, history.loads * velocity, (pin, disk), bulks)
-                for history, velocity, pin, disk in zip(
-                    histories, velocities, *np.broadcast_arrays(*to_bodies), strict=True
-                )
-            ]
-        ).T
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
         """Return `columns` with corrected rises per unit friction coefficient [K].
@@ -359,13 +292,6 @@ def _describe_curve(curve: Curve) -> str:
     ends = (f"{end(factor for _, factor in curve):.3g}" for end in (min, max) if curve)
     factors = " to ".join(dict.fromkeys(ends))
     return factors and f"measured, {factors} times the coefficient"
-
-
-def _stem_resistance(stem: Stem | None, histories: Sequence[_History]) -> Array | float:
-    """Thermal resistance of the stem at the last step of each load history [K/W]."""
-    if stem is None:
-        return 0.0
-    return np.array([stem.resistance_under(history.times, history.loads) for history in histories])
 
 
 def _turn_resistance(

@@ -73,8 +73,6 @@ def judge(
     parts = conditions.corrections and conditions.corrections.under(scene.loading)
     if parts:
         parts = replace(parts, motion=scene.motion)
-        if parts.stem and scene.velocities_at(velocity).pin:
-            raise InputError("a pin with corrections.stem cannot turn; leave out stem or motion")
     conditions = replace(conditions, corrections=parts)
     requested: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):

@@ -131,8 +131,8 @@ class Conditions(Judging):
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None if it equals the pin's.
     corrections : Corrections or None
-        Warming of the bodies, the pin's stem, a film on the disk, and friction that depends on
-        velocity; None without corrections.
+        Tracks that earlier turns have warmed, and friction that depends on velocity; None without
+        corrections.
     criterion : Criterion
         Criterion of severe wear. By default wear is severe if more than a tenth of the contact is
         above the critical temperature.
@@ -190,8 +190,7 @@ class Verdict:
     contact_rise : float
         Second part: the rise between two half-spaces [K].
     added_rise : float
-        Third part: the rise added by the warming of the bodies and of the pin's stem, by the film
-        on the disk, and by friction that depends on velocity [K].
+        Third part: the rise added by earlier turns, and by friction that depends on velocity [K].
 
     Examples
     --------

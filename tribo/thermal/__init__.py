@@ -1,9 +1,6 @@
 """Flash temperature, heat partition, and the temperature over the contact."""
 
-from tribo.thermal.bulk import Bulk as Bulk
-from tribo.thermal.bulk import bulk_warming as bulk_warming
 from tribo.thermal.circuit import circuit_rise as circuit_rise
-from tribo.thermal.circuit import conductances as conductances
 from tribo.thermal.conduction import ConductingHalfSpace as ConductingHalfSpace
 from tribo.thermal.conduction import HeatedLength as HeatedLength
 from tribo.thermal.conduction import settling_time as settling_time
@@ -26,6 +23,4 @@ from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
 from tribo.thermal.quantiles import failed_share as failed_share
 from tribo.thermal.quantiles import require_share as require_share
 from tribo.thermal.quantiles import rise_exceeded as rise_exceeded
-from tribo.thermal.stem import Stem as Stem
-from tribo.thermal.stem import stem_fraction as stem_fraction
 from tribo.thermal.track import track_warming as track_warming

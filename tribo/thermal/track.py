@@ -90,7 +90,7 @@ def track_warming(
         spread = np.sqrt(diffusivity * age)
         strip = strip_response(width, max(width, disc.width) if disc else math.inf, spread)
         if disc:
-            strip = strip * disc.rim_response(age, diffusivity, heat_capacity)
+            strip = strip * disc.rim_response(age, diffusivity)
             return np.asarray(load * strip / (width * heat_capacity))
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)
         return warming

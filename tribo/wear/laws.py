@@ -1,29 +1,19 @@
-"""Wear laws whose rate depends on the distance slid: their protocol, and the law that ships.
+"""Wear laws of a user, whose rate depends on the distance slid: their protocol.
 
 A law is any object with the attributes of `WearLaw`. If its method `over` returns anything but a
-`tribo.Wear`, `wear_over` raises an `InvariantError`. The laws of this package are frozen
-dataclasses in this module, named in `LAWS`.
+`tribo.Wear`, `wear_over` raises an `InvariantError`.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from typing import Protocol
 
-from tribo.errors import InputError, InvariantError, law_errors, require_positive
+from tribo.errors import InputError, InvariantError, law_errors
 from tribo.wear.archard import Wear, WearPattern
 
 
 class WearLaw(Protocol):
-    """A law of wear in proportion to pressure, at a rate that depends on the distance slid.
-
-    Examples
-    --------
-    >>> law: WearLaw = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> law.over(0.0, 1.0).specific_wear_rate > law.over(1.0, 2.0).specific_wear_rate
-    True
-    """
+    """A law of wear in proportion to pressure, at a rate that depends on the distance slid."""
 
     @property
     def pattern(self) -> WearPattern:
@@ -37,58 +27,6 @@ class WearLaw(Protocol):
         """A `Wear` whose rate is the law's mean from sliding distance `begin` to `end` [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class RunningIn:
-    """Wear whose rate falls as the surfaces run in.
-
-    After a sliding distance S the specific wear rate is k(S) = k∞ + (k₀ − k∞) exp(−S/L). So up to
-    this distance a constant load F wears off the volume
-
-        V = F [k∞ S + (k₀ − k∞) L (1 − exp(−S/L))]
-
-    Parameters
-    ----------
-    initial_rate : float
-        Specific wear rate k₀ before running in [m²/N].
-    final_rate : float
-        Specific wear rate k∞ after running in [m²/N].
-    distance : float
-        Sliding distance L over which the excess of the rate, k − k∞, falls by a factor of e [m].
-    pattern : {"local", "swept"}
-        Whether each point of the pin wears by the pressure on it, or by a mean pressure; see
-        `tribo.Wear`.
-
-    Examples
-    --------
-    >>> law = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> volume = 750.0 * 2.0 * law.over(0.0, 2.0).specific_wear_rate
-    >>> f"{volume:.3e} m³, at a constant rate {750.0 * 6e-15 * 2.0:.1e} m³"
-    '6.241e-12 m³, at a constant rate 9.0e-12 m³'
-    """
-
-    initial_rate: float
-    final_rate: float
-    distance: float
-    pattern: WearPattern = "swept"
-
-    def __post_init__(self) -> None:
-        require_positive(distance=self.distance)
-        for name in ("initial_rate", "final_rate"):
-            if not 0 <= getattr(self, name) < math.inf:
-                raise InputError(f"{name} is {getattr(self, name)!r}; it must be finite and ≥ 0")
-
-    def over(self, begin: float, end: float) -> Wear:
-        """A `Wear` whose rate is the law's mean from sliding distance `begin` to `end` [m]."""
-        way = (end - begin) / self.distance
-        faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
-        rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
-        return Wear(rate, self.pattern)
-
-
-LAWS: dict[str, type[WearLaw]] = {"running-in": RunningIn}
-"""Laws whose rate depends on the distance slid, by name."""
-
-
 def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
     """A `Wear` with a constant rate: the mean from sliding distance `begin` to `end` [m].
 
@@ -99,12 +37,6 @@ def wear_over(wear: Wear | WearLaw, begin: float, end: float) -> Wear:
     ------
     InputError, InvariantError
         If the law fails, or if it returns no `Wear`.
-
-    Examples
-    --------
-    >>> law = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
-    >>> f"{wear_over(law, 0.0, 2.0).specific_wear_rate:.3e} m²/N"
-    '4.161e-15 m²/N'
     """
     if isinstance(wear, Wear):
         return wear

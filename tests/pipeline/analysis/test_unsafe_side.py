@@ -49,19 +49,6 @@ def test_an_error_that_one_surface_does_not_know_decides_nothing():
         assert (found.temperature_error, found.verdict) == (None, NOT_DECIDED)
 
 
-def test_a_film_that_is_counted_afterwards_errs():
-    conditions = synthetic.conditions()
-    filmed = replace(conditions, corrections=Corrections(film_resistance=1e-9))
-    plain, found = (
-        margin(synthetic.sweep(measured=(), preset="draft", conditions=one), 400.0, 1.0)
-        for one in (conditions, filmed)
-    )
-    assert plain.error.counted == 0.0
-    rise = found.decisive_temperature - conditions.bulk_temperature
-    assert found.error.counted == pytest.approx(0.032 * rise)
-    assert found.temperature_error > plain.temperature_error
-
-
 PLACES = {
     "load": np.repeat([200.0, 380.0, 700.0], 9),
     "velocity": np.tile(np.geomspace(0.6, 3.9, 9), 3),

@@ -7,8 +7,6 @@ import pytest
 from scipy.special import erf
 
 import tribo
-from tribo.simulation import state_rises
-from workflows.paper.rig import critical_temperature_rig
 
 STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 DIFFUSIVITY, CAPACITY = 45.0 / (7800.0 * 470.0), 7800.0 * 470.0
@@ -92,40 +90,3 @@ def test_very_many_turns_of_a_wide_tread_warm_as_a_plane_that_is_heated_evenly()
     effusivity = np.sqrt(45.0 * CAPACITY)
     plane = 2 / 3 * 2 * flux * np.sqrt(600.0 / np.pi) / effusivity
     assert disk == pytest.approx((1 - SHARE) * plane, rel=0.02)
-
-
-def test_a_bulk_warms_by_the_energy_that_it_took():
-    """The disk takes nearly all of 94 W: 0.36 K in a ramp of 5 s, 9.04 K after 60 s more."""
-    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(650.0))
-    ramp = record([5.0], [750.0], 1.25, share=1e-9)
-    held = record([5.0, 35.0, 65.0], [750.0] * 3, 1.25, share=1e-9)
-    friction = 94.0 / (750.0 * 1.25)
-    assert friction * added(bulk, ramp) == pytest.approx(235.0 / 650.0, rel=1e-6)
-    assert friction * added(bulk, held) == pytest.approx(5875.0 / 650.0, rel=1e-6)
-
-
-def test_loss_without_capacity_is_a_resistance_to_ground():
-    columns = record([5.0], [750.0], 1.25, share=1e-9)
-    cooled = tribo.Corrections(disk_bulk=tribo.Bulk(loss=20.0))
-    assert added(cooled, columns) == pytest.approx(750.0 * 1.25 / 20.0, rel=1e-6)
-
-
-def test_a_steady_state_is_two_chains_of_resistances():
-    late = record([5.0, 1e6], [750.0] * 2, 1.25, rise=900.0, share=0.1)
-    corrections = tribo.Corrections(
-        stem=tribo.Stem(8.0), pin_bulk=tribo.Bulk(30.0, 0.5), disk_bulk=tribo.Bulk(650.0, 3.0)
-    )
-    heat = 750.0 * 1.25
-    pin = 900.0 / (0.1 * heat) + 8.0 + 1 / 0.5
-    disk = 900.0 / (0.9 * heat) + 1 / 3.0
-    assert 900.0 + added(corrections, late) == pytest.approx(heat / (1 / pin + 1 / disk), rel=1e-9)
-
-
-def test_a_moment_knows_the_load_that_its_scene_had_before():
-    """A ramp of 1 s and a hold of 60 s: 0.065 m/s · 605 N s = 39.3 J at friction 1."""
-    scene = critical_temperature_rig()
-    *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    bulk = tribo.Corrections(disk_bulk=tribo.Bulk(capacity=100.0))
-    plain, warm = (state_rises(scene, state, parts)["mean_rise"] for parts in (None, bulk))
-    share = 1 - state.heat.pin_heat_share
-    assert warm - plain == pytest.approx(share**2 * 0.065 * 605.0 / 100.0, rel=1e-3)

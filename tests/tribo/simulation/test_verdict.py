@@ -50,20 +50,6 @@ def test_unequal_bulks_need_no_word_in_the_scene():
     assert hotter[0] < hotter[1] < hotter[0] + 30.0
 
 
-def test_the_bodies_of_a_motion_turn_as_the_scene_says():
-    scene = replace(tiny.sweep().scene, motion=tribo.Motion(slide_roll_ratio=0.5))
-    both = tribo.Corrections(track=TRACK, pin_track=TRACK)
-    said, repeated = (
-        tribo.Conditions(friction=0.1, bulk_temperature=300.0, corrections=parts)
-        for parts in (both, replace(both, motion=scene.motion))
-    )
-    found = tribo.judge(scene, 600.0, 1.5, said)
-    assert found == tribo.judge(scene, 600.0, 1.5, repeated)
-    stem = replace(said, corrections=tribo.Corrections(stem=tribo.Stem(0.02, 1e-5)))
-    with pytest.raises(tribo.InputError, match="leave out stem or motion"):
-        tribo.judge(scene, 600.0, 1.5, stem)
-
-
 def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
     found = tribo.judge(
         tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)

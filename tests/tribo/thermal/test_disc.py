@@ -17,12 +17,7 @@ DISCS = {
     words: Disc(**PLAIN, **more)
     for words, more in {
         "no loss": {},
-        "20 W/K evenly": {"shaft_loss": 20.0},
-        "5 W/K at the rim": {"rim_loss": 5.0 / RIM},
-        "20 W/K at the rim": {"rim_loss": 20.0 / RIM},
-        "faces": {"face_loss": 500.0},
         "ring": {"bore": 0.06},
-        "ring on a shaft of 20 W/K": {"bore": 0.03, "shaft_loss": 20.0},
     }.items()
 }
 

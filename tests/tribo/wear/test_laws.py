@@ -27,14 +27,6 @@ def ramped_volume(law, rate, velocity, load):
     return rate / velocity * (law.final_rate * slid**2 / 2 + excess * faded)
 
 
-@pytest.mark.parametrize("scheme", ["implicit", "sdirk2"])
-def test_running_in_wears_off_what_the_closed_form_says(scheme):
-    scene = small_scene(increments=40)
-    scene = replace(scene, wear=LAW, fidelity=replace(scene.fidelity, wear_scheme=scheme))
-    expected = ramped_volume(LAW, scene.loading.rate, VELOCITY, LOAD)
-    assert worn_volume(scene) == pytest.approx(expected, rel=2e-3)  # error of second order in steps
-
-
 def test_a_law_of_a_constant_rate_is_archard_s():
     scene = small_scene(increments=6)
     *_, constant = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
