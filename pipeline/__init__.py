@@ -22,7 +22,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - dataset: `open_sweep`, `end_of_point`, `results`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `warned`, `diff`,
   `vary`, `critical_temperatures`
-- accuracy: `choose_fidelity`, `trade`
+- accuracy: `choose_accuracy`, `trade`
 - figures: `plot`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`

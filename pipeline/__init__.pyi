@@ -24,7 +24,7 @@ from .store.progress import summary as summary
 from .store.verify import verify_store as verify_store
 from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
-from .tradeoff.choose import choose_fidelity as choose_fidelity
+from .tradeoff.choose import choose_accuracy as choose_accuracy
 from .tradeoff.critical_temperature import critical_temperatures as critical_temperatures
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade

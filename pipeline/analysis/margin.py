@@ -21,7 +21,6 @@ from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.field import Here, PointField, quantile
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.rise_error import RiseError, totals
-from pipeline.sweep.accuracy import MEASURES
 from pipeline.sweep.shown import shown
 from tribo.types import Array, Mask
 
@@ -109,7 +108,7 @@ class Margin:
             return None
         if verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
             return "a test at this point"
-        measured = f"its numerical error, which {MEASURES} measures"
+        measured = "its numerical error, which is known for a preset"
         parts = {
             "more points near it": self.error.interpolation,
             measured if self.error.preset is None else "a finer preset": self.error.preset,

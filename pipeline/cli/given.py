@@ -13,10 +13,11 @@ import pipeline
 from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.over import notes_on_first_values
+from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.tradeoff.choose import choose_accuracy, measure_error
+from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
@@ -76,12 +77,8 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     return OperatingPoints((Place(options.load, options.velocity),), {}) if place else None
 
 
-def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
-    """Load the command's scene, changed by the options for conditions and numerical choices.
-
-    `store` is the store that the command will write, if any. If the store exists, --accuracy takes
-    its fidelity, and --measure its measured error.
-    """
+def scene_in(options: argparse.Namespace) -> Sweep:
+    """Load the command's scene, changed by the options for conditions and numerical choices."""
     settings = settings_in(options)
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, tuple)]:
@@ -93,12 +90,9 @@ def scene_in(options: argparse.Namespace, store: Path | None = None) -> Sweep:
         named = ["--preset"] if options.preset else []
         named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
         if named:
-            raise InputError(f"--accuracy picks the fidelity; leave out {', '.join(named)}")
-        sweep = choose_accuracy(sweep, accuracy, store, tell)
-    elif store is not None and options.measure:
-        sweep = measure_error(sweep, store, tell)
-    if sweep.selection:
-        tell(str(sweep.selection))
+            raise InputError(f"--accuracy picks the preset; leave out {', '.join(named)}")
+        sweep = choose_accuracy(sweep, accuracy)
+        tell(error_in_words(sweep))
     return sweep
 
 

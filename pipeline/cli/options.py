@@ -104,13 +104,9 @@ SET = several(
 )  # fmt: skip
 OF_SCENE = (SCENE, PRESET, SET)
 ACCURACY = value(
-    "--accuracy BOUND", "pick the cheapest fidelity whose boundary errs by this at most, such as "
-    "2%%", values.share,
+    "--accuracy BOUND", "take the cheapest preset whose boundary errs by this at most, such as 2%%",
+    values.share,
 )  # fmt: skip
-MEASURE = flag(
-    "--measure",
-    "measure the error of the scene's own numerical choices, before a run or on its finished store",
-)
 BOUNDARY_ONLY = value(
     "--boundary-only TOLERANCE", "compute the boundary alone, to this relative error of the "
     "critical velocity, at velocities that the run chooses; default: 1%%",
@@ -158,7 +154,7 @@ OF_RUN = (
     flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
     flag("--retry-failed", "compute the points again that failed in an earlier run"),
     BOUNDARY_ONLY,
-    Group("", (ACCURACY, MEASURE)),
+    ACCURACY,
 )  # fmt: skip
 
 PLACE = (

@@ -22,7 +22,7 @@ from pipeline.run.cluster import client_of
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.accuracy import MEASURES, error_in_words, has_unknown_error
+from pipeline.sweep.accuracy import error_in_words, has_unknown_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.remarks import remarks
@@ -37,7 +37,7 @@ from tribo import InputError, lubrication_regime
 def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
-    sweep = scene_in(options, store=out)
+    sweep = scene_in(options)
     tell(*map(str, sweep.notes))
     require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
@@ -181,4 +181,4 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"
     if has_unknown_error(sweep):
-        yield "error", f"not known; {MEASURES} measures it"
+        yield "error", "not known; it is for a --preset"

@@ -143,8 +143,6 @@ def _origin(data: Results) -> Iterator[str]:
     """Yield sentences on the model, program and scene used, and how to cite them."""
     sweep = data.sweep
     yield _MODEL
-    if sweep.selection:
-        yield str(sweep.selection)
     yield from str(data.rest.attrs.get("history", "")).splitlines()
     yield f"scene {sweep.name}, {digest(sweep.scene)} (SHA-256 of its inputs)"
     yield f"written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"

@@ -18,9 +18,8 @@ from tribo import InputError, TriboError
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store that is continued: variants of both runs, other data from `sweep`.
 
-    Which steps and fields are stored stays as in the sweep `before`. So does the measured error of
-    the numerical choices, unless `sweep` has one. If `sweep` has chosen points, the result's
-    `chosen` is empty, since the store has the points.
+    Which steps and fields are stored stays as in the sweep `before`. If `sweep` has
+    chosen points, the result's `chosen` is empty, since the store has the points.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -35,7 +34,6 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         variants=first.variants.union(sweep.variants),
         chosen=None if sweep.chosen is None else (),
         stations=choose_stations(first),
-        selection=sweep.selection or first.selection,
     )
     if before and before.plane.fields != sweep.plane.fields:
         joined = joined.changed("sweep.fields", before.plane.fields)

@@ -8,15 +8,13 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
-import tribo
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import Selection
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Column, Row, Variants
@@ -30,7 +28,7 @@ class SweepTextError(InputError):
 
 def sweep_text(sweep: Sweep) -> str:
     """Write a sweep as JSON text, which `parse_sweep` reads."""
-    table, selection = sweep.variants, sweep.selection
+    table = sweep.variants
     values = [row.values for row in table.rows]
     text = {
         "name": sweep.name,
@@ -39,7 +37,6 @@ def sweep_text(sweep: Sweep) -> str:
         "rows": values if any(values) else (),
         "notes": sweep.notes,
         "sources": sweep.sources,
-        "selection": selection and asdict(replace(selection, choices=())),
         "stations": sweep.stations and asdict(sweep.stations),
         "chosen": None if sweep.chosen is None else True,
     }
@@ -69,7 +66,6 @@ def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
             variants=_variants(read),
             notes=tuple(Remark(*one) for one in read.get("notes", ())),
             sources=tuple(FromLibrary(*one) for one in read.get("sources", ())),
-            selection=_selection(read.get("selection")),
             stations=_stations(read.get("stations")),
             chosen=() if "chosen" in read else None,
         )
@@ -95,10 +91,6 @@ def _variants(text: Any) -> Variants:
     pairs = zip(several, values, strict=True)
     rows = (Row(dict(zip(labels, own, strict=True)), one) for own, one in pairs)
     return Variants(columns, tuple(rows))
-
-
-def _selection(text: Any) -> Selection | None:
-    return text and Selection(**text | {"fidelity": tribo.Fidelity(**text["fidelity"])})
 
 
 def _stations(text: Any) -> Stations | None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import PRESET_BOUNDS, preset_of
 
-MEASURES = "irg run SCENE -o STORE --measure"
-"""Command that measures the error of a fidelity."""
-
 _OF_FEW_ELEMENTS = {"standard": 0.05}
 """Error bounds that presets have where the highest temperature decides, if larger than usual.
 
@@ -20,10 +17,8 @@ _FEW = 0.05  # failing share below which the criterion's temperature counts as t
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest relative error to expect of a sweep's critical velocity; None if unknown.
 
-    The error was measured for the sweep, or else is known for its preset of numerical choices.
+    It is known for presets of numerical choices alone.
     """
-    if selection := sweep.selection:
-        return selection.error
     preset, rule = str(_preset(sweep)), sweep.conditions
     is_highest = rule.criterion == "highest"
     if is_highest or (rule.criterion == "share" and rule.failing_share < _FEW):
@@ -34,7 +29,7 @@ def velocity_error(sweep: Sweep) -> float | None:
 def has_unknown_error(sweep: Sweep) -> bool:
     """True if a sweep has a boundary of severe wear whose error is not known.
 
-    The error is known if it was measured, or if the preset has a known one.
+    The error is known for a preset.
     """
     is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
     return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
@@ -42,11 +37,9 @@ def has_unknown_error(sweep: Sweep) -> bool:
 
 def error_in_words(sweep: Sweep) -> str:
     """Describe the error of a sweep's critical velocity, and how the error is known."""
-    if selection := sweep.selection:
-        return str(selection)
     error = velocity_error(sweep)
     if error is None:
-        return f"how far boundary velocities err is not known; {MEASURES} measures it"
+        return "how far boundary velocities err is not known; it is for a --preset"
     by = f"{100 * error:g} % (irg help choosing)"
     return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
 

@@ -12,7 +12,6 @@ from pipeline.sweep.contact_sharing import ContactSource, contact_sources
 from pipeline.sweep.digest import digest
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import shown
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
@@ -77,8 +76,6 @@ class Sweep:
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
         Values that were taken from the library of materials and oils.
-    selection : Selection or None
-        Numerical choices for which the error was measured, and this error; None if not measured.
     chosen : collection of Point or None
         Points to simulate; None for all pairs of loads and velocities.
     stations : Stations or None
@@ -104,7 +101,6 @@ class Sweep:
     variants: Variants = field(default_factory=Variants)
     notes: Sequence[Remark] = ()
     sources: tuple[FromLibrary, ...] = ()
-    selection: Selection | None = None
     chosen: Collection[Point] | None = None
     stations: Stations | None = None
     judged: Mapping[str, Any] = field(default_factory=dict)
@@ -199,10 +195,9 @@ class Sweep:
     def verdict_inputs(self) -> tuple[Any, ...]:
         """Data, besides simulation and conditions, that affect verdicts.
 
-        They are tests, measured friction, the stated model error, oil, preset, and the error that
-        was measured for the numerical choices.
+        They are tests, measured friction, the stated model error, oil and preset.
         """
-        friction, own = self.declared.friction, (self.lubricant, self.preset, self.selection)
+        friction, own = self.declared.friction, (self.lubricant, self.preset)
         return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
 
     @cached_property

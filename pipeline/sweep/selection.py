@@ -1,13 +1,12 @@
-"""Numerical choices (`tribo.Fidelity`) picked for an accuracy, with the errors measured."""
+"""Numerical choices (`tribo.Fidelity`): what presets promise, and what was measured."""
 
 from __future__ import annotations
 
 import math
 import operator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from pipeline.sweep.shown import shown
 from tribo import PRESETS, Fidelity
 from tribo.simulation.element_size import TIGHTEST
 from tribo.simulation.parts_of_steps import ENOUGH_STEPS
@@ -77,29 +76,3 @@ class Choice:
     velocity_error: float  # largest at any point, without sign
     error_at_any_load: float  # largest error to expect: at the points, plus a margin
     seconds: float  # processor time of the points [s]
-
-
-@shown
-@dataclass(frozen=True, slots=True)
-class Selection:
-    """Numerical choices of a sweep and the error that was measured for them.
-
-    They were chosen for an accuracy, or are those of the scene itself.
-    """
-
-    #: Largest relative error of the critical velocity that was asked for; None: the scene's own.
-    accuracy: float | None
-    name: str  #: Name of the fidelity, as shown to the user.
-    fidelity: Fidelity  #: The numerical choices.
-    error: float  #: Largest relative error of the critical velocity to expect at any load.
-    #: Fidelities that were measured, the reference last; a store keeps none.
-    choices: tuple[Choice, ...] = field(default=(), compare=False)
-
-    def __str__(self) -> str:
-        name, more = self.name, ""
-        if self.accuracy is not None:
-            name = f"accuracy {100 * self.accuracy:g} %: picked {self.name}"
-            more = ", more than asked for" * (self.error > self.accuracy)
-        return (
-            f"{name}; boundary velocities err by at most {100 * self.error:.2g} % at any load{more}"
-        )

@@ -2,8 +2,7 @@
 
 A fidelity is a set of numerical choices. The measure is the relative error of the critical
 velocity: the error of ln(rise) divided by the exponent with which the rise grows with velocity.
-`irg trade` prints the table. `--accuracy` takes the cheapest row within a bound, `--measure` the
-row of the scene's own fidelity.
+`irg trade` prints the table.
 """
 
 from __future__ import annotations
@@ -40,7 +39,6 @@ from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 USUAL = ("draft", "standard", "fine")
 OWN = "the scene's own fidelity"
 _LOADS, _PLACES = 4, 6  # number of points for a single variant, and for several
-_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # errors whose cheapest fidelity is printed
 _HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
 _MARGIN, _DEVIATIONS = 1.3, 2.5
 """Factor on the largest error, and standard deviations above the mean error.
@@ -84,14 +82,6 @@ class Trade:
                 choices.append(choice)
         return tuple(choices)
 
-    def cheapest(self, error: float) -> Choice:
-        """Cheapest fidelity that is expected to keep within the relative `error` at every load.
-
-        The error is that of the critical velocity. The reference is returned if no fidelity keeps
-        within `error`.
-        """
-        return next((one for one in self.choices if one.error_at_any_load <= error), self.reference)
-
     @property
     def table(self) -> pd.DataFrame:
         """Frame with a row for each fidelity: two errors [%], and two times.
@@ -117,7 +107,6 @@ class Trade:
             "Largest error of the boundary velocity at these points, against the reference on the",
             "same pixels; error to expect at any load, with margin; processor time of all points.",
             "",
-            *(f"--accuracy {100 * bound:g}%: {self.cheapest(bound).name}" for bound in _BOUNDS),
             *(f"no result: {reason}" for reason in self.not_converged),
         ]
         return "\n".join(lines)
@@ -200,19 +189,25 @@ def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
     return float(steps / scene.fidelity.pixels_per_element**2)
 
 
-def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
-    """Fidelities to measure, by name: the preset ``reference``, `presets`, and the sweep's own.
+def presets_for(sweep: Sweep, names: Sequence[str]) -> dict[str, Fidelity]:
+    """Presets by name, adapted to a scene.
 
-    Equal fidelities are listed once, under the first name. Presets are adapted to the scene: their
-    elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
+    Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
     "history", presets get this model too, which needs all load steps on one grid.
     """
     past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
     changes = past if sweep.scene.remembers_heat else {}
-    named = {
-        name: with_dividing_elements(sweep, replace(PRESETS[name], **changes))
-        for name in ("reference", *presets)
+    return {
+        name: with_dividing_elements(sweep, replace(PRESETS[name], **changes)) for name in names
     }
+
+
+def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
+    """Fidelities to measure, by name: the preset ``reference``, `presets`, and the sweep's own.
+
+    Equal fidelities are listed once, under the first name.
+    """
+    named = presets_for(sweep, ("reference", *presets))
     named.setdefault(sweep.preset or OWN, sweep.scene.fidelity)
     names: dict[Fidelity, str] = {}
     for name, fidelity in named.items():

@@ -30,7 +30,7 @@ def assert_sound(scene, before, state, normal_load):
 
 def assert_complementary(scene, before, state):
     """Assert the contact conditions on gap and pressure, from worn shape and elastic map."""
-    explicit = scene.fidelity.wear_scheme == "explicit"
+    explicit = scene.fidelity.as_published
     worn = state.wear_depth
     if explicit and scene.wear:
         same_grid = before is not None and before.wear_depth.shape == worn.shape

@@ -7,7 +7,6 @@ import tribo
 from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.selection import Selection
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
@@ -150,12 +149,6 @@ def scene(**values):
         }
         | values
     )
-
-
-def selection(**values):
-    """A `Selection`: fidelity chosen by --accuracy, with these values of its fields."""
-    usual = {"accuracy": 0.02, "name": "fine", "fidelity": tribo.PRESETS["fine"], "error": 0.02}
-    return Selection(**usual | values)
 
 
 def _columns(ramp, velocity):

@@ -205,7 +205,6 @@ REFUSALS = {
     "no friction": (lambda: divided(ZERO, method="uniform", bulk_difference=1.0), "there is none"),
     "no time": (lambda: divided(time=0.0, bulk_difference=1.0), "no time to conduct"),
     # scenes and their points
-    "choice": (lambda: Fidelity(kernel="none"), "kernel is 'none'; allowed are"),
     "heat tolerance": (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
     "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
     **{
@@ -249,10 +248,8 @@ REFUSALS = {
     "divisor": (lambda: scene(fidelity=Fidelity(pixels_per_element=5)), "choose a common divisor"),
     "x": (lambda: scene(pixels=Grid((48, 16), (8e-6, 8e-6), (True, True))), "periodic along x"),
     "ball": (lambda: scene(pin=Ball(1e-3, STEEL)), "under a ball pin both axes must be free"),
-    "images": (lambda: small_scene("local", periodic=(False, False), kernel="nearest-image"),
-               "the kernel 'nearest-image' needs a patch"),
-    "ends": (lambda: small_scene("local", periodic=(False, False), heat_kernel="endless"),
-             "the heat_kernel 'endless' needs a patch"),
+    "images": (lambda: small_scene("local", periodic=(False, False), as_published=True),
+               "as_published needs a patch"),
     "uniform": (lambda: replace(small_scene(partition="uniform"), unequal_bulks=True),
                 "divides frictional heat alone"),
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),

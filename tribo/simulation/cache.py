@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from tribo.contact import ElasticHalfSpace
+from tribo.contact import ElasticHalfSpace, ElasticKernel
 from tribo.material import contact_modulus
 from tribo.numerics import Convolution, Grid, forget_buffers
 from tribo.simulation.scene import Scene
@@ -160,7 +160,8 @@ def forget_kernels() -> None:
 
 def _elastic_bodies(scene: Scene) -> ElasticBodies:
     modulus = contact_modulus(scene.pin.material, scene.disk)
-    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    kernel: ElasticKernel = "nearest-image" if scene.fidelity.as_published else "periodic"
+    solid = ElasticHalfSpace(scene.grid, modulus, kernel)
     heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
     separation = scene.separation(heights)
     if not (scene.sweeps_over or scene.fidelity.imprint):

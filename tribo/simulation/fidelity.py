@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal, get_args, get_origin, get_type_hints
 
-from tribo.contact import ContactCriterion, ElasticKernel
 from tribo.errors import InputError, require_integer
 from tribo.wear import WearScheme
 
@@ -51,32 +50,22 @@ class Fidelity:
         divided by the height of the roughness. Steps are cut into as many parts as this takes, at
         most 4; 0 for no parts. With 25 `increments` or more they are not cut. Local wear and ridges
         along y leave such imprints.
-    kernel : {"periodic", "nearest-image"}
-        Periodic images of the pressure that deform the patch: all images, or of each element only
-        the nearer one. See `tribo.contact.ElasticHalfSpace`.
     contact_tolerance : float
         Residual of the contact at which its solver stops. See `tribo.contact.solve_contact`. With
         the wear pattern "local" a larger value than 0.03 is replaced by 0.03, because the error of
         each contact stays in the worn shape.
-    contact_criterion : {"gap", "pressure-change"}
-        What the tolerance bounds: the residual of the gaps, or the change of the pressure in the
-        last iteration. See `tribo.contact.solve_contact`.
-    wear_scheme : {"implicit", "explicit", "sdirk2"}
-        Time integration of the wear: backward Euler, the explicit scheme of Bosman & de Rooij, or
-        an implicit Runge-Kutta scheme of second order. See `tribo.wear.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij); ``"history"``: all heat since then acts at its own time, linear between the steps.
         Every step then needs its temperature. With ``"elapsed"`` the rise of a growing contact is
         too high: in the system of Bosman & de Rooij at 600 N by 0.2, 0.8, 1.5 and 2.4 % at 1.25,
         0.1, 0.01 and 0.001 m/s.
-    heat_kernel : {"pin", "endless", "nearest-image"}
-        Length of the heated contact along a periodic y, for the heat in both bodies.
-        ``"pin"``: as long as the pin, with the patch in the pin's middle, which is its hottest
-        part. For the pin of Bosman & de Rooij, the mean rise along the pin is 0.8 to 1.4 % lower
-        than this rise. ``"endless"``: without ends. For their pin the rise is then 1.4 to 2.8 %
-        higher than with "pin". ``"nearest-image"``: the patch, and for each element its nearer
-        periodic image, as Bosman & de Rooij assume.
+    as_published : bool
+        True for the scheme of Bosman & de Rooij: only the nearest periodic image of each element
+        deforms and heats the patch, contacts are solved until the pressure changes by less than
+        their tolerance, and the wear is explicit. If not, all images deform it, the heated contact
+        is as long as the pin, the tolerance bounds the residual of the gaps, and the wear is
+        integrated by an implicit Runge-Kutta scheme of second order.
     partition : {"local", "uniform"}
         Division of friction heat between the bodies: each element for itself, or one share for the
         whole contact. See `tribo.thermal.partition_heat`.
@@ -100,12 +89,9 @@ class Fidelity:
     increments: int = 100
     hold_increments: int = 0
     imprint: float = 0.0
-    kernel: ElasticKernel = "periodic"
     contact_tolerance: float = 1e-3
-    contact_criterion: ContactCriterion = "gap"
-    wear_scheme: WearScheme = "implicit"
     heat_model: Literal["elapsed", "history"] = "elapsed"
-    heat_kernel: Literal["pin", "endless", "nearest-image"] = "pin"
+    as_published: bool = False
     partition: Literal["local", "uniform"] = "local"
     heat_tolerance: float = 1e-6
 
@@ -142,6 +128,11 @@ class Fidelity:
                 "every step on the scene's own grid, so it must be 1"
             )
 
+    @property
+    def wear_scheme(self) -> WearScheme:
+        """Time integration of the wear, one of `tribo.wear.WEAR_SCHEMES`."""
+        return "explicit" if self.as_published else "sdirk2"
+
 
 _CHOICES = {
     name: get_args(choice)
@@ -161,7 +152,6 @@ PRESETS: dict[str, Fidelity] = {
         hold_increments=8,
         imprint=25.0,
         contact_tolerance=0.12,
-        wear_scheme="sdirk2",
         heat_tolerance=1e-2,
     ),
     "standard": Fidelity(
@@ -175,7 +165,6 @@ PRESETS: dict[str, Fidelity] = {
         hold_increments=25,
         imprint=3.0,
         contact_tolerance=0.09,
-        wear_scheme="sdirk2",
         heat_tolerance=3e-3,
     ),
     "fine": Fidelity(
@@ -188,14 +177,12 @@ PRESETS: dict[str, Fidelity] = {
         hold_increments=25,
         imprint=3.0,
         contact_tolerance=0.05,
-        wear_scheme="sdirk2",
         heat_tolerance=1.5e-3,
     ),
     "reference": Fidelity(
         pixels_per_element=1,
         increments=100,
         contact_tolerance=1e-5,
-        wear_scheme="sdirk2",
         heat_tolerance=1e-8,
     ),
 }

@@ -177,7 +177,7 @@ def solve_pass(
         stage.normal_load / scene.pin.patches(scene.grid),
         hardness=scene.hardness,
         tolerance=scene.contact_tolerance,
-        criterion=fidelity.contact_criterion,
+        criterion="pressure-change" if fidelity.as_published else "gap",
         initial_pressure=initial,
         initial_displacement=displacement,
     )
@@ -187,7 +187,7 @@ def solve_pass(
         _element_area(scene),
         scene.hardness,
         contact.residual,
-        scene.contact_tolerance if fidelity.contact_criterion == "gap" else np.inf,
+        np.inf if fidelity.as_published else scene.contact_tolerance,
     )
     displacement = contact.gap + contact.approach - shape
     if wear:

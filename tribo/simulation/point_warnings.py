@@ -364,7 +364,7 @@ def _longest_step(scene: Scene, state: State) -> float:
 def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if steps were too long for explicit wear, and say how many steps would suffice."""
     fidelity = scene.fidelity
-    if fidelity.wear_scheme != "explicit" or not state.normal_load:
+    if not fidelity.as_published or not state.normal_load:
         return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time

@@ -102,15 +102,8 @@ class Scene:
             raise InputError(
                 f"the patch is periodic along y; under a {shape} pin both axes must be free"
             )
-        if self.fidelity.kernel == "nearest-image" and not self.pixels.periodic[1]:
-            raise InputError(
-                "the kernel 'nearest-image' needs a patch that is periodic along y; use 'periodic'"
-            )
-        if self.fidelity.heat_kernel != "pin" and not self.pixels.periodic[1]:
-            raise InputError(
-                f"the heat_kernel {self.fidelity.heat_kernel!r} needs a patch that is periodic "
-                "along y; use 'pin'"
-            )
+        if self.fidelity.as_published and not self.pixels.periodic[1]:
+            raise InputError("as_published needs a patch that is periodic along y")
         if not isinstance(self.roughness, SelfAffineRoughness | UnknownHeights):
             self.heights()
         if self.motion and self.wears_by_law:
@@ -210,11 +203,10 @@ class Scene:
     def is_plane(self) -> bool:
         """True if nothing depends on y: smooth bodies, a line contact and a periodic y.
 
-        False if a kernel of the fidelity is "nearest-image".
+        False with `Fidelity.as_published`.
         """
         smooth = self.roughness is None and self.pin.length is not None
-        kernels = self.fidelity.kernel, self.fidelity.heat_kernel
-        return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels
+        return smooth and self.pixels.periodic[1] and not self.fidelity.as_published
 
     @property
     def rows_per_element(self) -> int:
@@ -264,11 +256,9 @@ class Scene:
 
         With "nearest-image", the patch and for each element its nearer periodic image are heated.
         """
-        if self.fidelity.heat_kernel == "nearest-image":
+        if self.fidelity.as_published:
             return "nearest-image"
-        if self.pin.length is not None and self.fidelity.heat_kernel == "pin":
-            return self.pin.length
-        return math.inf
+        return math.inf if self.pin.length is None else self.pin.length
 
     @property
     def contact_tolerance(self) -> float:

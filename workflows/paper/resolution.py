@@ -36,11 +36,11 @@ _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
 _PUBLISHED = 100  # increments that the paper states
 _PAPER = Fidelity(pixels_per_element=2, increments=_PUBLISHED, averaging="mean")
 """The grid and the increments of the paper, on which each is varied alone."""
-_SCHEMES: dict[str, tuple[WearPattern, Any]] = {  # with changes of the fidelity
-    "implicit, swept": ("swept", "implicit"),
-    "explicit, swept": ("swept", "explicit"),
-    "implicit, local": ("local", "implicit"),
-    "explicit, local (as published)": ("local", "explicit"),
+_SCHEMES: dict[str, tuple[WearPattern, bool]] = {  # whether as published
+    "implicit, swept": ("swept", False),
+    "explicit, swept": ("swept", True),
+    "implicit, local": ("local", False),
+    "explicit, local (as published)": ("local", True),
 }
 _POINT = TABLE_4[0]
 _SHOWN = 48  # elements of the pressure field that are drawn
@@ -73,7 +73,7 @@ def fig6(study: Study) -> Report:
     shown = max(count for count in counts if count <= _PUBLISHED)
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, scheme) in _SCHEMES.items():
-        scene = _with(worn(sweep, pattern), wear_scheme=scheme)
+        scene = _with(worn(sweep, pattern), as_published=scheme)
         scenes = [scene.take_surface(seed) for seed in seeds]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
         by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)

@@ -23,12 +23,9 @@ PUBLISHED = "as-published"
 AS_PUBLISHED = Fidelity(
     pixels_per_element=2,
     increments=100,
-    kernel="nearest-image",
     contact_tolerance=1e-3,
-    contact_criterion="pressure-change",
-    wear_scheme="explicit",
     heat_model="elapsed",
-    heat_kernel="nearest-image",
+    as_published=True,
     heat_tolerance=1e-12,
 )
 """Numerical choices of the paper, to be looked at.

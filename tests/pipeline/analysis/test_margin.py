@@ -123,17 +123,6 @@ def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(pr
         assert here.error.preset == pytest.approx(rise * share, rel=1e-9)
 
 
-def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
-    here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
-    assert (here.temperature_error, here.verdict) == (None, "not decided")
-    assert (here.lowest, here.highest) == (0.0, 1.0)
-    picked = synthetic.selection(error=0.05)
-    known = margin(synthetic.sweep(preset=None, selection=picked), 400.0, 0.5)
-    rise = known.decisive_temperature - 298.15
-    share = preset_error(0.05)
-    assert known.temperature_error == pytest.approx(rise * share, rel=1e-9)
-
-
 def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_undecides():
     ds = synthetic.sweep()
     clean = margin(ds, 425.0, 2.1)

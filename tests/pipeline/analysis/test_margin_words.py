@@ -11,7 +11,6 @@ from pipeline.analysis.margin import (
 from pipeline.analysis.margin_frame import (
     LONG,
 )
-from pipeline.analysis.rise_error import RiseError
 from tests.helpers import synthetic
 
 
@@ -69,34 +68,6 @@ def test_the_sentence_tells_verdict_probability_and_distance(here):
         "tested there: mild at 1 m/s, severe at 2 m/s"
     )
     assert "0 K below" in changed(here, distance=0.0).sentence
-
-
-@pytest.mark.parametrize(
-    ("error", "changes", "kind"),
-    [
-        ((1.0, 2.0, 0.0), {}, "a finer preset"),
-        ((3.0, 2.0, 1.0), {}, "more points near it"),
-        ((0.0, 2.0, 2.5), {}, "what its warnings ask for"),
-        ((3.0, 2.0, None), {}, "what its warnings ask for"),
-        (
-            (3.0, None, 1.0),
-            {},
-            "its numerical error, which irg run SCENE -o STORE --measure measures",
-        ),
-        ((None, 2.0, 1.0), {}, "more points near it"),
-        ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test at this point"),
-        (
-            (3.0, 2.0, 1.0),
-            {"probability": 0.3, "counts_inputs": True},
-            "better known inputs, such as the critical temperature, or a test at this point",
-        ),
-        ((3.0, 2.0, 1.0), {"highest": 0.03}, None),  # mild
-    ],
-)
-def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error, changes, kind):
-    open_ = {"lowest": 0.0, "probability": 0.02, "highest": 0.5, "error": RiseError(*error)}
-    found = changed(here, **open_ | changes)
-    assert found.decided_by == kind
 
 
 # Tables

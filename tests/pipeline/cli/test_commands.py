@@ -115,22 +115,6 @@ def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg
     assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
 
 
-def test_an_accuracy_is_stored_with_what_it_picked(scene, tmp_path, irg):
-    out = tmp_path / "accurate.zarr"
-    few = ("--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "2 m/s"]')
-    arguments = ("run", scene, *few, "-o", out, "--workers", 1, "--accuracy", "10%")
-    irg(*arguments)
-    picked = pipeline.results(pipeline.open_sweep(out)).sweep.selection
-    assert picked.error <= picked.accuracy == 0.1
-    assert picked.fidelity.increments > 0
-    again = irg(*arguments)
-    assert "choices at" not in again
-    assert "0 of them now" in again
-    assert f"accuracy 10 %: picked {picked.name}" in irg("status", out)
-    refused = irg(*arguments, "--set", "increments=7", code=2)
-    assert "leave out --set increments" in refused
-
-
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     point = ("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
     options = ("--friction", 0.13, "--bulk-temperature", "50 degC", "--share", 0.05)
@@ -147,28 +131,6 @@ def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):
     (document,) = irg(*point, "--friction", 0)
     assert document["highest temperature [°C]"] == document["decisive temperature [°C]"] == 25
     assert (document["failed share [%]"], document["verdict"]) == (0, "mild")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["run"], "SCENE.toml"),
-        (["sing", "scene.toml"], "sing"),
-        (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
-        (["margin", "out.zarr", "--load", "5 N"], "give --load and --velocity, or --points"),
-        (["plot", "out.zarr", "--width", "8,5 cm"], "decimals with a point"),
-        (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
-        (["run", "scene.toml", "--accuracy", "2%", "--measure"], "not allowed with argument"),
-        (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
-        (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
-        (["boundry", "out.zarr"], "command is 'boundry'; did you mean 'boundary'?"),
-        (["plot", "out.zarr", "--kind", "ram"], "--kind is 'ram'; did you mean 'ramp'?"),
-    ],
-)
-def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
-    words = irg(*arguments, code=2)
-    assert said in words
-    assert words.count("\n") == 1
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,8 @@ import pytest
 from PIL import Image
 
 import pipeline
-from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.page.content import content
 from pipeline.page.controls import controls
-from pipeline.sweep.digest import digest
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 
@@ -44,22 +42,6 @@ def text_of(ds, folder, **options):
     """Text of the page of a sweep, without tags."""
     written = pipeline.explore(ds, folder / "page.html", **options).path.read_text()
     return " ".join(unescape(re.sub(r"<[^>]+>", " ", written)).split())
-
-
-def test_a_page_has_the_answer_the_inputs_and_the_origin_in_words(tmp_path):
-    picked = synthetic.selection(error=0.01)
-    ds = synthetic.sweep(preset=None, selection=picked).assign_attrs(history="Computed here")
-    ds["status"][0, 0] = 0
-    text = text_of(ds, tmp_path)
-    sweep = pipeline.results(ds).sweep
-    found = pipeline.boundary(ds)
-    boundary = [next_run_line(found), *boundary_lines(found)]
-    for words in (
-        *(line[1:] for line in boundary), "1 points are pending or failed",
-        "pin.radius 2 mm Radius in the plane of sliding", "Young's modulus",
-        "Numerical choices: ", str(picked)[1:], "Computed here.", digest(sweep.scene),
-    ):  # fmt: skip
-        assert words in text
 
 
 def test_a_duty_that_cannot_be_judged_is_named_and_the_others_are_shown(tmp_path):

@@ -16,7 +16,7 @@ SMOOTH = tiny.sweep(
     pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
     pixels=tribo.Grid((900, 2), (1e-6, 200e-6)),
     roughness=None,
-    fidelity={"contact_tolerance": 1e-4, "wear_scheme": "sdirk2"},
+    fidelity={"contact_tolerance": 1e-4},
     increments=25,
     friction_band=None,
 )

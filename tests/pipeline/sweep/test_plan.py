@@ -73,10 +73,10 @@ PHYSICS = {
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
     "steps with a short end and heat of the past": {
-        "fidelity": {"wear_scheme": "sdirk2", "heat_model": "history"},
+        "fidelity": {"heat_model": "history"},
         "wear": tribo.Wear(1e-14),
     },
-    "explicit wear": {"fidelity": {"wear_scheme": "explicit"}},
+    "explicit wear": {"fidelity": {"as_published": True}},
     "as published": {
         "fidelity": {
             "kernel": "nearest-image",

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.sweep.accuracy import error_in_words, has_unknown_error, velocity_error
+from pipeline.sweep.accuracy import has_unknown_error, velocity_error
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic
-from tests.helpers.entries import changed
 from tribo import PRESETS
 
 PIXELS = {"pixels_per_element": 1, "history_coarsening": 1}
@@ -46,21 +45,6 @@ def test_choices_that_are_at_least_as_fine_as_a_preset_keep_its_promise(preset, 
     own = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
     assert velocity_error(own) == error
     assert has_unknown_error(own) == (error is None)
-
-
-def test_a_store_errs_as_its_preset_whatever_its_heat_model_or_as_was_measured():
-    draft, unnamed = synthetic.scene(preset="draft"), synthetic.scene(preset=None)
-    history = replace(PRESETS["draft"], heat_model="history", history_coarsening=1)
-    picked = synthetic.selection(error=0.03)
-    assert velocity_error(draft) == 0.05
-    assert velocity_error(unnamed) is None
-    assert velocity_error(changed(unnamed, fidelity=history)) == 0.05
-    assert velocity_error(changed(draft, selection=picked)) == 0.03
-    standard = synthetic.scene(preset="standard")
-    few = replace(standard.conditions, failing_share=0.04)
-    assert velocity_error(standard) == 0.015
-    assert velocity_error(changed(standard, conditions=few)) == 0.05
-    assert error_in_words(draft).endswith("may be off by up to 5 % (irg help choosing)")
 
 
 def test_a_point_is_said_with_its_place_and_variant():

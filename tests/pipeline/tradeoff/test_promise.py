@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.tradeoff.choose import choose_fidelity
 from tests.helpers.accuracy_scenes import ALUMINA, SCENES
 from tests.helpers.entries import changed
 from tests.promises.judge import (
@@ -66,20 +65,6 @@ def true_error(name, fidelity):
     return largest_error(velocities, true)
 
 
-def kept(name, accuracy):
-    """Assert that a choice's true error is within its stated one and the accuracy; return both."""
-    selection = choose_fidelity(ALL[name], accuracy)
-    error = true_error(name, selection.fidelity)
-    assert error <= selection.error <= accuracy
-    return selection, error
-
-
-def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
-    loose, strict = (kept("no wear, few pixels", accuracy)[0] for accuracy in (0.05, 0.02))
-    by_work = [choice.name for choice in strict.choices]
-    assert by_work.index(loose.name) <= by_work.index(strict.name)
-
-
 @pytest.mark.parametrize(("seed", "pin"), [(124, Ball), (125, Crowned), (126, Cylinder)])
 def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin):
     sweep = random_wide_sweep(seed)
@@ -90,15 +75,3 @@ def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin)
     )
     velocity, _ = boundary_velocity(sweep, sweep.scene.fidelity, place, middle)
     assert sweep.plane.velocities[0] < velocity < sweep.plane.velocities[-1]
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(3600)  # the true boundary of a full window takes minutes
-@pytest.mark.parametrize("accuracy", [0.05, 0.02, 0.01])
-@pytest.mark.parametrize("name", ALL)
-def test_the_true_error_is_within_every_accuracy(name, accuracy, say):
-    selection, error = kept(name, accuracy)
-    say(
-        f"\n{name:30} {100 * accuracy:g} %: {selection.name:38} foretold "
-        f"{100 * selection.error:.2f} %, true {100 * error:.2f} %"
-    )

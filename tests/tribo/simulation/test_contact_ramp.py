@@ -19,7 +19,7 @@ def ball():
 
 FAMILY = {
     "local": small_scene("local"),
-    "coarse history": small_scene("swept", history_coarsening=2, wear_scheme="sdirk2"),
+    "coarse history": small_scene("swept", history_coarsening=2),
     "narrow summits": small_scene("swept", pixels_per_element=4, elements_per_summit=2.0),
     "cut steps": small_scene("local", imprint=0.5),
     "held": replace(small_scene("swept"), loading=Ramp(150.0, 750.0, hold=2.0)),

@@ -71,7 +71,7 @@ def test_a_point_has_the_elements_of_its_surface():
 
 
 def local(rate=1.2e-15, pattern="local", **fidelity):
-    scene = small_scene(pattern, **{"increments": 4, "wear_scheme": "sdirk2"} | fidelity)
+    scene = small_scene(pattern, **{"increments": 4} | fidelity)
     return replace(scene, wear=Wear(rate, pattern))
 
 

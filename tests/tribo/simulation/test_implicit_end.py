@@ -14,7 +14,7 @@ VELOCITY = 2.0
 
 def worn_scene(specific_wear_rate=2e-14, **changes):
     """Scene of a smooth pin that wears so fast that rows of elements touch one by one."""
-    choices = {"wear_scheme": "sdirk2", "increments": 10} | changes
+    choices = {"increments": 10} | changes
     return replace(
         small_scene(roughness=False, **choices),
         pixels=Grid((128, 2), (8e-6, 64e-6), (False, True)),

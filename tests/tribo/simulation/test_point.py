@@ -3,20 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, last, small_scene
+from tests.helpers.scenes import last, small_scene
 from tribo import (
-    QUANTILES,
-    Cylinder,
-    Grid,
-    Material,
     MeasuredRoughness,
-    Ramp,
-    Scene,
-    Wear,
     measures,
     simulate,
 )
-from tribo.simulation import heat
 
 
 def test_every_state_carries_its_load_and_the_time_of_the_ramp():
@@ -42,27 +34,6 @@ def test_direction_of_sliding_is_a_mirror():
     # Equal within the solvers' tolerance of 1e-6, as numbers are summed in another order.
     assert back.pressure[::-1] == pytest.approx(forth.pressure, abs=1e-4 * forth.pressure.max())
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
-
-
-def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
-    """Θ10 and Θmax of Table 4 at 200 N on the full grid are in the specification, section 3."""
-    scene = Scene(
-        pin=Cylinder(2e-3, 3.4e-3, STEEL),
-        disk=Material(210e9, 0.3, 45.0, 7800.0, 470.0, 6.6e9),
-        pixels=Grid((480, 480), (0.816e-6, 0.95e-6)),
-        loading=Ramp(150.0, 750.0),
-        roughness=replace(small_scene().roughness, correlation_length=(4e-6, 4e-6)),
-        wear=Wear(1.2e-15, "swept"),
-    )
-    state = last(scene, 200.0, 3.75)
-    endless = replace(scene, fidelity=replace(scene.fidelity, heat_kernel="endless"))
-    as_tried = heat(endless, state, 3.75)
-    ninth = QUANTILES.index(0.9)
-    assert 25 + 0.094 * as_tried.rise_quantile[ninth] == pytest.approx(146.0, abs=0.5)
-    assert 25 + 0.094 * as_tried.max_rise == pytest.approx(173.0, abs=0.5)
-    # Section 4: a pin of finite length is 1.4 K cooler, as a mean over several surfaces.
-    cooler = 0.094 * (as_tried.rise_quantile[ninth] - state.heat.rise_quantile[ninth])
-    assert cooler == pytest.approx(1.4, abs=0.25)
 
 
 def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():

@@ -85,24 +85,6 @@ def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
 
 
 @pytest.mark.parametrize(
-    ("scheme", "steps", "words"),
-    [
-        ("implicit", 1, "reached in a single step"),
-        ("implicit", 2, "reached in 2 steps"),
-        ("implicit", 3, None),
-        ("sdirk2", 1, "reached in a single step"),
-        ("sdirk2", 2, None),
-    ],
-)
-def test_wear_in_few_steps_warns(scheme, steps, words):
-    scene = small_scene(wear_scheme=scheme)
-    state = replace(touching(scene, np.s_[5:40]), index=steps)
-    assert_told(words, scene, state, WarningKind.FEW_STEPS)
-    for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
-        assert not texts(unworn, state, WarningKind.FEW_STEPS)
-
-
-@pytest.mark.parametrize(
     ("pin", "places", "words"),
     [
         (BALL, np.s_[10:21, 1:15], "11 elements across"),
@@ -194,10 +176,3 @@ def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
     time = turns * 2 * np.pi * scene.pin.radius / 0.5  # the pin rolls at half the sliding velocity
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
     assert_told(words, scene, state, WarningKind.FEW_TURNS)
-
-
-@pytest.mark.parametrize("imprint", [0.0, 0.1])
-def test_explicit_wear_is_unstable_whatever_imprint_a_step_may_leave(imprint):
-    scene = small_scene("local", wear_scheme="explicit", increments=30, imprint=imprint)
-    state = last(scene, 400.0, 1.25)
-    assert_told("explicit wear is unstable", scene, state, WarningKind.UNSTABLE_WEAR)
