@@ -22,7 +22,7 @@ from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
 from pipeline.store.write import store_path
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord, run_points
+from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stages import Report
 from tribo import InputError, TriboError
 
@@ -51,8 +51,7 @@ def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRe
     """
     for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
         try:
-            (result,) = run_points(sweep, (point,), progress=progress)
-            yield result.record(sweep.plane.fields)
+            yield run_point(sweep, point, progress=progress).record(sweep.plane.fields)
         except TriboError as error:
             if point == wanted:
                 raise

@@ -252,9 +252,7 @@ def boundary_search(sweep: Sweep, tolerance: float) -> Callable[..., Sweep]:
     """
     sweep.require_search()
     searches = {
-        variant: BoundarySearch.of(
-            sweep.variant(variant), tolerance, sweep.contact_sources[variant].ratio
-        )
+        variant: BoundarySearch.of(sweep.variant(variant), tolerance)
         for variant in sweep.variants.names
     }
     alike: dict[Scene, list[Variant]] = {}  # variants with the same numbers

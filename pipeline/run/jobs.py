@@ -20,7 +20,7 @@ from distributed import Future
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import GONE, LOST, POLL, Connection
-from pipeline.run.work import INSTALL, ExecutionError, Run, compute_points
+from pipeline.run.work import INSTALL, ExecutionError, Run, compute_point
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task
 
@@ -32,7 +32,7 @@ _CANNOT = "a Dask worker cannot run this program"
 
 @dataclass(slots=True, eq=False)
 class Job:
-    """A task given to Dask: its points, and the address of its worker.
+    """A task given to Dask: its point, and the address of its worker.
 
     `is_alone` is True if the worker has no other task.
     """
@@ -92,13 +92,13 @@ class Jobs:
 
     def submit(self, job: Job) -> None:
         """Give a task to Dask."""
-        number, first = next(self._numbers), job.task.points[0]
+        number, first = next(self._numbers), job.task.point
         key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._run.name}-{number}"
         self.running[key] = job
         with self._link.reached():
             # Without a priority Dask orders tasks of one moment by chance.
             job.future = self._client.submit(
-                compute_points, self._run.name, job.task.points, key=key, priority=-number,
+                compute_point, self._run.name, job.task.point, key=key, priority=-number,
                 workers=job.worker or None,
                 allow_other_workers=bool(job.worker) and not job.is_alone,
             )  # fmt: skip

@@ -56,7 +56,7 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
                 why = f"{len(workers)} workers died, the last computing only this point: {cause}"
                 writer.add([PointRecord(point, None, why)])
             for result in jobs.results():
-                writer.add(pickle.loads(result))
+                writer.add([pickle.loads(result)])
             if written := writer.written():
                 tally.count(written, len(link.workers))
     tally.count(writer.flush(), len(link.workers))
@@ -93,14 +93,15 @@ class Losses:
 
     def record(self, job: Job, loss: Loss) -> bool:
         """Record a lost task; return True if it is to be queued again unchanged."""
-        for point in job.task.points if loss is not Loss.FORGOTTEN else ():
+        point = job.task.point
+        if loss is not Loss.FORGOTTEN:
             self._workers[point].append(job.worker)
-        # The task may have killed a worker that leaves. When a second worker leaves, the points of
-        # the task are suspected.
-        times = len(self._workers[job.task.points[0]])
+        # The task may have killed a worker that leaves. When a second worker leaves, its point is
+        # suspected.
+        times = len(self._workers[point])
         if not job.is_alone and (loss is Loss.FORGOTTEN or (loss is Loss.LEFT and times == 1)):
             return True
-        self._suspects |= dict.fromkeys(job.task.points)
+        self._suspects[point] = None
         return False
 
     def failed(self) -> list[tuple[Point, list[str]]]:
@@ -126,4 +127,4 @@ class Losses:
         suspects = sorted(self._suspects, key=lambda point: len(self._workers[point]))
         for worker, point in zip(free, suspects, strict=False):
             del self._suspects[point]
-            yield Job(Task((point,), ()), worker, is_alone=True)
+            yield Job(Task(point, ()), worker, is_alone=True)

@@ -1,4 +1,4 @@
-"""What a worker does: it computes the points of a task, and returns their records.
+"""What a worker does: it computes the point of a task, and returns its record.
 
 ::
 
@@ -13,7 +13,7 @@ import os
 import pickle
 import sys
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 
@@ -24,7 +24,7 @@ import tribo
 from pipeline.store.checksum import packed
 from pipeline.sweep.laws import code_of, given_laws
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord, run_points
+from pipeline.sweep.plan import PointRecord, run_point
 from tribo import TriboError
 from tribo.simulation import Trunks
 
@@ -109,28 +109,20 @@ _one_at_a_time = threading.Lock()
 _trunks = Trunks()
 
 
-def compute_points(name: str, points: Sequence[Point]) -> bytes:
-    """On a worker: compute points that share a contact, for the run with a `name`.
-
-    Returns the pickled list of the points' records, which Dask sends as one piece.
-    """
+def compute_point(name: str, point: Point) -> bytes:
+    """On a worker: compute a point, for the run with a `name`; return its pickled record."""
     worker = get_worker()
     run: Run = worker.plugins[name]
     run.require_same_code(worker.address)
     with _one_at_a_time:
-        return pickle.dumps(_records(run, points))
+        return pickle.dumps(_record(run, point))
 
 
-def _records(run: Run, points: Sequence[Point]) -> list[PointRecord]:
-    """Simulate points that share a contact; return their records, failed ones with the reason.
-
-    `run` has the sweep to which the points belong.
-    """
+def _record(run: Run, point: Point) -> PointRecord:
+    """Simulate a point of the sweep of `run`; return its record, with the reason if it failed."""
     try:
-        results = run_points(run.sweep, points, _trunks)
-        return [packed(result.record(run.with_fields), run.sweep) for result in results]
+        result = run_point(run.sweep, point, _trunks)
+        return packed(result.record(run.with_fields), run.sweep)
     except Exception as error:
-        if len(points) > 1:  # the others may have a solution
-            return [_records(run, (point,))[0] for point in points]
         message = f"{type(error).__name__}: {error}"
-        return [packed(PointRecord(points[0], None, message), run.sweep)]
+        return packed(PointRecord(point, None, message), run.sweep)

@@ -198,5 +198,5 @@ def run_point(
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     variant = () if realization is None else (("realization", realization),)
-    points = (Point(*place, variant),)
-    return plan.run_points(sweep_of(sweep), points, progress=progress or silent)[0]
+    point = Point(*place, variant)
+    return plan.run_point(sweep_of(sweep), point, progress=progress or silent)

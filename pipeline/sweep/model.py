@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.contact_sharing import ContactSource, contact_sources
 from pipeline.sweep.digest import digest
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
@@ -268,28 +267,6 @@ class Sweep:
     def samples_of(self, name: Variant) -> Self:
         """The sweep of the random surfaces or samples of one variant."""
         return replace(self.variant(name), variants=self.variants.samples_of(name))
-
-    @cached_property
-    def contact_sources(self) -> Mapping[Variant, ContactSource]:
-        """Source of each variant's contact solutions: the first variant with the same contacts.
-
-        A variant that shares no contacts is its own source. Two variants may have the same contacts
-        at different velocities; `ContactSource.velocity_at` gives the velocity of the source.
-        """
-        table = self.variants
-        scenes = ((name, self.variant(name).scene) for name in table.names)
-        places = table.labels("velocity") or (None,) * len(table)
-        return contact_sources(scenes, places, self.plane.velocities)
-
-    def contact_of(self, point: Point) -> tuple[float, Variant]:
-        """Velocity [m/s] and variant for which the contact of a point is simulated.
-
-        They are the point's own, unless another variant has the same contacts at the same or
-        another velocity. Then the contact solutions of that variant are used.
-        """
-        source = self.contact_sources.get(point.variant)
-        velocity = source and source.velocity_at(point.velocity)
-        return point[1:] if source is None or velocity is None else (velocity, source.variant)
 
     def require_search(self) -> None:
         """Raise an `InputError` if variants have a load or velocity of their own.

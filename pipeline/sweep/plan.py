@@ -1,17 +1,15 @@
 """The points of a sweep, the tasks that they are computed in, and how a point is computed.
 
-A task is one point, or points of variants that share its contact. It continues a cached ramp with
-the same contact, velocity and increment, from the last increment below its load. Whichever ramp a
-point continues, its results are the same, bit for bit.
+A task is one point. It continues a cached ramp with the same mechanics, velocity and increment,
+from the last increment below its load. Whichever ramp a point continues, its results are the same,
+bit for bit.
 """
 
 from __future__ import annotations
 
 import functools
-import itertools
 import math
 import time
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -24,15 +22,17 @@ from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.variants import Row
+from pipeline.sweep.variants import Row, Variant
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     Note,
     PointWarning,
     Trunks,
+    contact_key,
     contacts,
     fit_elements,
     heat,
+    mechanics,
 )
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
@@ -141,26 +141,25 @@ def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
 
 
 class Task(NamedTuple):
-    """Points that are computed from one contact, and the loading ramp that leads to the contact."""
+    """A point to compute, and the loading ramp that it continues."""
 
-    points: tuple[Point, ...]
-    ramp: tuple[Any, ...]  # variant and velocity of its contacts, and its increment
+    point: Point
+    ramp: tuple[Any, ...]  # number of its mechanics, its velocity and its increment
 
 
 def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
-    """Group the points `todo` into tasks; the points of a task share a simulated contact.
+    """A task for each of the points `todo`, sorted by ramp, then by ascending load."""
+    numbers: dict[Scene, int] = {}
 
-    Tasks are sorted by ramp, then by ascending load.
-    """
-    increment = functools.cache(lambda name, load: sweep.variant(name).scene.ramp_increment(load))
-    ramps = defaultdict[tuple[Any, ...], list[Point]](list)
-    for point in todo:
-        velocity, source = sweep.contact_of(point)
-        ramps[source, velocity, increment(source, point.load)].append(point)
-    for ramp, some in sorted(ramps.items()):
-        some.sort(key=lambda point: (point.load, point[::-1]))
-        for _, ones in itertools.groupby(some, key=lambda point: point.load):
-            yield Task(tuple(ones), ramp)
+    @functools.cache
+    def ramp(name: Variant, velocity: float, load: float) -> tuple[Any, ...]:
+        scene = sweep.variant(name).scene
+        number = numbers.setdefault(mechanics(scene), len(numbers))
+        return number, velocity, scene.ramp_increment(load)
+
+    order = sorted(todo, key=lambda point: point.variant)
+    found = [Task(point, ramp(point.variant, point.velocity, point.load)) for point in order]
+    yield from sorted(found, key=lambda task: (task.ramp, task.point.load, task.point.variant))
 
 
 def step_count(scene: Scene, load: float) -> int:
@@ -168,64 +167,50 @@ def step_count(scene: Scene, load: float) -> int:
     return sum(1 for _ in scene.stations(load))
 
 
-def run_points(
-    sweep: Sweep,
-    points: Sequence[Point],
-    trunks: Trunks | None = None,
-    progress: Report = silent,
-) -> tuple[PointResult, ...]:
-    """Simulate points that share a contact: a single point, or several variants at one load.
+def run_point(
+    sweep: Sweep, point: Point, trunks: Trunks | None = None, progress: Report = silent
+) -> PointResult:
+    """Simulate a point.
 
-    `trunks` is a cache of load steps that were simulated for other points. These points continue
-    from the cached steps, and their own steps are added to the cache. With None nothing is cached.
+    `trunks` is a cache of load steps that were simulated for other points. This point continues
+    from the cached steps, and its own steps are added to the cache. With None nothing is cached.
     `progress` is called after each step.
     """
     began = time.perf_counter()
-    load, stations = points[0].load, choose_stations(sweep)
-    variants = [sweep.variant(point.variant) for point in points]
-    first, name_of_source = sweep.contact_of(points[0])
-    source = sweep.variant(name_of_source).scene
-    scenes = [fit_elements(one.scene, load) for one in variants]
-    places = [(one, point.velocity) for one, point in zip(scenes, points, strict=True)]
-    different = tuple(dict.fromkeys(places))
-    heat_steps, kept = stations.heat_steps(source, load), stations.kept(source, load)
+    (load, velocity, name), stations = point, choose_stations(sweep)
+    scene, trunks = sweep.variant(name).scene, trunks or Trunks()
+    fitted = fit_elements(scene, load)
+    heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load)
     note, own = None, {station.index for station in kept}
     if stations.steps == "course":
-        note = Note(
-            different, lambda state: [_increment_values(*place, state) for place in different]
-        )
+        note = Note((fitted, velocity), lambda state: _increment_values(fitted, velocity, state))
         own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
-    heated: list[list[State]] = []  # by time, then by scene and velocity
-    for contact in contacts(source, load, first, trunks, heat_steps, note):
-        if contact.index in own:
-            heated.append([_heated(*place, contact) for place in different])
-        progress(Progress(done=contact.index, total=kept[-1].index))
-    results = []
-    for point, variant, place in zip(points, variants, places, strict=True):
-        number = different.index(place)
-        states = [moment[number] for moment in heated]
-        course = [moment[number] for moment in states[-1].course]
-        records = [*course, *(record_at(place[0], state) for state in states)]
-        columns = {name: np.array([record[name] for record in records]) for name in records[0]}
-        results.append(
-            PointResult(
-                point=point,
-                columns=columns,
-                state=states[-1],
-                shape=variant.scene.grid.shape,
-                warnings=tuple(warnings(variant.scene, states[-1])),
-                wall_time=0.0,
-            )
-        )
-    duration = (time.perf_counter() - began) / len(points)
-    return tuple(replace(one, wall_time=duration) for one in results)
+    memo = trunks.last(contact_key(fitted, load, velocity, heat_steps))
+    found = memo.get((fitted, stations))
+    if found is None:  # no row with this heat came before
+        states: list[State] = []
+        for contact in contacts(scene, load, velocity, trunks, heat_steps, note):
+            if contact.index in own:
+                states.append(_heated(fitted, velocity, contact))
+            progress(Progress(done=contact.index, total=kept[-1].index))
+        records = [*states[-1].course, *(record_at(fitted, state) for state in states)]
+        columns = {key: np.array([record[key] for record in records]) for key in records[0]}
+        found = memo[fitted, stations] = columns, states[-1]
+    columns, state = found
+    return PointResult(
+        point=point,
+        columns=columns,
+        state=state,
+        shape=scene.grid.shape,
+        warnings=tuple(warnings(scene, state)),
+        wall_time=time.perf_counter() - began,
+    )
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
     """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s].
 
-    A temperature that the contact already has is kept. A contact without pressure gets none. The
-    contact may have been solved at another velocity, if wear rate × velocity is the same.
+    A temperature that the contact already has is kept. A contact without pressure gets none.
     """
     warm = contact.heat
     if warm is None and contact.pressure.any():

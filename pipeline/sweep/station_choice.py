@@ -5,6 +5,7 @@ from __future__ import annotations
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations, Steps
 from tribo import Ramp
+from tribo.simulation import mechanics
 
 
 def choose_stations(sweep: Sweep) -> Stations:
@@ -29,7 +30,11 @@ def _default_steps(sweep: Sweep) -> Steps:
     wears = any(scene.wears for scene in scenes)
     # With temperatures at all steps, variants that share contacts would take 2.9 to 4.4 times as
     # long.
-    are_alone = all(name == source.variant for name, source in sweep.contact_sources.items())
+    rows = [
+        (mechanics(sweep.variant(name).scene), row.labels.get("velocity"))
+        for name, row in sweep.variants.by_name.items()
+    ]
+    are_alone = len({*rows}) == len(rows)
     return "course" if are_ramps and wears and are_alone else "end"
 
 

@@ -19,17 +19,17 @@ class TaskQueue:
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
-        # Points of each ramp, the next one last; points of one task have the same load.
+        # Points of each ramp, the next one last.
         self._left: dict[tuple[Any, ...], list[Point]] = {}
         for task in tasks:
-            self._left.setdefault(task.ramp, []).extend(task.points)
+            self._left.setdefault(task.ramp, []).append(task.point)
         for ones in self._left.values():
             ones.reverse()
         self._fresh = deque(self._left)
         self._has: defaultdict[Hashable, dict[tuple[Any, ...], None]] = defaultdict(dict)
 
     def __len__(self) -> int:
-        return sum(len({point.load for point in left}) for left in self._left.values())
+        return sum(map(len, self._left.values()))
 
     def __bool__(self) -> bool:
         return bool(self._left)
@@ -38,18 +38,16 @@ class TaskQueue:
         """Remove and return the next task for a worker; the queue must not be empty."""
         ramp = self._ramp(has := self._has[worker])
         left = self._left[ramp]
-        points = [left.pop()]
-        while left and left[-1].load == points[0].load:
-            points.append(left.pop())
+        point = left.pop()
         if not left:
             del self._left[ramp]
         has.pop(ramp, None)
         has[ramp] = None  # moved to the end: its trunk is the last to be dropped
-        return Task(tuple(points), ramp)
+        return Task(point, ramp)
 
     def put_back(self, task: Task) -> None:
         """Put a task that was not computed back into the queue, as the next task of its ramp."""
-        self._left.setdefault(task.ramp, []).extend(reversed(task.points))
+        self._left.setdefault(task.ramp, []).append(task.point)
 
     def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
         while has:

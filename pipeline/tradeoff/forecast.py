@@ -89,7 +89,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
-    points = sum(len(task.points) for task in every)
+    points = len(every)
     return Estimate(
         points=points,
         steps=steps,
@@ -121,7 +121,7 @@ class _TaskTimes:
         `self.contacts` by the number of contacts that the task must solve, and `self.temperatures`
         by the number of heat partitions.
         """
-        scene, (load, velocity, _) = self.sweep.scene, task.points[0]
+        scene, (load, velocity, _) = self.sweep.scene, task.point
         if load not in self._steps:
             self._steps[load] = _count_steps(self.sweep, load)
         increments, own, shown = self._steps[load]
@@ -130,15 +130,15 @@ class _TaskTimes:
         warms = bool(scene.friction_heat and velocity)
         steps = new + own
         heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
-        heats = (own if scene.remembers_heat else shown) * warms * len(task.points)
-        if not scene.remembers_steps:  # a worker reuses the contacts of its first velocity
-            steps = 0 if (task.ramp[0], load) in has else own
-            has[task.ramp[0], load] = True
+        heats = (own if scene.remembers_heat else shown) * warms
+        # A worker reuses the contact of its last point; without wear, of its first velocity.
+        contact = (task.ramp if scene.remembers_steps else task.ramp[0]), load
+        steps = new if contact in has else steps
+        has[contact] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
         of_heat = (heats_on_way / scene.coarsening**2 + heats) * self.heat_time
-        commits = len(task.points) * _SECONDS_TO_COMMIT
-        return float(steps * self.contact_time + of_heat + commits)
+        return float(steps * self.contact_time + of_heat + _SECONDS_TO_COMMIT)
 
 
 def worker_bytes(sweep: Sweep) -> float:

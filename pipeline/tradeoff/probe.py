@@ -53,7 +53,7 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
     forget_contacts()
     began = time.process_time()
     runs, trunks = dict[Point, tuple[float, State]](), Trunks()
-    for point in (point for task in tasks(points, scene) for point in task.points):
+    for point in (task.point for task in tasks(points, scene)):
         variant = scene.variant(point.variant)
         runs[point] = _simulated_rise(variant, point.load, point.velocity, trunks)
     seconds = time.process_time() - began

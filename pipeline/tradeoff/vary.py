@@ -32,6 +32,7 @@ from pipeline.sweep.stages import Progress, Report
 from pipeline.sweep.tables import changes, entry_at
 from pipeline.sweep.variants import Label, labelled_rows
 from tribo import InputError
+from tribo.simulation import mechanics
 
 _ROW, _UNCHANGED = "variation", "unchanged"  # dimension, and label of the first scene
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
@@ -126,7 +127,9 @@ def vary(
         run_sweep(varied, path, workers, client, progress, boundary_only=tolerance)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
-        contacts = {(*varied.contact_of(point), point.load) for point in done}
+        contacts = {
+            (mechanics(varied.variant(one.variant).scene), one.velocity, one.load) for one in done
+        }
         # `at` needs one oil. Any will do, since tests do not move the boundary.
         oil = next(iter(ambiguous_oils(varied)), None)
         ds = at(path, criterion=laws.get("criterion"), oil=oil)

@@ -21,7 +21,7 @@ def test_chain_of_loads(benchmark, preset, velocity):
     def points():
         trunks = Trunks()
         for point in chain:
-            plan.run_points(sweep, (point,), trunks)
+            plan.run_point(sweep, point, trunks)
 
     points()  # makes kernels and roughness before timing
     benchmark.pedantic(points, rounds=3)

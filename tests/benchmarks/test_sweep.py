@@ -20,7 +20,6 @@ import tribo
 from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_points
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
 from tests.helpers.entries import changed
@@ -37,7 +36,7 @@ class CountedPoints:
 
     def __init__(self):
         self.seconds = 0.0
-        self._run_points, work.run_points = work.run_points, self
+        self._run_points, work.run_point = work.run_point, self
 
     def __call__(self, *arguments, **options):
         began = time.thread_time()
@@ -49,7 +48,7 @@ class CountedPoints:
 
 def used():
     """CPU time of a worker so far, and the part of it that points took [s]."""
-    return time.process_time(), work.run_points.seconds
+    return time.process_time(), work.run_point.seconds
 
 
 def time_of_bare_files(store, folder):
@@ -108,7 +107,7 @@ def simulate(sweep, velocities, core):
     trunks = Trunks()
     for velocity in velocities:
         for load in sweep.plane.loads:
-            run_points(sweep, (Point(load, velocity),), trunks)
+            run_point(sweep, Point(load, velocity), trunks)
     return time.perf_counter() - began
 
 

@@ -11,7 +11,7 @@ Prints a table in Markdown.
 
 import time
 
-from pipeline.sweep.plan import run_points
+from pipeline.sweep.plan import run_point
 
 _WORKERS = (1, 2, 4, 8, 16, 64)
 _VELOCITIES = (4, 19, 60)
@@ -21,7 +21,7 @@ _MEASURED = 4
 def timed(sweep, point, trunks):
     """CPU time that a point takes [s]."""
     began = time.process_time()
-    run_points(sweep, (point,), trunks)
+    run_point(sweep, point, trunks)
     return time.process_time() - began
 
 

@@ -41,7 +41,7 @@ class Waiting:
     """Replacement of `run_points` that waits, and returns data of the first point at each load."""
 
     def __init__(self, seconds):
-        self._seconds, self._known, self._run_points = seconds, {}, work.run_points
+        self._seconds, self._known, self._run_points = seconds, {}, work.run_point
         self._lock = threading.Lock()
 
     def __call__(self, sweep, points, trunks=None):
@@ -121,7 +121,7 @@ def main():
     parser.add_argument("--host", metavar="ADDRESS", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.host:
-        work.run_points, work._one_at_a_time = Waiting(options.seconds), nullcontext()
+        work.run_point, work._one_at_a_time = Waiting(options.seconds), nullcontext()
         asyncio.run(host(options.host, options.workers))
         return
     with (

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, points, run_points
+from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 
@@ -36,7 +36,7 @@ class Expected:
     def __call__(self, point):
         if point not in self._results:
             with np.errstate(all="raise", under="ignore"):
-                self._results[point] = run_points(self._sweep, [point])[0]
+                self._results[point] = run_point(self._sweep, point)
         return self._results[point]
 
     def records(self, sweep):

@@ -73,7 +73,7 @@ def _compute(scene, path):
     """Compute a scene into a store, in this process and without a cluster."""
     import pipeline
     from pipeline.store.create import writing
-    from pipeline.sweep.plan import points, run_points, tasks
+    from pipeline.sweep.plan import points, run_point, tasks
     from tribo.simulation import Trunks
 
     sweep = pipeline.load_scene(scene)
@@ -81,6 +81,6 @@ def _compute(scene, path):
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
         trunks = Trunks()
         for task in tasks(points(sweep), sweep):
-            results = run_points(sweep, task.points, trunks)
+            results = [run_point(sweep, task.point, trunks)]
             records += [result.record(sweep.plane.fields) for result in results]
         store.commit(records)

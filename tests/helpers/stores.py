@@ -16,7 +16,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import ROOT
 from pipeline.store.schema import DONE, MADE
 from pipeline.store.write import opened
-from pipeline.sweep.plan import PointRecord, points, run_points
+from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
 
 HOLDER = """if True:
@@ -51,7 +51,7 @@ class Killed(BaseException):
 def record(point):
     """Record of a point of the tiny sweep with fields."""
     with np.errstate(all="raise", under="ignore"):
-        return run_points(tiny.full(), [point])[0].record(with_fields=True)
+        return run_point(tiny.full(), point).record(with_fields=True)
 
 
 def commit(path, sweep, chosen=None):

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.cli import main, output
 from pipeline.store.create import writing
-from pipeline.sweep.plan import points, run_points
+from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 
 
@@ -17,7 +17,7 @@ def commit_all(path, sweep, skip=()):
     """Create the store of a sweep, and compute its points in this process."""
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
-        store.commit(run_points(sweep, [point])[0].record(sweep.plane.fields) for point in wanted)
+        store.commit(run_point(sweep, point).record(sweep.plane.fields) for point in wanted)
 
 
 @pytest.fixture(scope="session")

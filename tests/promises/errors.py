@@ -25,7 +25,7 @@ import pipeline
 from pipeline.analysis.rise_error import BETWEEN, RiseError, RisePlane, rise_errors
 from pipeline.analysis.warned_points import exponents
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_points
+from pipeline.sweep.plan import run_point
 from pipeline.sweep.selection import PRESET_BOUNDS
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
@@ -107,7 +107,7 @@ def rises(sweep, fidelity, loads, velocities):
     for column, velocity in enumerate(velocities):
         trunks = Trunks()
         for row, load in enumerate(loads):
-            (point,) = run_points(sweep, (Point(load, velocity),), trunks)
+            point = run_point(sweep, Point(load, velocity), trunks)
             for share, conditions in zip(SHARES, kinds, strict=True):
                 found[str(share)][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})

@@ -2,10 +2,9 @@
 
 from tribo.simulation.cache import forget_contacts as forget_contacts
 from tribo.simulation.cache import forget_kernels as forget_kernels
+from tribo.simulation.contact_ramp import contact_key as contact_key
 from tribo.simulation.contact_ramp import contacts as contacts
-from tribo.simulation.contact_ramp import inseparable as inseparable
 from tribo.simulation.contact_ramp import mechanics as mechanics
-from tribo.simulation.contact_ramp import wear_number as wear_number
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import state_rises as state_rises

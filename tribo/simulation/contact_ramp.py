@@ -1,17 +1,11 @@
 """Contact and wear along a loading: the first part of computing a point, before heat and verdict.
 
-Contact and wear depend on the load, the surface, the elastic constants and the hardness. They
-depend on the sliding velocity V only through how fast it wears the pin. A step of the duration t
-wears to the depth
+Contact and wear depend on the load, the surface, the elastic constants, the hardness, and on how
+fast the sliding wears the pin, but on no thermal constant, unless heat is remembered. So scenes of
+equal `mechanics` share cached ramps, and the contact at the end of the last point. `heat` is
+computed from contacts, and verdicts from heat.
 
-    h = k V t p = w t p,   w = kV,                                                            (1)
-
-where k is the specific wear rate and p the pressure. So two systems with the same wear number w
-have the same contacts at every load, whatever their velocities and thermal constants, and these are
-solved once for all of them. `heat` is computed from contacts, and verdicts from heat. `inseparable`
-says where that does not hold.
-
-Where nothing wears, w is 0 at every velocity, and the contact at a load is cached.
+Where nothing wears, the contact at a load is cached for all velocities.
 
 No choice here depends on a temperature: neither larger elements before the last step, nor the short
 implicit step that may end a step. The size of elements is chosen before, see `element_size`.
@@ -20,10 +14,9 @@ implicit step that may end a step. The size of elements is chosen before, see `e
 from __future__ import annotations
 
 import itertools
-from collections.abc import Container, Iterable, Iterator
-from dataclasses import fields, replace
+from collections.abc import Container, Hashable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -39,33 +32,12 @@ from tribo.simulation.passing import position_means
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.trunks import Note, Trunks
-from tribo.wear import Wear
-
-
-def wear_number(scene: Scene, velocity: float) -> float:
-    """Depth worn per pressure and time, ``w = k |V|`` [m/(Pa s)]; Eq. (1) of this module.
-
-    k is the specific wear rate; 1 m²/N if the wear follows a law, whose rate is not constant.
-
-    Examples
-    --------
-    >>> import tribo
-    >>> from dataclasses import replace
-    >>> worn = replace(scene, wear=tribo.Wear(2e-15))
-    >>> wear_number(scene, 0.5), wear_number(worn, 0.5)
-    (0.0, 1e-15)
-    """
-    if scene.wear is None:
-        return 0.0
-    # A user's own law has no constant rate, and its contacts hold at one velocity alone.
-    return (scene.wear.specific_wear_rate if isinstance(scene.wear, Wear) else 1.0) * abs(velocity)
 
 
 def mechanics(scene: Scene) -> Scene:
-    """Copy of a scene with wear rate and thermal constants set to 1.
+    """Copy of a scene with all thermal constants set to 1; the scene itself if it remembers heat.
 
-    If two scenes have equal copies, they have the same contacts at equal load and equal
-    `wear_number`, specific wear rate times velocity, unless `inseparable` gives a reason.
+    Scenes with equal copies have the same contacts at equal load and velocity.
 
     Examples
     --------
@@ -75,38 +47,17 @@ def mechanics(scene: Scene) -> Scene:
     >>> mechanics(insulating) == mechanics(scene)
     True
     """
-    athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
-    parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
-    parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
-    parts["disk"] = replace(scene.disk, **athermal)
-    if isinstance(scene.wear, Wear) and scene.wears:
-        parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
-    return Scene(**parts)
-
-
-def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
-    """Reason why contacts of equal `wear_number` still depend on velocity; None if they do not.
-
-    The wear number is the specific wear rate times the velocity. `velocities` are those of all
-    points [m/s].
-
-    Examples
-    --------
-    >>> import tribo
-    >>> from dataclasses import replace
-    >>> print(inseparable(scene, (0.1, 0.2)))
-    None
-    >>> history = replace(scene.fidelity, heat_model="history", history_coarsening=1)
-    >>> inseparable(replace(scene, fidelity=history), (0.1, 0.2))
-    "heat_model is 'history': temperatures depend on the heat of all the steps before"
-    """
     if scene.remembers_heat:
-        return "heat_model is 'history': temperatures depend on the heat of all the steps before"
-    if scene.wears_by_law:
-        return "the wear follows a law by the distance slid"
-    if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
-        return "the pin rolls at some of the velocities and stands still at others"
-    return None
+        return scene
+    athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
+    pin = replace(scene.pin, material=replace(scene.pin.material, **athermal))
+    return replace(scene, pin=pin, disk=replace(scene.disk, **athermal))
+
+
+def contact_key(scene: Scene, load: float, velocity: float, requested: Container[int]) -> Hashable:
+    """What the contacts of a point depend on, and the stations at which they are asked for."""
+    asked = [one.index for one in scene.all_stations(load) if one.index in requested]
+    return mechanics(scene), velocity, load, *asked
 
 
 def contacts(
@@ -121,9 +72,6 @@ def contacts(
 
     The states have temperatures only if these depend on the heat of earlier steps. Otherwise `heat`
     computes the temperature of the states with `State.is_requested`.
-
-    Apart from `State.sliding_distance`, the states depend on the velocity only through the wear
-    number, specific wear rate times velocity, unless `inseparable` gives a reason.
 
     Parameters
     ----------
@@ -150,18 +98,6 @@ def contacts(
     ------
     InputError, ConvergenceError
         If load or velocity is not allowed, or a contact does not reach its tolerance.
-
-    Examples
-    --------
-    Twice the wear rate at half the velocity:
-
-    >>> import tribo
-    >>> from dataclasses import replace
-    >>> one, other = (replace(scene, wear=tribo.Wear(k, "local")) for k in (1e-15, 2e-15))
-    >>> *_, slow = contacts(other, normal_load=10.0, velocity=0.1)
-    >>> *_, fast = contacts(one, normal_load=10.0, velocity=0.2)
-    >>> bool((slow.pressure == fast.pressure).all())
-    True
     """
     _check(scene, normal_load, velocity)
     trunks = Trunks() if trunks is None else trunks
@@ -180,12 +116,38 @@ def contacts(
             stations,
         )
     )
-    key = scene, velocity, scene.ramp_increment(normal_load)
+    key = mechanics(scene), velocity, scene.ramp_increment(normal_load)
+    memo = trunks.last(contact_key(scene, normal_load, velocity, requested))
     advanced = partial(_advance, levels, velocity)
     new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
-    is_worn, reached = velocity != 0, None
-    for station in stations[len(shared) :]:
+    if "ends" in memo:  # solved for a scene that differs in heat alone
+        yield from (
+            replace(one, course=course) if one.is_requested else one for one in memo["ends"]
+        )
+        return
+    ends = list[State]()
+    for one in _ends(levels, state, stations[len(shared) :], normal_load, velocity, requested):
+        ends.append(one)
+        yield replace(one, course=course) if one.is_requested else one
+    memo["ends"] = ends
+
+
+def _ends(
+    levels: tuple[Scene, ...],
+    state: State,
+    stations: Sequence[Station],
+    normal_load: float,
+    velocity: float,
+    requested: Container[int],
+) -> Iterator[State]:
+    """Yield the states at the last stations of a point, which no other load shares.
+
+    They begin after `state`, the last on the shared ramp. `levels` has the scene on ever finer
+    grids.
+    """
+    scene, is_worn, reached = levels[0], velocity != 0, None
+    for station in stations:
         if station.holding and reached and not (is_worn or scene.remembers_heat):
             is_requested = station is stations[-1] or station.index in requested
             yield replace(_later_state(reached, station, velocity), is_requested=is_requested)
@@ -193,7 +155,7 @@ def contacts(
         before, state = _last_part(levels, velocity, state, station)
         is_reached = station.normal_load == normal_load and not station.holding
         if station is stations[-1] or is_reached or station.index in requested:
-            finished = _solve_requested(levels, before, state, station, velocity, course)
+            finished = _solve_requested(levels, before, state, station, velocity)
             reached = finished if is_reached else reached
             yield finished
         else:
@@ -247,19 +209,18 @@ def _solve_requested(
     after: State,
     station: Station,
     velocity: float,
-    course: tuple[Any, ...] = (),
 ) -> State:
     """Repeat a step on the finest grid, so that the state at its end can get a temperature.
 
     The step leads from the state `before` to the state `after`, and `levels` is the scene on ever
-    finer grids. The returned state has `State.is_requested` set, and the `course`: the values that
-    a `Note` recorded. If nothing is in contact, `after` is returned unchanged.
+    finer grids. The returned state has `State.is_requested` set. If nothing is in contact, `after`
+    is returned unchanged.
     """
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
     finished = position_means(levels[-1], before, finest, velocity)
-    return replace(finished, course=course, is_requested=True)
+    return replace(finished, is_requested=True)
 
 
 def _independent_state(

@@ -63,7 +63,7 @@ class _Trunk:
 
 
 class Trunks:
-    """A cache of the states along ramps of the load, by scene, velocity and increment of the load.
+    """A cache of the states along ramps of the load, by mechanics, velocity and increment.
 
     The total size of the states is at most `limit` [B]. The least recently used ramps are dropped
     first. If a single ramp is larger than the limit, only its last state is kept.
@@ -88,11 +88,20 @@ class Trunks:
         self._limit = limit
         self._trunks: OrderedDict[Hashable, _Trunk] = OrderedDict()
         self._lock = threading.Lock()
+        self._last: tuple[Hashable, dict[Hashable, Any]] = None, {}
 
     def clear(self) -> None:
         """Drop all ramps."""
         with self._lock:
             self._trunks.clear()
+            self._last = None, {}
+
+    def last(self, key: Hashable) -> dict[Hashable, Any]:
+        """What is kept of the last point's contact; a new dictionary if its key was another."""
+        with self._lock:
+            if self._last[0] != key:
+                self._last = key, {}
+            return self._last[1]
 
     def reach(
         self,

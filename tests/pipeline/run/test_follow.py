@@ -9,7 +9,7 @@ import pipeline
 from pipeline.analysis.curve import Curve
 from pipeline.store.place import StoreError
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.plan import points, run_point, tasks
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.answers import crossings
@@ -40,7 +40,7 @@ def grid():
     rises = {}
     trunks = Trunks()
     for task in tasks(points(SWEEP), SWEEP):
-        for result in run_points(SWEEP, task.points, trunks):
+        for result in [run_point(SWEEP, task.point, trunks)]:
             rises[result.point] = momentary_rise(SWEEP.scene, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.plane.velocities)
     return [

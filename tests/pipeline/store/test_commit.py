@@ -10,7 +10,7 @@ from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_points
+from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 from tests.helpers.stores import (
     assert_is_as_computed,
@@ -28,7 +28,7 @@ def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
     assert_is_as_computed(alone, points(SWEEP))
     with open_sweep(alone) as ds:
         for point in points(SWEEP):
-            result = run_points(SWEEP, [point])[0]
+            result = run_point(SWEEP, point)
             stored = ds.sel(load=point.load, velocity=point.velocity)
             assert pipeline.results(stored).messages.item() == "; ".join(map(str, result.warnings))
             flags = stored["warning_flags"].item()

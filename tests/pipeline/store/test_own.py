@@ -15,7 +15,7 @@ import pipeline
 import tribo
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_points
+from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
@@ -128,7 +128,7 @@ def made(request, tmp_path_factory):
     path, sweep = tmp_path_factory.mktemp("made") / "store.zarr", SWEEPS[kind]
     with writing(path, sweep) as store:
         done = points(sweep)[:: int(part)]
-        store.commit([run_points(sweep, [point])[0].record(with_fields=True) for point in done])
+        store.commit([run_point(sweep, point).record(with_fields=True) for point in done])
     return path
 
 

@@ -11,11 +11,10 @@ from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.plan import points, tasks
 from pipeline.sweep.station_choice import choose_stations
-from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import changed, rows
+from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tribo import measures, simulate
 from tribo.simulation import Trunks, disk_positions, heat
@@ -34,7 +33,7 @@ def same(first, second):
 def test_tasks_of_a_ramp_ascend_in_load():
     assert len(set(points(SWEEP))) == 9
     every = [*tasks(reversed(points(SWEEP)), SWEEP)]
-    assert [task.points for task in every] == [
+    assert [[task.point] for task in every] == [
         (Point(load, velocity),) for velocity in tiny.VELOCITIES for load in tiny.LOADS
     ]
     # 150 N is below a quarter of the reference load, so it has its own ramp of smaller increments.
@@ -104,7 +103,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, steps, l
     """250 N is a step of the shared ramp. The cache has any size, and loads come in any order."""
     sweep, trunks = tiny.sweep(steps=steps, **PHYSICS[physics]), Trunks(limit)
     for load in (150.0, 250.0, 600.0, 625.0, 250.0):
-        (result,) = run_points(sweep, [Point(load, 1.0)], trunks)
+        result = run_alone(sweep, Point(load, 1.0), trunks)
         assert same(result, run_point(sweep, load, 1.0))
         assert len(result.columns["time"]) == len(choose_stations(sweep).kept(sweep.scene, load))
         assert all(np.isfinite(values).all() for values in result.columns.values())
@@ -175,27 +174,6 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
     every = run_point(changed(sweep, steps="course"), 250.0, 1.0).columns
     assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
-
-
-@pytest.mark.parametrize(
-    ("changes", "steps"),
-    [
-        ({}, "course"),
-        ({"wear": None}, "end"),
-        ({"loading": RAMP}, "end"),
-        ({"loading": RECORD}, "end"),
-        ({"variants": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
-        ({"variants": surfaces([1, 2])}, "course"),
-        ({"variants": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
-        ({"variants": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
-    ],
-    ids=[
-        *("ramp", "no wear", "hold", "record", "shared contacts", "surfaces"),
-        *("one that wears", "one that is held"),
-    ],
-)
-def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
-    assert choose_stations(tiny.sweep(**changes)).steps == steps
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():

@@ -3,7 +3,7 @@
 import pytest
 
 from pipeline.sweep import plan
-from pipeline.sweep.plan import points, run_points, tasks
+from pipeline.sweep.plan import points, run_point, tasks
 from pipeline.tradeoff.forecast import estimate
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
@@ -43,7 +43,7 @@ def counted(sweep, monkeypatch):
     monkeypatch.setattr(plan, "contacts", counting)
     trunks = Trunks()
     for task in tasks(points(sweep), sweep):
-        run_points(sweep, task.points, trunks)
+        [run_point(sweep, task.point, trunks)]
     temperatures += heats
     if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
         steps //= len(sweep.plane.velocities)
