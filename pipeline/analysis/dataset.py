@@ -26,7 +26,6 @@ from pipeline.store.schema import (
     INPUTS,
     MADE,
     PLANE,
-    POINT,
     STEPPED,
     VARIABLES,
 )
@@ -225,7 +224,7 @@ def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
             f"of its values, such as ds.isel({unknown[0]}=0)"
         )
     for name in [one.name for one in table.chosen if one.name not in judged_values(ds)]:
-        if name not in ds.coords or ds[name].dims not in ((), (name,), (POINT,)):
+        if name not in ds.coords or ds[name].dims not in ((), (name,)):
             raise InputError(
                 f"the dataset has lost its coordinate {name}, or has it along another dimension; "
                 "keep it, and take each of its values separately"
@@ -301,16 +300,7 @@ def require_one_scene(names: Sequence[str]) -> None:
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
-    """Sort the numeric axes of a dataset, values ascending; first put a list of points on a grid.
-
-    Points are stored as a list by a run that computes only those near the boundary between mild and
-    severe wear. Axes of the grid are load, velocity, varied entries and surfaces. Where the list
-    has no point, the grid's ``status`` is pending, and results are NaN.
-    """
-    if POINT in ds.dims:
-        axes = [name for name in (*scene_sweep(ds).variants.axes, *PLANE) if name in ds.coords]
-        without_point = {"status": 0, "asked": 0, "warning_flags": 0, "own_grid": False}
-        ds = ds.set_index(point=axes).unstack(POINT, fill_value=without_point)
+    """Sort the numeric axes of a dataset, values ascending."""
     numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
     axes = [*numbers, *(dim for dim in ("realization", *PLANE, "cooler_share") if dim in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]

@@ -107,11 +107,9 @@ ACCURACY = value(
     "--accuracy BOUND", "take the cheapest preset whose boundary errs by this at most, such as 2%%",
     values.share,
 )  # fmt: skip
-BOUNDARY_ONLY = value(
-    "--boundary-only TOLERANCE", "compute the boundary alone, to this relative error of the "
-    "critical velocity, at velocities that the run chooses; default: 1%%",
-    values.share, nargs="?", const=0.01,
-)  # fmt: skip
+BOUNDARY_ONLY = flag(
+    "--boundary-only", "compute only the points beside the boundary; the rest stays pending"
+)
 
 STORE = value("store OUT.zarr", "store that irg run has made", values.store)
 OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.store)

@@ -40,16 +40,17 @@ def point(options: argparse.Namespace) -> Result:
     places = sweep.take_place(*place, options.alone)
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
-            store.commit(_simulate(places, Point(*place), progress))
+            store.commit(_simulate(places, Point(*place), options.alone, progress))
         return _margin_result(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
 
 
-def _simulate(sweep: Sweep, wanted: Point, progress: Report) -> Iterator[PointRecord]:
-    """Simulate the chosen points of a sweep, `wanted` first, and yield a record of each.
+def _simulate(sweep: Sweep, wanted: Point, alone: bool, progress: Report) -> Iterator[PointRecord]:
+    """Simulate `wanted`, then the scene's tests unless `alone`, and yield a record of each.
 
     An error at `wanted` is raised. An error at another point is put in the record of that point.
     """
-    for point in sorted(sweep.chosen or (), key=lambda one: one != wanted):
+    tests = () if alone else sweep.tests
+    for point in dict.fromkeys((wanted, *(Point(one.normal_load, one.velocity) for one in tests))):
         try:
             yield run_point(sweep, point, progress=progress).record(sweep.plane.fields)
         except TriboError as error:

@@ -34,7 +34,7 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
     scheduler is lost or no worker can compute.
     """
     losses = Losses()
-    wanted = replace(sweep, chosen=None, stations=writer.store.sweep.stations)
+    wanted = replace(sweep, stations=writer.store.sweep.stations)
     with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
         while queue or losses or jobs:
             has_looked = link.update()

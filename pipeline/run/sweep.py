@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
-from pipeline.run.boundary_search import boundary_search
+from pipeline.run.boundary_search import beside_boundary
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.forkserver import end_if_imported
 from pipeline.run.schedule import compute
@@ -19,7 +18,7 @@ from pipeline.run.tally import Tally, shown_progress
 from pipeline.scene.resume import effective_changes
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.create import open_grown, writing
+from pipeline.store.create import writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summary_of
 from pipeline.store.root import find_sweep
@@ -58,12 +57,12 @@ def run_sweep(
     client: Client | None = None,
     progress: Report | None = None,
     retry_failed: bool = False,
-    boundary_only: float | None = None,
+    boundary_only: bool = False,
     patience: float = PATIENCE,
     dashboard: bool = False,
     source: PathLike | None = None,
 ) -> Outcome:
-    """Compute the points of a sweep, or of its boundary only, that its store does not have yet.
+    """Compute the points of a sweep that its store does not have yet.
 
     In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
 
@@ -76,7 +75,7 @@ def run_sweep(
         are first compared with their checksums, and computed again if they differ.
     workers : int, optional
         Number of processes; by default one for each core that this process may use. There are no
-        more than tasks, or with `boundary_only` than cores.
+        more than tasks.
     client : distributed.Client, optional
         Client of a Dask cluster to compute on instead. Its workers need this package, but no access
         to the store. A worker computes one point at a time, however many threads it has.
@@ -86,11 +85,8 @@ def run_sweep(
         of progress.
     retry_failed : bool, optional
         True to compute points again that failed in an earlier run.
-    boundary_only : float, optional
-        Compute only the boundary, for each variant, to this relative error of the critical
-        velocity, between 0 and 1. The run chooses velocities between the sweep's lowest and
-        highest. The error is in addition to that of the scene's numerical choices. The store then
-        has single points, which a store of the whole sweep may take over later by `source`.
+    boundary_only : bool, optional
+        True to compute only the points beside the boundary; the rest stays pending.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
         it long if workers wait in a queue.
@@ -103,9 +99,7 @@ def run_sweep(
     Raises
     ------
     InputError
-        If `workers`, `client`, `patience` or `boundary_only` cannot be used; or if `boundary_only`
-        is given for a sweep without friction or critical temperature, with a single velocity above
-        0, with samples, or with rows of ``sweep.along``.
+        If `workers`, `client` or `patience` cannot be used.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -126,14 +120,11 @@ def run_sweep(
     _require_cluster(client)
     sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
-    choose_next = None if boundary_only is None else boundary_search(sweep, boundary_only)
     began = time.monotonic()
     report = progress or silent
     if damaged := mend_store(out, sweep):
         report(Progress(f"{out} had {damaged} damaged points or files, which are made anew"))
     before, other = find_sweep(out), None if source is None else opened(source)
-    if choose_next:
-        sweep = choose_next(opened(out) if before else other, retry_failed)
     with writing(out, sweep, report) as store:
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
@@ -143,16 +134,20 @@ def run_sweep(
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
         tally = Tally(store, shown_progress(progress))
-        rounds = _rounds(store, sweep, choose_next)
-        if first := next(rounds, None):
-            # With `choose_next`, later rounds may have more tasks than the first.
-            most = len(first[2]) if choose_next is None else cores()
-            count = min(workers or cores(), most)
-            with connected(client, count, patience, report, dashboard) as link:
-                for wanted, store, queue in itertools.chain([first], rounds):
-                    tally.store = store
+
+        def waiting() -> TaskQueue:
+            wanted = beside_boundary(store, sweep) if boundary_only else store.pending()
+            return TaskQueue(tasks(wanted, sweep))
+
+        if queue := waiting():
+            most = cores() if boundary_only else len(queue)
+            with connected(
+                client, min(workers or cores(), most), patience, report, dashboard
+            ) as link:
+                while queue:
                     with Writer(store) as writer:
-                        compute(link, wanted, writer, queue, tally)
+                        compute(link, sweep, writer, queue, tally)
+                    queue = waiting() if boundary_only else TaskQueue(())
         summary = summary_of(store)
     counts = summary.total, summary.done, tally.computed
     return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)
@@ -170,24 +165,6 @@ def _require_cluster(client: Client | None) -> None:
             f"client is {client!r}; give a distributed.Client that is connected and not "
             "asynchronous, such as Client(cluster)"
         )
-
-
-def _rounds(
-    store: Store, sweep: Sweep, choose_next: Callable[[Store], Sweep] | None
-) -> Iterator[tuple[Sweep, Store, TaskQueue]]:
-    """Yield the sweep, its open store and the queue of its pending tasks.
-
-    Without `choose_next` they are yielded once. In a search of the boundary they are yielded again
-    whenever `choose_next` returns the sweep with further points. Without pending tasks nothing is
-    yielded.
-    """
-    while True:
-        if queue := TaskQueue(tasks(store.pending(), sweep)):
-            yield sweep, store, queue
-        following = choose_next(store) if choose_next else sweep
-        if following.chosen == sweep.chosen:
-            return
-        sweep, store = following, open_grown(store.place, following, store.lock)
 
 
 def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:

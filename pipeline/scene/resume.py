@@ -18,8 +18,7 @@ from tribo import InputError, TriboError
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store that is continued: variants of both runs, other data from `sweep`.
 
-    Which steps and fields are stored stays as in the sweep `before`. If `sweep` has
-    chosen points, the result's `chosen` is empty, since the store has the points.
+    Which steps and fields are stored stays as in the sweep `before`.
     """
     first = before or sweep
     written, reader = dict(sweep.written), sweep.reader
@@ -32,7 +31,6 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
         written=written,
         reader=reader,
         variants=first.variants.union(sweep.variants),
-        chosen=None if sweep.chosen is None else (),
         stations=choose_stations(first),
     )
     if before and before.plane.fields != sweep.plane.fields:

@@ -38,7 +38,6 @@ def sweep_text(sweep: Sweep) -> str:
         "notes": sweep.notes,
         "sources": sweep.sources,
         "stations": sweep.stations and asdict(sweep.stations),
-        "chosen": None if sweep.chosen is None else True,
     }
     return json.dumps({key: one for key, one in text.items() if one}, ensure_ascii=False)
 
@@ -67,7 +66,6 @@ def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
             notes=tuple(Remark(*one) for one in read.get("notes", ())),
             sources=tuple(FromLibrary(*one) for one in read.get("sources", ())),
             stations=_stations(read.get("stations")),
-            chosen=() if "chosen" in read else None,
         )
         _ = sweep.parts  # reads the entries: an error for a fault
     except Exception as error:  # a forged text may raise anything

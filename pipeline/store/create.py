@@ -34,7 +34,7 @@ from pipeline.store.root import (
     require_same_scene,
     with_others,
 )
-from pipeline.store.schema import POINT, path_of, variables_of
+from pipeline.store.schema import path_of, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.identity import scene_ids
@@ -85,8 +85,6 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
     """Root document of a store with room for a sweep's points; `before` is the present document."""
-    if before and (POINT in before.axes) != (sweep.chosen is not None):
-        raise _no_room(place, "a plane and a search of its boundary have a store each")
     kept = join(before.sweep if before else None, sweep)
     wanted = variables_of(kept)
     axes = grown_axes(before.axes if before else {}, kept, wanted, sweep)

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import PLANE, POINT, SCENE_ID, Variable, is_coordinate, is_of_points
+from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_coordinate, is_of_points
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import Variant, in_order
@@ -27,7 +26,7 @@ Slices = tuple[slice, ...]
 _LARGEST = 2**22  # bytes of a chunk
 _FEWEST, _MOST = 1, 1024  # points in a chunk
 # Fewest points in a chunk along dimensions to which later runs add points.
-_LEAST = {"velocity": 16, POINT: _MOST}
+_LEAST = {"velocity": 16}
 _ROOM = 2  # multiple of the reference load up to which all steps of a ramp have room
 
 
@@ -61,25 +60,9 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
     `wanted` has the store's variables by name.
     """
     inner = _inner_axes(before, kept, sweep.plane.loads)
-    if sweep.chosen is None:
-        values = {"load": sweep.plane.loads, "velocity": sweep.plane.velocities}
-        plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
-        return {**plane, **row_axes(kept), **inner}
-    known = points_on(kept, before, wanted, [POINT]) if before else []
-    listed = dict.fromkeys([*known, *points_of(sweep)])
-    names = [dict(point.variant) for point in listed]
-    followers = {
-        column.name: [values[name[column.along]] for name in names]
-        for column, values in kept.variants.coordinates.items()
-    }
-    return {
-        POINT: [*range(len(listed))],
-        "load": [point.load for point in listed],
-        "velocity": [point.velocity for point in listed],
-        **{dim: [name[dim] for name in names] for dim in kept.variants.axes},
-        **followers,
-        **inner,
-    }
+    values = {"load": sweep.plane.loads, "velocity": sweep.plane.velocities}
+    plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
+    return {**plane, **row_axes(kept), **inner}
 
 
 def row_axes(sweep: Sweep) -> Axes:
@@ -171,7 +154,7 @@ def made_coordinates(
     ramps = [known(point.variant, point.load) for point in points_on(sweep, axes, wanted, dims)]
     time, normal_load = (along(dims, values) for values in np.moveaxis(np.array(ramps), -1, 0))
     speed: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
-    rows = [dim for dim in wanted[SCENE_ID].dims if dim in (POINT, *sweep.variants.axes)]
+    rows = [dim for dim in wanted[SCENE_ID].dims if dim in sweep.variants.axes]
     of_rows = [by_row[point.variant] for point in points_on(sweep, axes, wanted, rows)]
     made = {
         "time": time,

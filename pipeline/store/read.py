@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import itertools
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.layout import Axes, blocks, row_axes
+from pipeline.store.layout import blocks
 from pipeline.store.place import (
     ROOT,
     Folder,
@@ -25,22 +23,16 @@ from pipeline.store.place import (
     place_of,
     read_errors,
 )
-from pipeline.store.root import Root
 from pipeline.store.schema import (
     ABOUT,
     DONE,
     INPUTS,
     PENDING,
-    PLANE,
-    POINT,
     RECORDS,
     attributes_of,
     is_coordinate,
-    is_of_points,
 )
 from pipeline.store.write import Store, opened
-from pipeline.sweep.variants import in_order
-from tribo.types import Indices
 
 
 def open_store(path: PathLike) -> xr.Dataset:
@@ -77,16 +69,16 @@ class _Backend(BackendEntrypoint):
         """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
         _require_chunks(store)
-        root, rows = _plane_of_points(store.root)
+        root = store.root
         present = root.coordinates()
         coords = {*present, "own_grid"} - {INPUTS}
         marks = {"status": store.flags, "asked": store.asked}
-        present |= {name: _grid_values(values, rows) for name, values in marks.items()}
+        present |= marks
         variables = {}
         for name, variable in root.variables.items():
             values = present.get(name)
             if values is None:
-                values = indexing.LazilyIndexedArray(_Masked(store, name, rows))
+                values = indexing.LazilyIndexedArray(_Masked(store, name))
             elif name in root.axes:
                 values = np.array(values, object if variable.dtype == "str" else variable.dtype)
             shown = attributes_of(variable)
@@ -109,40 +101,15 @@ def _require_chunks(store: Store) -> None:
             raise StoreError(damaged(store.place, name))
 
 
-def _plane_of_points(root: Root) -> tuple[Root, Indices | None]:
-    """Arrange on a grid the single points that a boundary search has stored.
-
-    Returns a root document whose axes are all loads and velocities of these points, with the other
-    loads of the sweep, and an array over these axes with the number of the stored point, or −1
-    without a point. The root document of any other store is returned unchanged, with None.
-    """
-    if POINT not in root.axes:
-        return root, None
-    sweep, stored = replace(root.sweep, chosen=None), root.axes
-    axes: Axes = {name: stored[name] for name in stored if not is_of_points(name)} | row_axes(sweep)
-    axes["load"] = in_order([*sweep.plane.loads, *stored["load"]])
-    axes["velocity"] = in_order(stored["velocity"])
-    dims = [*sweep.variants.axes, *PLANE]
-    where = [pd.Index(axes[dim]).get_indexer(stored[dim]) for dim in dims]
-    rows = np.full([len(axes[dim]) for dim in dims], -1)
-    rows[tuple(where)] = stored[POINT]
-    return replace(root, sweep=sweep, axes={name: [*values] for name, values in axes.items()}), rows
-
-
 class _Masked(BackendArray):
-    """A stored variable, read when it is indexed, with fill values at points without data.
+    """A stored variable, read when it is indexed, with fill values at points without data."""
 
-    For a store of single points, `rows` has the number of the stored point at each load and
-    velocity, −1 without a point. It is None for a store that has a grid of points.
-    """
-
-    def __init__(self, store: Store, name: str, rows: Indices | None) -> None:
-        self._place, self._name, self._rows = store.place, name, rows
+    def __init__(self, store: Store, name: str) -> None:
+        self._place, self._name = store.place, name
         self._array = array = store.arrays[name]
         mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
-        self._mask = _grid_values(mask, rows)
-        self._inner = array.shape[mask.ndim :]
-        self.shape, self.dtype = (*self._mask.shape, *self._inner), array.dtype
+        self._mask = mask
+        self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
 
@@ -156,24 +123,9 @@ class _Masked(BackendArray):
         count = self._mask.ndim
         mask = _select(self._mask, key[:count])
         with read_errors(self._place, self._name):
-            if self._rows is None:
-                values = np.array(self._array.oindex[key], self.dtype)
-                values[~mask] = self._array.fill_value
-                return values
-            inner = _select(np.broadcast_to(False, self._inner), key[count:]).shape
-            values = np.full((*mask.shape, *inner), self._array.fill_value, self.dtype)
-            rows = _select(self._rows, key[:count])[mask]
-            values[mask] = self._array.oindex[(rows, *key[count:])]
+            values = np.array(self._array.oindex[key], self.dtype)
+        values[~mask] = self._array.fill_value
         return values
-
-
-def _grid_values(values: Any, rows: Indices | None) -> Any:
-    """Put values of single stored points on a grid of loads and velocities, with 0 elsewhere.
-
-    `rows` has the number of the stored point at each load and velocity, −1 where there is none. If
-    it is None, the values are on a grid already, and are returned unchanged.
-    """
-    return values if rows is None else np.where(rows >= 0, values[rows], values.dtype.type(0))
 
 
 def _select(values: Any, key: tuple[Any, ...]) -> Any:

@@ -31,8 +31,6 @@ class Variable(NamedTuple):
 
 PLANE = ("load", "velocity")
 """Dimensions of the plane; if each row has its own load and velocity, coordinates of rows."""
-POINT = "point"
-"""Dimension, in the store, of the points that a search of the boundary has chosen."""
 _STEP = (*PLANE, "step")
 _QUANTILES = (*_STEP, "cooler_share")
 _AT_BULKS = (*_STEP, "bulk_ratio", "cooler_share")
@@ -51,7 +49,6 @@ def _field(units: str, long_name: str) -> Variable:
 
 COORDINATES = {
     **{name: Variable((name,), "1", meaning, "int64") for name, meaning in ROWS.items()},
-    POINT: Variable((POINT,), "1", "number of the point, in the order of the search", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the point, 0 at its end, −1 before", "int64"),
@@ -176,11 +173,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     first = sweep.variants.rows[0].labels
     table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
     front = tuple(sweep.variants.axes)
-    absent = {*ROWS, POINT}  # the table of variants adds its own
-    if sweep.chosen is not None:
-        front, absent = (POINT,), {*ROWS}
-        table |= {name: COORDINATES[name] for name in PLANE}
-        table = {name: variable._replace(dims=front) for name, variable in table.items()}
+    absent = {*ROWS}  # the table of variants adds its own
     placed = frozenset(table)
     if not sweep.plane.fields:
         absent |= {"x", "y", *AT_END}
@@ -206,8 +199,6 @@ def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
     The coordinate is the time, load or sliding distance at each step.
     """
     table = sweep.variants
-    if sweep.chosen is not None:
-        return (POINT,)
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):
         return tuple(table.axes)

@@ -37,7 +37,6 @@ from pipeline.store.schema import (
     FAILED,
     MADE,
     PENDING,
-    POINT,
     STEPPED,
     path_of,
 )
@@ -71,8 +70,6 @@ class Store:
         self.block = tuple(root.block[dim] for dim in self.dims)
         shape = [len(self.axes[dim]) for dim in self.dims]
         labels = {dim: self.axes[dim] for dim in self.dims}
-        if POINT in self.dims:
-            labels[POINT] = self.points_at([np.arange(*shape)])
         self._numbers = [{label: n for n, label in enumerate(labels[dim])} for dim in self.dims]
         self.flags, self.asked = (
             np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
@@ -83,7 +80,7 @@ class Store:
 
     def index(self, point: Point) -> Index:
         """Index of a point along `dims`."""
-        labels = {"load": point.load, "velocity": point.velocity, POINT: point, **dict(point[2])}
+        labels = {"load": point.load, "velocity": point.velocity, **dict(point[2])}
         found = zip(self.dims, self._numbers, strict=True)
         return tuple(numbers[labels[dim]] for dim, numbers in found)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
@@ -15,7 +15,7 @@ from pipeline.sweep.shown import shown
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
-from pipeline.sweep.variants import PLACE_UNITS, SEED, Row, Variant, Variants
+from pipeline.sweep.variants import SEED, Row, Variant, Variants
 from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 
@@ -75,8 +75,6 @@ class Sweep:
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
         Values that were taken from the library of materials and oils.
-    chosen : collection of Point or None
-        Points to simulate; None for all pairs of loads and velocities.
     stations : Stations or None
         Times of the loading whose results an existing store has; None without a store.
     judged : mapping
@@ -100,7 +98,6 @@ class Sweep:
     variants: Variants = field(default_factory=Variants)
     notes: Sequence[Remark] = ()
     sources: tuple[FromLibrary, ...] = ()
-    chosen: Collection[Point] | None = None
     stations: Stations | None = None
     judged: Mapping[str, Any] = field(default_factory=dict)
     oil: str | None = None
@@ -112,7 +109,7 @@ class Sweep:
     def __eq__(self, other: object) -> bool:
         """True if the entries of both sweeps have the same meaning, in each variant.
 
-        Points, oil and conditions that were chosen must be the same, too.
+        Oil and conditions that were chosen must be the same, too.
         """
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
@@ -125,9 +122,8 @@ class Sweep:
         labels = self.variants.columns, [row.labels for row in self.rows]
         plane = self.plane.loads, self.plane.velocities, self.plane.fields, self.plane.steps
         own = self.scene, self.conditions, *plane
-        chosen = None if self.chosen is None else sorted(self.chosen)
         words = self.declared.title, self.declared.caveat, self.oil
-        return digest((own, chosen, words, self.verdict_inputs, labels, rows))
+        return digest((own, words, self.verdict_inputs, labels, rows))
 
     @cached_property
     def parts(self) -> Parts:
@@ -268,17 +264,6 @@ class Sweep:
         """The sweep of the random surfaces or samples of one variant."""
         return replace(self.variant(name), variants=self.variants.samples_of(name))
 
-    def require_search(self) -> None:
-        """Raise an `InputError` if variants have a load or velocity of their own.
-
-        A search of the boundary is impossible then.
-        """
-        if any(map(self.variants.labels, PLACE_UNITS)):
-            raise InputError(
-                "each row has its own velocity, as samples have, and answers need all rows; leave "
-                "out --boundary-only"
-            )
-
     def with_hold(self, duration: float) -> Self:
         """The sweep with another `duration` for which the full load is held after the ramp [s].
 
@@ -312,5 +297,7 @@ class Sweep:
         inferred from the tests then counts in the verdict at this load and velocity.
         """
         tests = () if alone else self.tests
-        own = (Point(test.normal_load, test.velocity) for test in tests)
-        return replace(self.variant(), chosen=frozenset((Point(load, velocity), *own)))
+        loads = sorted({load, *(test.normal_load for test in tests)})
+        velocities = sorted({velocity, *(test.velocity for test in tests)})
+        at = self.variant().changed("sweep.loads", [f"{one!r} N" for one in loads])
+        return at.changed("sweep.velocities", [f"{one!r} m/s" for one in velocities])

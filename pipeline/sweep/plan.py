@@ -121,8 +121,6 @@ class PointRecord:
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
     """All points of a sweep, by variant, then by velocity, then by load."""
-    if sweep.chosen is not None:
-        return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
     plane = sweep.plane
     return tuple(
         Point(load, velocity, name)

@@ -207,7 +207,7 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     for name, values, unit in (("loads", loads, "N"), ("velocities", velocities, "m/s")):
         entries[f"sweep.{name}"] = [f"{value!r} {unit}" for value in sorted({*values})]
     written = replace_values(sweep.written, entries)
-    return replace(sweep, written=written, variants=table, chosen=None)
+    return replace(sweep, written=written, variants=table)
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -62,7 +62,6 @@ def vary(
     over: Mapping[str, Iterable[Any]],
     preset: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    tolerance: float = 0.01,
     laws: Mapping[str, Any] | None = None,
     out: PathLike | None = None,
     workers: int | None = None,
@@ -88,8 +87,6 @@ def vary(
     preset, overrides, laws : optional
         Preset of numerical choices, values that replace entries, and own Python objects, as
         in `pipeline.load_scene`.
-    tolerance : float
-        Relative error of the critical velocity, in addition to that of the scene's fidelity.
     out : path, optional
         Store of the points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
@@ -124,7 +121,7 @@ def vary(
     scenes = [sweep, *others.values()]
     varied = _combine(sweep.variant(), variations, scenes)
     with store_path(out) as path:
-        run_sweep(varied, path, workers, client, progress, boundary_only=tolerance)
+        run_sweep(varied, path, workers, client, progress, boundary_only=True)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {

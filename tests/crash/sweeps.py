@@ -30,7 +30,7 @@ class Expected:
     """
 
     def __init__(self, sweep):
-        self._sweep = changed(sweep, chosen=None)
+        self._sweep = sweep
         self._results = {}
 
     def __call__(self, point):

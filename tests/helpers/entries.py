@@ -19,7 +19,7 @@ from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
 from tribo.simulation.pins import sizes_of
 
-_OF_SWEEP = {"name", "variants", "notes", "sources", "chosen", "stations", "judged"}
+_OF_SWEEP = {"name", "variants", "notes", "sources", "stations", "judged"}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
 _DECLARED = ("title", "caveat", "friction_band", "same_rig", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}

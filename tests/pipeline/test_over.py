@@ -67,13 +67,6 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
     assert verify_store(swept).is_clean
 
 
-def test_the_boundary_alone_is_sought_for_each_value(swept, folder):
-    whole = pipeline.boundary(swept)["critical_velocity"]
-    pipeline.run_sweep(load(folder), folder / "edge.zarr", workers=1, boundary_only=0.01)
-    edge = pipeline.boundary(folder / "edge.zarr")["critical_velocity"]
-    np.testing.assert_allclose(edge.values, whole.values, rtol=0.03)
-
-
 def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     store, small = tmp_path / "out.zarr", {"sweep.velocities": ["1 m/s", "2 m/s"]}
     first = load(tmp_path, '{ "pin.radius" = ["2 mm"] }', **small)

@@ -6,7 +6,6 @@ from pathlib import Path
 from distributed import Client
 
 import pipeline
-from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.cluster import client_of
 from tests.helpers import tiny
 from tests.helpers.entries import changed
@@ -34,10 +33,6 @@ def no_file():
 
 
 REFUSALS = {
-    "tolerance": (lambda: BoundarySearch.of(SWEEP, 1.0), "the tolerance is 1.0"),
-    "no friction": (lambda: BoundarySearch.of(COLD, 0.01), "no boundary without friction"),
-    "velocities": (lambda: BoundarySearch.of(changed(SWEEP, velocities=(0.0, 1.5)), 0.01),
-                   "sweep.velocities above 0: 1; give two or more"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),

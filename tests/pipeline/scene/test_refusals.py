@@ -85,7 +85,7 @@ def measured(shape, **others):
 
 
 def own(law="", kind="wear", **overrides):
-    law = law or tribo.RunningIn(6e-15, 1e-15, 1.5)
+    law = law or tribo.Wear(1e-15)
     return lambda: load_scene("first_try", overrides=overrides, laws={kind: law})
 
 
@@ -193,7 +193,6 @@ ENTRIES = {
     "no such law": (own(kind="waer"), "'waer' is unknown; give wear, surface,"),
     "no rule": (own(kind="criterion"), "is not a tribo.Rule; give one"),
     "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
-    "class": (own(tribo.RunningIn), "is not an object of a dataclass"),
     "unlike": (own(Unlike({})), "write @dataclass(frozen=True), or with an array"),
     "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear replaces this entry"),
     "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),

@@ -115,13 +115,10 @@ SWEEPS = {
     "plane": SWEEP,
     "surfaces": tiny.full(variants=surfaces((1, 2)), loads=(150.0, 600.0)),
     "rows": tiny.full(variants=rows("ramp", RAMPS, velocities=(1.5, 0.5)), loads=(150.0, 600.0)),
-    "search": changed(
-        SWEEP, chosen=frozenset([Point(150.0, 0.5), Point(150.0, 1.5), Point(600.0, 1.0)])
-    ),
 }
 
 
-@pytest.fixture(scope="module", params=["plane, 2", "surfaces, 1", "rows, 1", "search, 2"])
+@pytest.fixture(scope="module", params=["plane, 2", "surfaces, 1", "rows, 1"])
 def made(request, tmp_path_factory):
     """A store of each kind, with all points done or every second one."""
     kind, _, part = request.param.partition(", ")

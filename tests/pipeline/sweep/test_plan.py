@@ -12,6 +12,7 @@ from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, tasks
+from pipeline.sweep.plan import run_point as run_alone
 from pipeline.sweep.station_choice import choose_stations
 from tests.helpers import tiny
 from tests.helpers.entries import changed

@@ -57,7 +57,6 @@ REFUSALS = {
     "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
                 "25 °C of the pin"),
     # the sweep and its variants
-    "search": (PLACED.require_search, "each row has its own velocity"),
     "hold": (lambda: tiny.sweep(loading=RECORD).with_hold(2.0), "hold is 2 s, but the load"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
     "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),

@@ -19,7 +19,7 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import QUANTILES, Corrections
+from tribo import QUANTILES
 from tribo.thermal import BULK_RATIOS
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
@@ -108,19 +108,3 @@ def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
         critical = velocity * (limit / (factor * limit)) ** (1 / exponent)
         error = boundary_velocity_error(factor * limit, limit, exponent)
         assert error == pytest.approx(critical / velocity - 1, abs=1e-14)
-
-
-FILM = Corrections(film_resistance=1e-6)
-
-
-@pytest.mark.parametrize("disk", [None, 318.15])
-def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
-    conditions = replace(OWN, corrections=FILM, disk_temperature=disk)
-    warm = tiny.sweep(conditions=conditions, unequal_bulks=disk is not None)
-    result = run_point(warm, 600.0, 1.5)
-    expected = rises_above_colder(result.columns, conditions)
-    plain = rises_above_colder(result.columns, replace(conditions, corrections=None))
-    assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
-    assert momentary_rise(warm.scene, result.state, conditions) == pytest.approx(
-        worst_rises(result.columns, 600.0, conditions), rel=1e-6
-    )

@@ -13,9 +13,7 @@ from tests.helpers.scenes import STEEL
 from tribo.loading import MeasuredLoad
 
 TRACK = tribo.Track.under(tiny.sweep().scene.pin, STEEL, tribo.Disc(diameter=0.1, width=0.02))
-WARM = tribo.Corrections(
-    track=TRACK, film_resistance=1e-8, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9)))
-)
+WARM = tribo.Corrections(track=TRACK, friction=tribo.Friction(by_velocity=((1.0, 1.1), (4.0, 0.9))))
 LOADINGS = {
     "ramp": tribo.Ramp(150.0, 750.0),
     "hold": tribo.Ramp(150.0, 750.0, hold=60.0),

@@ -9,8 +9,6 @@ import pytest
 import tribo
 from tests.helpers.scenes import small_scene
 
-LAW = tribo.RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=1.5)
-CONSTANT = tribo.RunningIn(initial_rate=1.2e-15, final_rate=1.2e-15, distance=1.0)
 VELOCITY, LOAD = 1.25, 600.0
 
 
@@ -25,14 +23,6 @@ def ramped_volume(law, rate, velocity, load):
     faded = L**2 - L * (L + slid) * math.exp(-slid / L)
     excess = law.initial_rate - law.final_rate
     return rate / velocity * (law.final_rate * slid**2 / 2 + excess * faded)
-
-
-def test_a_law_of_a_constant_rate_is_archard_s():
-    scene = small_scene(increments=6)
-    *_, constant = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
-    *_, archard = tribo.simulate(replace(scene, wear=tribo.Wear(1.2e-15)), LOAD, VELOCITY)
-    np.testing.assert_allclose(constant.wear_depth, archard.wear_depth, rtol=1e-9)
-    assert constant.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
 
 
 @dataclass(frozen=True)
@@ -55,8 +45,3 @@ def test_a_surface_of_one_s_own_is_that_of_its_heights():
         rises.append(state.heat.mean_rise)
     assert rises[0] == pytest.approx(rises[2], rel=1e-6)
     assert rises[1] != pytest.approx(rises[0], rel=1e-3)
-
-
-def test_a_pin_that_does_not_slide_wears_by_no_law():
-    scene = replace(small_scene(increments=6), wear=LAW)
-    assert worn_volume(scene, velocity=0.0) == 0
