@@ -15,9 +15,7 @@ from tests.pipeline.conftest import commit_all
 
 PIN, STEEL = tiny.sweep().scene.pin, tiny.sweep().scene.disk
 TRACK = tribo.Track.under(PIN, STEEL, 0.3)
-STAYS = tribo.Corrections(
-    track=TRACK
-)
+STAYS = tribo.Corrections(track=TRACK)
 ROLLING = tribo.Motion(slide_roll_ratio=0.5, track_length=0.3)
 TIMES = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0, 20.0, 21.0])
 LOADS = np.array([0.0, 500.0, 500.0, 100.0, 100.0, 0.0, 400.0, 750.0])
