@@ -38,13 +38,14 @@ docs: .venv/test      ## build the site of all pages into results/docs
 	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
 	@echo "results/docs/index.html"
 
-test: .venv/test      ## style, types, import rules and the test suite
+test: .venv/test      ## style, types, import rules, the test suite; prints the lines of code of each room
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 \
 	    $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --durations=25
+	$(BIN)/python -m tests.house
 
 javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
 	mkdir -p .venv/javascript

@@ -1,6 +1,6 @@
-"""Sizes of the code: two sums that only fall, printed by room.
+"""Sizes of the code, the pages of reference, and rules that all files keep.
 
     python -m tests.house
 
-prints them. At the end of an issue its author writes the sums of that day into `sums.toml`.
+prints the lines of code of each room.
 """
