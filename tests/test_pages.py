@@ -36,8 +36,8 @@ def test_every_page_is_in_the_contents():
     assert {path.stem for path in WORKFLOWS.glob("*.md")} - {"index"} <= set(listed)
 
 
-def test_the_front_shows_five_figures():
+def test_the_front_shows_four_figures():
     front = (ROOT / "README.md").read_text() + (WORKFLOWS / "index.md").read_text()
     figures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", front)
-    assert len(set(figures)) == 5
+    assert len(set(figures)) == 4
     assert all((WORKFLOWS / Path(name).name).exists() for name in figures)

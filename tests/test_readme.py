@@ -25,12 +25,12 @@ PAGES = ["README.md", *(f"workflows/{path.name}" for path in (ROOT / "workflows"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Folder in which the README's paths exist, with one computed point of its diagram."""
+    """Folder in which the README's paths exist, with one computed point of `first_try`."""
     folder = tmp_path_factory.mktemp("readme")
     (folder / "workflows").symlink_to(ROOT / "workflows")
     sweep = pipeline.load_scene(ROOT / "workflows" / "first_try.toml")
     sweep = changed(sweep, loads=(600.0,), velocities=(1.5,))
-    pipeline.run_sweep(sweep, folder / "results" / "irg_transition.zarr", workers=1)
+    pipeline.run_sweep(sweep, folder / "results" / "first_try.zarr", workers=1)
     return folder
 
 
@@ -119,3 +119,18 @@ def test_paths_that_are_named_exist():
         text = (ROOT / page).read_text(encoding="utf-8")
         for path in re.findall(r"`((?:tribo|pipeline|workflows|tests)/[\w/.]*)`", text):
             assert (ROOT / path).exists(), f"{page}: {path}"
+
+
+def test_the_first_screen_has_the_commands_of_a_fresh_machine():
+    screen = "\n".join(README.splitlines()[:35])
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in ("diagram", "test"):
+        assert f"\nmake {target} " in screen
+        assert f"\n{target}: .venv/" in makefile
+
+
+def test_python_blocks_open_stores_that_commands_above_make():
+    for block in BLOCKS:
+        above = README[: README.index(block)]
+        for name in re.findall(r'"results/(\w+)\.zarr"', block):
+            assert re.search(rf"^irg run {name}\b", above, flags=re.MULTILINE), name

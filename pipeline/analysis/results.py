@@ -71,9 +71,9 @@ class Results:
     cut : tuple of str
         The names "load" and "velocity", as far as they are scalars in the dataset.
     columns : mapping
-        Variables by name, of shape (*front, load, velocity), and then those of three axes that the
-        variable has: step of the load, ``bulk_ratio`` (disk's − pin's bulk temperature, divided by
-        friction [K]), and ``cooler_share`` (see `shares`).
+        Variables by name. Their axes are those of `front`, then load and velocity, then those of
+        three more that the variable has: step of the load, ``bulk_ratio`` (disk's − pin's bulk
+        temperature, divided by friction [K]), and ``cooler_share`` (see `shares`).
     shares : ndarray
         Shares of the contact area that are cooler than the quantiles of the rise.
     rest : Dataset

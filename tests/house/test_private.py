@@ -14,9 +14,6 @@ _ALLOWED = {
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",
     "pipeline/sweep/test_refusals.py _hidden": "that it is refused",
     "pipeline/tradeoff/test_forecast.py _increment_values": "temperatures are counted where solved",
-    "pipeline/uncertain/test_difference.py _describe_contrast": "the sentence without a second run",
-    "promises/rigs.py _FIRST": "more draws of the prior than usual",
-    "promises/rigs.py _rise": "scenes of one campaign share their fit of the rise",
 }
 """Private names that a file of tests reads, and why."""
 
