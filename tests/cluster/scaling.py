@@ -9,9 +9,18 @@ Dask, the network and the store take is left out. Beside it stand chains of load
 Prints a table in Markdown.
 """
 
+import sys
 import time
 
-from pipeline.sweep.plan import run_point
+import numpy as np
+
+import pipeline
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point, tasks
+from pipeline.sweep.task_queue import makespan
+from pipeline.tradeoff.forecast import _count_steps
+from tests.helpers.entries import changed
+from tribo.simulation import Trunks
 
 _WORKERS = (1, 2, 4, 8, 16, 64)
 _VELOCITIES = (4, 19, 60)
@@ -23,6 +32,55 @@ def timed(sweep, point, trunks):
     began = time.process_time()
     run_point(sweep, point, trunks)
     return time.process_time() - began
+
+
+def costs_at(sweep, velocity):
+    """CPU time [s] of an increment, and of the end of each load, at a velocity [m/s]."""
+    *_, highest = sweep.plane.loads
+    trunks = Trunks()
+    whole = timed(sweep, Point(highest, velocity), trunks)
+    ends = {}
+    for load in sweep.plane.loads:
+        timed(sweep, Point(load, velocity), trunks)  # on the load's own ramp, if it has one
+        ends[load] = timed(sweep, Point(load, velocity), trunks)
+    increments, *_ = _count_steps(sweep, highest)
+    return (whole - ends[highest]) / increments, ends
+
+
+def main():
+    sweep = pipeline.load_scene(*sys.argv[1:])
+    axis, loads = np.array(sweep.plane.velocities), sweep.plane.loads
+    run_point(sweep, Point(loads[0], float(axis[0])))  # makes kernels and surfaces
+    places = np.linspace(0, len(axis) - 1, _MEASURED).round().astype(int)
+    known = {float(axis[place]): costs_at(sweep, float(axis[place])) for place in places}
+    for velocity, (increment, ends) in known.items():
+        print(f"{velocity:g} m/s: {1e3 * increment:.1f} ms an increment, ", end="")
+        print(f"{1e3 * np.mean(list(ends.values())):.0f} ms an end")
+    shared = {load: _count_steps(sweep, load)[0] for load in loads}
+
+    def cost(task, has):
+        load, velocity, _ = task.point
+        increment, ends = known[min(known, key=lambda one: abs(one - velocity))]
+        before = has.get(task.ramp, 0)
+        has[task.ramp] = max(before, shared[load])
+        return ends[load] + increment * max(0, shared[load] - before)
+
+    print("| velocities × loads | workers | wall | gain | efficiency | CPU | chains: gain |")
+    print("|---|---|---|---|---|---|---|")
+    for count in _VELOCITIES:
+        wanted = changed(sweep, velocities=tuple(np.linspace(axis[0], axis[-1], count).tolist()))
+        every = [*tasks(points(wanted), wanted)]
+        alone, cpu = makespan(every, 1, cost)
+        chain = alone / count
+        for workers in _WORKERS:
+            wall, total = makespan(every, workers, cost)
+            rounds = -(-count // workers)
+            row = (
+                f"{count} × {len(loads)}", f"{workers}", f"{wall:.1f} s", f"{alone / wall:.1f}",
+                f"{100 * alone / wall / workers:.0f} %", f"{total / cpu:.2f}",
+                f"{alone / (rounds * chain):.1f}",
+            )  # fmt: skip
+            print(f"| {' | '.join(row)} |")
 
 
 if __name__ == "__main__":
