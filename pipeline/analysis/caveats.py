@@ -12,7 +12,6 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import point_field
 from pipeline.analysis.results import Results
 from pipeline.sweep.accuracy import error_in_words
-from pipeline.sweep.condition_words import critical_in_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends
 from tribo import Corrections
@@ -27,14 +26,13 @@ def caveats_of(data: Results) -> list[str]:
 
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     """Caveats, one line each, for results of a scene under `conditions`."""
-    sweep, critical, sd = scene.sweep, conditions.critical_temperature, conditions.critical_sd
-    exact = "inputs such as the steel's conductivity are taken as exact (irg help your-tests)"
+    sweep, critical = scene.sweep, conditions.critical_temperature
+    exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
         sweep.declared.caveat,
         note_on_ends(sweep),
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
         exact,
-        critical_in_words(critical, sd) if critical and sd else None,
         error_in_words(sweep) if critical else None,
     ]
     return tuple(line for line in lines if line)

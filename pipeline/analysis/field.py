@@ -24,7 +24,7 @@ from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import rise_limit, rise_limits
+from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
@@ -260,10 +260,9 @@ class PointField:
     ) -> Array:
         """Probability (k,) that wear is severe in a further laboratory run at k operating points.
 
-        The probability is the mean over surfaces, and over the likely values of an uncertain
-        critical temperature. `scatter` is the distribution of the model's own error. `shift` is
-        added to ln(rise): one value, a value for each pair of load and velocity (k,), or n
-        alternatives (n, k), for each of which the result (n, k) has a row.
+        The probability is the mean over surfaces. `scatter` is the distribution of the model's own
+        error. `shift` is added to ln(rise): one value, a value for each pair of load and velocity
+        (k,), or n alternatives (n, k), for each of which the result (n, k) has a row.
         """
         loads, velocities = places_of(loads, velocities)
         # Places at a load of the sweep share its line.
@@ -273,11 +272,8 @@ class PointField:
         shape = np.broadcast_shapes(loads.shape, np.shape(shift))
         factors = np.exp(-np.broadcast_to(shift, shape))[..., None, :]
         chosen = slice(None), rows.ravel()
-        shares = [
-            replace(line, limit=limit * factors, rows=chosen).severe_chance(velocities, scatter)
-            for limit in rise_limits(self.conditions)
-        ]
-        return np.asarray(np.mean(shares, axis=(0, -2)))
+        shifted = replace(line, limit=self.limit * factors, rows=chosen)
+        return np.asarray(np.mean(shifted.severe_chance(velocities, scatter), axis=-2))
 
     def lines(self, axis: str, loads: Array, velocities: Array) -> Line:
         """Curves of the rise [K] along "load" or "velocity" (`axis`), through k operating points.

@@ -61,7 +61,6 @@ class Margin:
     decisive_temperature: float
     error: RiseError  #: Numerical error of `decisive_temperature` by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
-    critical_sd: float | None  #: Standard deviation of the critical temperature [K]; None if exact.
     distance: float  #: Critical temperature minus `decisive_temperature` [K]; < 0 if severe.
     model_error: str  #: The model's own error and its basis, in words.
     #: Lowest velocity at this load at which wear turns severe [m/s]. NaN if the sweep has none, or
@@ -178,7 +177,6 @@ def answers(
     shared: dict[str, Any] = {
         "model_error": scatter.text,
         "members": len(field.weights),
-        "critical_sd": field.conditions.critical_sd,
         "entries": {path: field.source.rows[path].item() for path, _ in field.source.name},
     }
     rows = zip(*columns.values(), strict=True)

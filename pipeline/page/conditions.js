@@ -65,13 +65,12 @@ function showControl(control) {
 }
 
 /** How conditions act on rises at friction 1: coldest bulk temperature [K], factor on the rise, difference
- * of bulk temperatures over that factor [K], function from temperature to the rise that reaches it, and rise
- * above which wear is severe [K]. Without friction different bulk temperatures still warm one body; their
- * ratio is then the largest one stored. @param {Conditions} conditions */
-function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, ...others }) {
+ * of bulk temperatures over that factor [K], and rise above which wear is severe [K]. Without friction
+ * different bulk temperatures still warm one body; their ratio is then the largest one stored.
+ * @param {Conditions} conditions */
+function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, critical_temperature: critical }) {
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
   const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
-  const limitOf = (/** @type {number} */ kelvin) => (kelvin - coldest) / factor;
-  const limit = others.critical_temperature === null ? NaN : limitOf(others.critical_temperature);
-  return { coldest, factor, ratio: difference && difference / factor, limitOf, limit };
+  const limit = critical === null ? NaN : (critical - coldest) / factor;
+  return { coldest, factor, ratio: difference && difference / factor, limit };
 }

@@ -37,7 +37,6 @@ from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.severity import (
     above_colder,
     corrected_columns,
-    critical_errors,
     rise_limit,
     worst_moment,
 )
@@ -89,7 +88,6 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
         **_page_facts(data),
         **_point_states(data),
         "conditions": _conditions(data, conditions),
-        "critical_errors": critical_errors(conditions),
         "controls": [*map(asdict, controls(conditions, sweep.scene.friction_heat, *varies))],
         "deciding": conditions.decisive.temperature,
         "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),

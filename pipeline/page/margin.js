@@ -79,12 +79,10 @@ function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
   const error = Math.max(...surfaces().flatMap((surface) => rows.flatMap((row) =>
     columns.map((column) => content.errors[indexOf(surface, row, column)]))));
   const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
-  const [{ limitOf }, critical] = [heatOf(conditions), conditions.critical_temperature ?? NaN];
-  const limits = content.critical_errors.map((kelvin) => limitOf(critical + kelvin));
+  const { limit } = heatOf(conditions);
   const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(lines.map((line) => {
-    const severe = limits.flatMap((limit) => rangesAbove(velocity, line, limit / factor));
-    const shares = severe.map(([begin, end]) => share(end) - share(begin));
-    return sum(shares) / limits.length / lines.length;
+    const severe = rangesAbove(velocity, line, limit / factor);
+    return sum(severe.map(([begin, end]) => share(end) - share(begin))) / lines.length;
   })));
   const [lowest, likely, highest] = Number.isNaN(error) ? [0, probabilities[1], 1] : probabilities;
   const isMild = highest <= content.decided[0];

@@ -44,7 +44,6 @@ SPEED = Quantity("1.25 m/s")
 TEMPERATURE = Quantity("25 degC")
 BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
 CRITICAL = Quantity("145 degC", usual=(50, 800))
-CRITICAL_SD = Quantity("8 K", ends=("0.001 K", "200 K"), name="a difference")
 ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
 SIZE = Quantity("100 mm", usual=(0.1, 1e5))
 FRICTION = Number(at_least=0, usual=(0, 1))
@@ -244,9 +243,6 @@ class Temperature(Declared):
         "Temperature far from the contact, of both bodies, or of `pin` and `disk`."]
     critical: A[float | None, CRITICAL,
         "Contact temperature above which the lubricant fails; needed to judge wear."] = None
-    critical_sd: A[float | None, CRITICAL_SD,
-        "Standard deviation of `critical`; with `sweep.samples` an `unknown` input instead."
-        ] = None
     failing_share: A[float, Share(at_least=0, below=1),
         "Wear is severe if a larger share of the contact area is above the critical temperature; "
         "0 if the highest temperature decides."] = 0.1

@@ -211,7 +211,6 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
     return Conditions(
         friction=scene.friction.coefficient,
         critical_temperature=temperature.critical,
-        critical_sd=temperature.critical_sd,
         failing_share=temperature.failing_share,
         criterion=name_of(rule) if rule else temperature.criterion,
         rule=rule,

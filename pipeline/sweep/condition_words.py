@@ -36,12 +36,4 @@ def judged_by(several: Iterable[Conditions]) -> str:
 def severe_words(conditions: Conditions) -> str:
     """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C"."""
     critical = display(conditions.known_critical_temperature(), "°C")
-    if conditions.critical_sd:
-        critical = f"{critical} ± {display(conditions.critical_sd, 'K', 3)}"
     return f"{conditions.decisive.severe} {critical}"
-
-
-def critical_in_words(value: float, sd: float | None) -> str:
-    """Write a critical temperature [K] as text, with its standard deviation [K] if known."""
-    doubt = f" ± {display(sd, 'K', 2)}, which is counted" if sd else ", taken as exact"
-    return f"the critical temperature is {display(value, '°C', 4)}{doubt}"

@@ -52,8 +52,6 @@ class Conditions(Judging):
     rule : Rule, Law or None
         A criterion of your own; a `Law` if it comes from a store, which has only its name. It is
         dropped if `criterion` is not its name.
-    critical_sd : float or None
-        Standard deviation of the critical temperature [K]; None if the latter is taken as exact.
 
     Raises
     ------
@@ -74,7 +72,6 @@ class Conditions(Judging):
     failing_share: float = 0.1
     criterion: str = "share"
     rule: Rule | Law | None = None
-    critical_sd: float | None = None
 
     def __post_init__(self) -> None:
         if self.rule and name_of(self.rule) != self.criterion:
@@ -83,8 +80,6 @@ class Conditions(Judging):
             value = getattr(self, name)
             if value is not None and (isinstance(value, Iterable) or not math.isfinite(value)):
                 raise InputError(f"{name} is {value!r}; it must be one finite number here")
-        if self.critical_sd is not None and not 0 < self.critical_sd < math.inf:
-            raise InputError(f"critical_sd is {self.critical_sd!r} K; it must be above 0")
         own = {one.name: getattr(self, one.name) for one in fields(Judging)}
         criterion = Criterion() if isinstance(self.rule, Law) else self.decisive
         tribo.Conditions(**own, criterion=criterion)  # raises for what is out of range
@@ -106,11 +101,11 @@ class Conditions(Judging):
     def as_dict(self) -> dict[str, Any]:
         """Return the values as plain data, without the rule, whose name is the criterion.
 
-        A disk temperature, a standard deviation or corrections that are None are left out.
+        A disk temperature or corrections that are None are left out.
         """
         plain = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "rule"}
         plain["corrections"] = self.corrections and self.corrections.as_dict()
-        rare = ("disk_temperature", "critical_sd", "corrections")
+        rare = ("disk_temperature", "corrections")
         return {k: v for k, v in plain.items() if v is not None or k not in rare}
 
     def friction_at(self, velocity: float) -> float:

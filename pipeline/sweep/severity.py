@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Mapping
 from dataclasses import replace
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,9 +31,6 @@ if TYPE_CHECKING:
 
 MELTS = 1700.0  # K, at which a steel with 1 % carbon begins to melt
 
-_SCORES = tuple(NormalDist().inv_cdf((k + 0.5) / 64) for k in range(64))
-"""Equally likely normal scores, by which the critical temperature may be off."""
-
 MOLTEN = (
     f"the deciding temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
     "bodies of the model do not melt, so it says only that wear is severe; if tests were made "
@@ -50,22 +46,6 @@ def rise_limit(conditions: Conditions) -> float:
     """
     conditions.known_critical_temperature()
     return tribo_verdict.rise_limit(conditions)
-
-
-def rise_limits(conditions: Conditions) -> Array:
-    """Temperature rises per unit friction coefficient above which wear is severe [K], (n,).
-
-    There is one for each of n equally likely errors of the critical temperature. It is negative if
-    the critical temperature, with this error, is below the bulk temperature.
-    """
-    critical = conditions.known_critical_temperature()
-    return np.array([conditions.limit(critical + error) for error in critical_errors(conditions)])
-
-
-def critical_errors(conditions: Conditions) -> list[float]:
-    """Equally likely errors of the critical temperature [K]; only 0 if it is exact."""
-    sd = conditions.critical_sd
-    return [0.0] if sd is None else [sd * score for score in _SCORES]
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:

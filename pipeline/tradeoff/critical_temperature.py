@@ -191,7 +191,7 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     """
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.measured):
-        row: dict[str, Any] = {"temperature.critical": None, "temperature.critical_sd": None}
+        row: dict[str, Any] = {"temperature.critical": None}
         if test.friction is not None:  # a measured value replaces friction curves
             row |= {CURVE: None, "friction.coefficient": test.friction}
         if test.bulk_temperature is not None:

@@ -208,12 +208,9 @@ def _condition_entries(changes):
 
 def _conditions(made):
     names = ("friction", "bulk_temperature", "disk_temperature", "critical_temperature",
-             "critical_sd", "failing_share", "criterion")  # fmt: skip
-    values = {name: getattr(made, name) for name in names}
-    entries = {"temperature.critical": None, "temperature.critical_sd": None}
-    entries |= _condition_entries({k: v for k, v in values.items() if k != "critical_sd"})
-    if made.critical_sd is not None:
-        entries["temperature.critical_sd"] = f"{made.critical_sd!r} K"
+             "failing_share", "criterion")  # fmt: skip
+    entries = {"temperature.critical": None}
+    entries |= _condition_entries({name: getattr(made, name) for name in names})
     entries |= _beside(made.corrections)
     curves = made.corrections and made.corrections.friction
     for key in ("velocity", "temperature"):

@@ -101,16 +101,6 @@ def test_the_boundary_is_that_of_the_command(kind):
     assert crossings > 20
 
 
-def test_an_uncertain_critical_temperature_counts_as_in_the_command():
-    ds = synthetic.sweep(conditions=synthetic.CONDITIONS | {"critical_sd": 14.0})
-    places = [[400.0, velocity] for velocity in (0.75, 1.5, 2.0, 2.25, 2.5, 3.0, 4.0)]
-    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": places}])
-    for page in told:
-        here = pipeline.margin(ds, *page["place"])
-        likely = here.lowest, here.probability, here.highest
-        assert page["probabilities"] == pytest.approx(likely, abs=1e-3)
-
-
 FALLING = (0.5, 2.6), (1.2, 1.0), (6.0, 0.9)
 
 

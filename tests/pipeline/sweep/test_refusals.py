@@ -47,7 +47,6 @@ REFUSALS = {
     "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
     "disk above": (conditions(disk_temperature=420.0), "must be above the bulk temperature, 420 K"),
-    "critical sd": (conditions(critical_sd=0.0), "critical_sd is 0.0 K; it must be above 0"),
     "share": (conditions(failing_share=1.0), "share is 1.0"),
     "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
     "criterion": (conditions(criterion="laws:median"), "allowed are share, highest, mean"),

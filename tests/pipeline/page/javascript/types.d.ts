@@ -75,8 +75,6 @@ type Content = {
   nodes: { velocity: number[]; load: number[] };
   beside: [number, number][];
   friction_factors: number[];
-  /** Equally likely errors of the critical temperature [K]. */
-  critical_errors: number[];
   /** Temperatures of the contact [K], and the factor of friction at each. */
   plane: Float32Array;
   /** Where lines along velocity begin that have their own points alone, by surface and node of load. */
