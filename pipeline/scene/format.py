@@ -228,9 +228,6 @@ class Friction(Declared):
         "values of `by_velocity`; one in the scene (`--set`) keeps them."]
     band: A[tuple[float, float] | None, List(FRICTION, length=2),
         "Lowest and highest coefficient, whose transitions the diagram draws as thin lines."] = None
-    same_rig: A[bool,
-        "True if tests and scene have the same friction, so that `irg infer` learns from the "
-        "tests; false if the scene is another machine than the rig."] = True
     by_velocity: A[tuple[FrictionByVelocity, ...],
         f"Friction by sliding velocity, smooth between the values, constant beyond. {LATER}"] = ()
 
@@ -317,11 +314,9 @@ class Transition(Declared):
     load: A[float, LOAD, "Normal load on the pin."]
     velocity: A[float, VELOCITY, "Sliding velocity."]
     velocity_scatter: A[float | None, Quantity("0.1 m/s"),
-        "Standard deviation of the velocity; by default `--scatter`, 5 % of the velocity."] = None
+        "Standard deviation of the velocity; by default 5 % of it."] = None
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
-    friction_scatter: A[float | None, Number(above=0),
-        "Standard deviation of the measured friction; none by default."] = None
     bulk_temperature: A[float | None, BULK,
         "Bulk temperature of both bodies; by default the scene's."] = None
     hold: A[float | None, DURATION,

@@ -65,8 +65,7 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
 def tested_holds(scene: Any) -> tuple[float, ...]:
     """Durations for which the tests of a scene held the full load [s], ascending, each once.
 
-    `scene` is a `SceneFile`: the tables of a scene file as objects. The result is empty if
-    ``sweep.samples`` is not set.
+    `scene` is a `SceneFile`: the tables of a scene file as objects.
     """
     return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
 

@@ -19,7 +19,6 @@ class Measurement:
     velocity: float  # [m/s]
     friction: float | None = None
     velocity_scatter: float | None = None  # standard deviation [m/s]
-    friction_scatter: float | None = None
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: Literal["mild", "severe"] | None = None  # None at a transition

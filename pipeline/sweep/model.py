@@ -193,7 +193,7 @@ class Sweep:
         They are tests, measured friction, the stated model error, oil and preset.
         """
         friction, own = self.declared.friction, (self.lubricant, self.preset)
-        return (self.tests, friction.band, friction.same_rig, self.declared.model, *own)
+        return (self.tests, friction.band, self.declared.model, *own)
 
     @cached_property
     def entries(self) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "stations", "judged"}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
-_DECLARED = ("title", "caveat", "friction_band", "same_rig", "model_scatter")
+_DECLARED = ("title", "caveat", "friction_band", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
@@ -159,8 +159,6 @@ def _entries(name, value, sweep):
             return _conditions(value)
         case "friction_band", _:
             return {"friction.band": value and [*value]}
-        case "same_rig", _:
-            return {"friction.same_rig": value}
         case "model_scatter", _:
             return {"model": None if value is None else {"scatter": value}}
         case "measured" | "tested", _:
