@@ -17,7 +17,6 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    OIL,
     RULES,
     add_scene_ids,
     dataset_of,
@@ -37,7 +36,6 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
 from pipeline.sweep.laws import name_of
-from pipeline.sweep.measurement import oils_of
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -54,7 +52,6 @@ def at(
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | Rule | None = None,
-    oil: str | None = None,
     **entries: Any,
 ) -> xr.Dataset:
     """Judge a sweep under other conditions or values, without a new simulation.
@@ -82,13 +79,10 @@ def at(
         Contact temperature that is compared with the critical temperature: ``"highest"``,
         ``"mean"``, or ``"share"``, the temperature that `share` of the contact exceeds. In Python
         also a rule of your own, like those in `tribo.CRITERIA`.
-    oil : str, optional
-        Name of the oil whose tests count. It is needed if the tests are of several oils, and each
-        test names its oil. The critical temperature must be the one of this oil.
     **entries
         Values by the path of an entry, in SI or as text with a unit. An entry with several values
-        in the sweep (``[sweep] over``) is restricted to the given values. An unknown input is fixed
-        at the value. A condition is replaced, as by the arguments above.
+        in the sweep (``[sweep] over``) is restricted to the given values. A condition is replaced,
+        as by the arguments above.
 
     Returns
     -------
@@ -123,8 +117,6 @@ def at(
     if twice := wanted.keys() & entries.keys():
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
-    if oil is not None:
-        ds = _choose_oil(ds, oil)
     ds, wanted = _select_entries(ds, wanted | entries)
     if others := [path for path in wanted if path not in _NAMES]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
@@ -142,15 +134,6 @@ def at(
     for scene in results(names).scenes if wanted else ():
         _ = scene.plain_conditions  # raises if the sweep lacks what a condition needs
     return ds
-
-
-def _choose_oil(ds: xr.Dataset, oil: str) -> xr.Dataset:
-    """Copy of a dataset that is judged with the laboratory tests of one oil only."""
-    names = [name for name in oils_of(test.oil for test in scene_sweep(ds).tests) if name]
-    if oil not in names:
-        known = f"give one of {', '.join(names)}" if names else "they name no oil, so leave it out"
-        raise InputError(f"oil is {oil!r}, which no test of the scene names; {known}")
-    return add_scene_ids(ds.assign_attrs(at=json.dumps(judged_values(ds) | {OIL: oil})))
 
 
 def _si_value(path: str, value: Any) -> Any:

@@ -38,8 +38,6 @@ from tribo import InputError, Rule
 
 RULES: dict[str, Rule] = {}
 """The user's own criteria from `pipeline.at`, by the value of the attribute ``rule``."""
-OIL = "oil"
-"""Key in `judged_values` of the oil whose tests count."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     if rule and name_of(rule) == given.get("criterion"):
         given["criterion"] = rule
     judged = {**sweep.judged, **changes_of(**given)}
-    return replace(sweep, judged=judged, oil=values.get(OIL))
+    return replace(sweep, judged=judged)
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:
@@ -170,12 +168,8 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 
 def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
-    """Add coordinate ``scene_id``: for each variant a digest of all that affects its results.
-
-    The digest includes choices of `pipeline.at` about oil and measured tests.
-    """
-    choices = {k: v for k, v in judged_values(ds).items() if k == OIL}
-    return identify(ds, scene_ids(whole_sweep(ds), choices), scene_sweep(ds).variants)
+    """Add coordinate ``scene_id``: for each variant a digest of all that affects its results."""
+    return identify(ds, scene_ids(whole_sweep(ds)), scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

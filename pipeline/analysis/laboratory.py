@@ -23,7 +23,7 @@ from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import frame_of, notes_of, short
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.measurement import Measurement, oils_of, own_tests
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Sweep
 from tribo import InputError
 
@@ -38,32 +38,6 @@ _HEADS = (
     "test", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]", "hold [s]",
     "computed", "decisive temperature [°C]", "agrees", "notes",
 )  # fmt: skip
-
-
-def laboratory_tests(data: Results) -> tuple[Measurement, ...]:
-    """Tests that a sweep is compared with: measured transitions first, then single outcomes.
-
-    Tests with another oil than the sweep's are left out. If the sweep's oil is not known, no test
-    is left out.
-    """
-    tests = data.sweep.tests
-    return tests if len(ambiguous_oils(data.sweep)) > 1 else own_tests(tests)
-
-
-def ambiguous_oils(sweep: Sweep) -> list[str]:
-    """Oils that the tests name; empty if the user chose an oil, or a test does not name its oil."""
-    names = oils_of(test.oil for test in sweep.tests)
-    return [] if "" in names or sweep.oil else names
-
-
-def require_one_oil(sweep: Sweep) -> None:
-    """Raise an `InputError` if the tests are of several oils, and the user has not chosen one."""
-    names = ambiguous_oils(sweep)
-    if len(names) > 1:
-        raise InputError(
-            f"the tests are of {len(names)} oils, but an answer is for one: {', '.join(names)}; "
-            "give its name with --oil (in Python oil), and its critical temperature"
-        )
 
 
 def own_conditions(data: Results, test: Measurement) -> Conditions:
@@ -82,17 +56,15 @@ def own_conditions(data: Results, test: Measurement) -> Conditions:
 
 def model_error(data: Results, field: PointField) -> ModelError:
     """Distribution of the model's own error in ln(critical velocity), from tests and a prior."""
-    require_one_oil(data.sweep)
-    plain, tests = untested_error(data.sweep), laboratory_tests(data)
+    plain, tests = untested_error(data.sweep), data.sweep.tests
     found = [(test, one) for test in tests if (one := _known_comparison(data, field, test))]
     return replace(_update_error(plain, found), reason=AGREED if found else plain.reason)
 
 
 def untested_error(sweep: Sweep) -> ModelError:
     """Distribution of the model's own error if the scene's tests are not used: the prior."""
-    names = ambiguous_oils(sweep)
-    oil, model = sweep.oil or (names[0] if len(names) == 1 else ""), sweep.declared.model
-    return ModelError(usual=model.scatter if model else USUAL, oil=oil)
+    model = sweep.declared.model
+    return ModelError(usual=model.scatter if model else USUAL)
 
 
 def _known_comparison(data: Results, field: PointField, test: Measurement) -> Comparison | None:
@@ -185,7 +157,7 @@ def tests_beside(data: Results, load: float, velocity: float) -> Iterator[str]:
     A test is near if its load and its velocity differ by at most 10 %. Tests with a bulk
     temperature above the critical temperature are left out.
     """
-    for test in laboratory_tests(data):
+    for test in data.sweep.tests:
         pairs = (test.normal_load, load), (test.velocity, velocity)
         if any(abs(measured - here) > _BESIDE * abs(here) for measured, here in pairs):
             continue
@@ -205,7 +177,7 @@ def compared(data: Results) -> pd.DataFrame | None:
     critical temperatures or shares, the first one counts.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
-    if not laboratory_tests(data) or data.kind is not Kind.PLANE:
+    if not data.sweep.tests or data.kind is not Kind.PLANE:
         return None
     heads, rows = heads_of(data.rows, data.entry_dims), list[tuple[Any, ...]]()
     for scene in data.scenes:
@@ -245,7 +217,7 @@ def _test_rows(scene: Results) -> Iterator[tuple[Any, ...]]:
     field = point_field(scene)
     under = functools.cache(field.under)
     hold = getattr(scene.sweep.scene.loading, "hold", 0.0)
-    for test in laboratory_tests(scene):
+    for test in scene.sweep.tests:
         place = test.normal_load, test.velocity
         note = f"computed with the hold of the scene, {hold:g} s" * (test.hold not in (None, hold))
         at = test.friction, test.bulk_temperature

@@ -41,7 +41,6 @@ class ModelError:
     wrong: tuple[float, ...] = ()  #: ln(measured/computed) of tests with a wrong outcome.
     usual: float = USUAL  #: Prior of the relative scatter.
     reason: str = "no test confirms or contradicts it"  #: Why only the prior counts.
-    oil: str = ""  #: Oil whose tests count; empty if tests name none.
 
     @property
     def degrees(self) -> int:
@@ -82,12 +81,11 @@ class ModelError:
     def text(self) -> str:
         """Size and basis, such as "± 10 % in velocity, assumed; no test contradicts it"."""
         if n := len(self.residuals) + len(self.wrong):
-            tests = f"{'1 test' if n == 1 else f'{n} tests'}{self.oil and f' of oil {self.oil}'}"
+            tests = "1 test" if n == 1 else f"{n} tests"
             prior = f"a prior of {100 * self.usual:g} %"
             low, high = (f"{100 * scale:.2g}" for scale in self.scales)
             size = f"± {low}" if low == high else f"−{low} to +{high}"
             return f"{size} % in velocity, from {tests} and {prior}"
         if self.usual == 0:
             return "none, as the scene says"
-        reason = f"{self.reason}{self.oil and f', of oil {self.oil}'}"
-        return f"± {100 * self.usual:g} % in velocity, assumed; {reason}"
+        return f"± {100 * self.usual:g} % in velocity, assumed; {self.reason}"

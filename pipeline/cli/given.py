@@ -114,6 +114,5 @@ def dataset_in(
     Values of --at for entries in `foreign`, which only another store has, are left out.
     """
     ds = pipeline.open_sweep(options.store) if ds is None else ds
-    weighing = values_in(options, "oil")
     entries = {path: value for path, value in options.at if path not in foreign}
-    return pipeline.at(ds, **conditions_in(options), **weighing, **entries)
+    return pipeline.at(ds, **conditions_in(options), **entries)

@@ -10,11 +10,10 @@ import pandas as pd
 import pipeline
 from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import flags_of, one_scene_in, values_in
-from pipeline.cli.output import Result, counted, run_line, tell, working
+from pipeline.cli.output import Result, counted, run_line, working
 from pipeline.quantities import display, shown_in
-from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
-from pipeline.tradeoff.critical_temperature import CriticalTemperatures, take_own_tests
+from pipeline.tradeoff.critical_temperature import CriticalTemperatures, as_transitions
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
@@ -28,7 +27,7 @@ def infer(options: argparse.Namespace) -> Result:
 
 
 def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Result of ``irg infer`` for a scene file, without samples that it may have.
+    """Result of ``irg infer`` for a scene file.
 
     The result is the wear rate, if a contact width is given, else the critical temperature.
     """
@@ -39,13 +38,8 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
-    tests = sweep.measured or sweep.tested
-    own = own_tests(tests)
-    tested = () if sweep.measured else own
-    sweep = take_own_tests(sweep, "measured" if sweep.measured else "tested")
-    if left := len(tests) - len(own):
-        name = own[0].oil or "the one without a name"
-        tell(f"{counted(left, 'test', 'tests')} of other oils than {name} left out")
+    tested = () if sweep.measured else sweep.tested
+    sweep = as_transitions(sweep) if tested else sweep
     with run_line() as progress:
         inferred = pipeline.critical_temperatures(
             sweep, out=options.kept, workers=options.workers, progress=progress

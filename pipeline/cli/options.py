@@ -208,8 +208,6 @@ OVER = several(
     "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
     "the scene", values.settings,
 )  # fmt: skip
-OIL = value("--oil NAME", "oil whose tests count, by its name in them")
-WEIGHED = (OIL,)
 JUDGED = (AT, CONDITIONS)
 
 OF_INFER = (

@@ -46,19 +46,19 @@ COMMANDS = (
         "boundary", "verdicts:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.WEIGHED, *o.JUDGED),
+        (o.STORE, *o.OF_BOUNDARY, o.TABLE, *o.JUDGED),
     ),
     Command(
         "margin", "verdicts:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
-        (o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.WEIGHED, *o.JUDGED),
+        (o.STORE, *o.PLACE, *o.POINTS, o.TABLE, *o.JUDGED),
     ),
     Command(
         "diff", "stores:diff",
         "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
-        (o.STORE, o.OTHER_STORE, o.AT, o.OIL, o.TABLE, o.CRITERION),
+        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION),
     ),
     Command(
         "vary", "studies:vary",
@@ -69,7 +69,7 @@ COMMANDS = (
     Command(
         "point", "points:point", "simulate one point and the tests of its scene",
         f"scene.toml {_AT}",
-        (*o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.OIL, o.TABLE),
+        (*o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.TABLE),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",
@@ -83,7 +83,7 @@ COMMANDS = (
     Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
-        (o.STORE, *o.OF_PLOT, *o.WEIGHED, *o.JUDGED, *o.PLACE, o.REALIZATION),
+        (o.STORE, *o.OF_PLOT, *o.JUDGED, *o.PLACE, o.REALIZATION),
     ),
     Command(
         "help", "begin:help_", "print a page of the documentation, or list them",

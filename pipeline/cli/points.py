@@ -10,7 +10,6 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.laboratory import laboratory_tests, require_one_oil
 from pipeline.analysis.margin_frame import judged, margin_frame
 from pipeline.analysis.tables import frame_of, transposed
 from pipeline.analysis.words import missing_lines
@@ -34,14 +33,12 @@ def point(options: argparse.Namespace) -> Result:
     require_bearable_load(sweep, options.load, "--load")
     if options.velocity <= 0:
         raise InputError(f"velocity is {options.velocity:g} m/s; give a velocity above 0")
-    if options.oil is None:
-        require_one_oil(sweep)
     sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
     places = sweep.take_place(*place, options.alone)
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
             store.commit(_simulate(places, Point(*place), options.alone, progress))
-        return _margin_result(pipeline.at(path, oil=options.oil), Place(*place), options.alone)
+        return _margin_result(pipeline.open_sweep(path), Place(*place), options.alone)
 
 
 def _simulate(sweep: Sweep, wanted: Point, alone: bool, progress: Report) -> Iterator[PointRecord]:
@@ -75,7 +72,7 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
     else:
         found = [*judged(data, OperatingPoints((place,), {}))]
         frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
-    if alone and laboratory_tests(data):
+    if alone and data.sweep.tests:
         text.append("tests of the scene at other places are left out, by --alone")
     text += [*missing_lines(data.missing), "", transposed(contact), "", *caveats_of(data)]
     return Result(text=wrapped(text), warned=pipeline.warned(data), frames=[frame])

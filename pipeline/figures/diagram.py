@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import Kind, require_kind
 from pipeline.analysis.field import PointField, point_field
-from pipeline.analysis.laboratory import laboratory_tests, model_error
+from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
@@ -60,7 +60,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     figure, axes = style.canvas(_SIZE)
     conditions = next(data.scenes).conditions
     legend, caption = (_draw_scenes if data.entry_dims else _draw_scene)(axes, data)
-    tests, beyond = reachable_tests(data, number_tests(laboratory_tests(data)))
+    tests, beyond = reachable_tests(data, number_tests(data.sweep.tests))
     own_bulk = data.stored.conditions.bulk_temperature
     legend += [*mark_tests(axes, tests, conditions.bulk_temperature, own_bulk), *beyond]
     axes.use_sticky_edges = False  # the edges of filled regions would leave no margin

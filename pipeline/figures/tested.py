@@ -12,9 +12,7 @@ from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
-    ambiguous_oils,
     comparison,
-    laboratory_tests,
     model_error,
     own_conditions,
 )
@@ -37,7 +35,7 @@ def measured_over_computed(data: Results) -> Figure:
     """
     require_kind(data.kind, Kind.PLANE)
     require_one_scene(data.entry_dims)
-    tests = number_tests(laboratory_tests(data))
+    tests = number_tests(data.sweep.tests)
     if not tests:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
@@ -54,8 +52,7 @@ def measured_over_computed(data: Results) -> Figure:
     figure, axes = style.canvas((8.0, 5.6))
     places = np.array([(one.critical, test.velocity) for _, test, one in found])
     ends = places.min() / _ROOM, places.max() * _ROOM
-    oils = ambiguous_oils(data.sweep)
-    scatter = model_error(data, field) if len(oils) < 2 else None  # the error of one oil
+    scatter = model_error(data, field)
     _draw_band(axes, np.array(ends), scatter)
     for number, test, one in found:
         error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
@@ -69,22 +66,18 @@ def measured_over_computed(data: Results) -> Figure:
     axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
     axes.set_ylabel("velocity of the test [m/s]")
     style.write_title(axes, f"{style.title_of(data)}\ncomputed against measured")
-    caption = f"tests of {len(oils)} oils: {', '.join(oils)}"
-    caption = f"the model's own error: {scatter.text}" if scatter else caption
-    style.legend_below(figure, ncols=2, caption=caption)
+    style.legend_below(figure, ncols=2, caption=f"the model's own error: {scatter.text}")
     return figure
 
 
-def _draw_band(axes: Axes, line: np.ndarray, scatter: ModelError | None) -> None:
+def _draw_band(axes: Axes, line: np.ndarray, scatter: ModelError) -> None:
     """Draw the line measured = computed, and around it the band of the model's own error.
 
     In this band a new test is severe with a probability from 5 to 95 %. `line` has the velocities
-    [m/s] at both ends of the line. `scatter` is the distribution of the model's own error; if it is
-    None, there is no band.
+    [m/s] at both ends of the line. `scatter` is the distribution of the model's own error.
     """
-    if scatter:
-        ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
-        shares = 1 - scatter.below(-np.log(ratios))
-        low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
-        axes.fill_between(line, low * line, high * line, label="next run not decided", **style.BAND)
+    ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
+    shares = 1 - scatter.below(-np.log(ratios))
+    low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
+    axes.fill_between(line, low * line, high * line, label="next run not decided", **style.BAND)
     axes.plot(line, line, color=BLACK, label="measured as computed; mild wear below, severe above")

@@ -147,7 +147,7 @@ def _count_tests(found: Sequence[Mapping[str, Any]]) -> str:
         runs = {test.get("run", k) for k, test in enumerate(found, -len(found))}
         number += f" of {counted(len(runs), 'run', 'runs')}"
     if len(oils := {test.get("oil") for test in found}) > 1:
-        number += f", {len(oils)} oils"
+        number += f", {len(oils)} oils, of which a scene takes one (--where)"
     return f"{number}: {counts}".removesuffix(": ")
 
 

@@ -13,7 +13,7 @@ COMMANDS = (
         (
             o.STORE, o.output("PAGE.html", "file of the page; default: beside the store"),
             Option("--no-fields", action="store_true", help="leave all fields out"),
-            *o.POINTS, *o.WEIGHED, *o.JUDGED,
+            *o.POINTS, *o.JUDGED,
         ),
     ),
 )  # fmt: skip

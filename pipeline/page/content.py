@@ -18,9 +18,7 @@ import xarray as xr
 from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import (
-    laboratory_tests,
     own_conditions,
-    require_one_oil,
     untested_error,
 )
 from pipeline.analysis.margin import DECIDED
@@ -70,7 +68,6 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     data = results(ds).take_moving()
     data.require_plane()
     sweep, conditions = data.sweep, data.conditions
-    require_one_oil(sweep)
     unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
     ratios, shares, done = sorted([*unequal, 0.0]), _tabulated_shares(data, conditions), data.done
     columns = corrected_columns(data.columns, conditions)
@@ -131,7 +128,7 @@ def _tests(data: Results, loads: Array, velocities: Array, first: int) -> list[d
     The grid has nodes at all `loads` [N] and `velocities` [m/s]. `first` is the index in
     `velocities` of the sweep's lowest velocity; slower nodes are not taken.
     """
-    facts, tests = [], laboratory_tests(data)
+    facts, tests = [], data.sweep.tests
     drawn = reachable_tests(data, number_tests(tests))[0].values()
     for test in tests:
         own = own_conditions(data, test)
@@ -313,7 +310,7 @@ def _model_facts(data: Results) -> dict[str, Any]:
     """
     untested = untested_error(data.sweep)
     distances = np.sinh(np.linspace(-_WIDEST, _WIDEST, _STEPS))
-    counts = range(len(laboratory_tests(data)) + 1)
+    counts = range(len(data.sweep.tests) + 1)
     plain = [ModelError((0.0,) * n, usual=1.0) for n in counts]
     own = [replace(untested, residuals=(0.0,) * n) for n in counts]
     words = [one.text.partition(" % ")[2] for one in own]

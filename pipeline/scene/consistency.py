@@ -152,3 +152,14 @@ def _unfit_friction(scene: Any) -> Misfits:
 def _unfit_tests(scene: Any) -> Misfits:
     for number, problem in run_faults(scene.tested or ()):
         yield f"tested[{number}].run", problem
+    lists = (("measured", scene.measured), ("tested", scene.tested))
+    oils = {
+        f"{name}[{number}]": "no oil" if test.oil is None else quoted(str(test.oil))
+        for name, tests in lists
+        for number, test in enumerate(tests or ())
+    }
+    for path, oil in oils.items():
+        if oil != oils[first := next(iter(oils))]:
+            problem = f"{oil}, but {first} has {oils[first]}; a scene takes the tests of one oil"
+            yield f"{path}.oil", f"{problem}: leave the others out, in a log by where or skip"
+            break

@@ -324,7 +324,7 @@ class Transition(Declared):
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default its place in the file or log."] = None
     oil: A[str | int | None, NAME,
-        "Oil of the test, where those of one rig are compared; by default the scene's."] = None
+        "Oil of the test. A scene takes the tests of one oil."] = None
 
 class _Run(Transition):
     run: A[str | int | None, NAME,

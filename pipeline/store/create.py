@@ -98,7 +98,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         sweep=kept,
         text=sweep_text(kept),
         axes=axes,
-        ids=scene_ids(kept, {}),
+        ids=scene_ids(kept),
         block=block,
         history=[*dict.fromkeys(lines)],
         found=before.found if before else {},

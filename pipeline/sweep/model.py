@@ -79,8 +79,6 @@ class Sweep:
         Times of the loading whose results an existing store has; None without a store.
     judged : mapping
         Conditions that replace the conditions of all variants, by field of `Conditions`.
-    oil : str or None
-        Name of the oil whose tests are compared with results; None for the scene's own oil.
 
     Examples
     --------
@@ -100,7 +98,6 @@ class Sweep:
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None
     judged: Mapping[str, Any] = field(default_factory=dict)
-    oil: str | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """State to pickle: only the fields; another process reads the entries again."""
@@ -109,7 +106,7 @@ class Sweep:
     def __eq__(self, other: object) -> bool:
         """True if the entries of both sweeps have the same meaning, in each variant.
 
-        Oil and conditions that were chosen must be the same, too.
+        Conditions that were chosen must be the same, too.
         """
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
@@ -122,7 +119,7 @@ class Sweep:
         labels = self.variants.columns, [row.labels for row in self.rows]
         plane = self.plane.loads, self.plane.velocities, self.plane.fields, self.plane.steps
         own = self.scene, self.conditions, *plane
-        words = self.declared.title, self.declared.caveat, self.oil
+        words = self.declared.title, self.declared.caveat
         return digest((own, words, self.verdict_inputs, labels, rows))
 
     @cached_property
@@ -154,17 +151,13 @@ class Sweep:
 
     @property
     def title(self) -> str:
-        """Title of the scene, or the name of its file if it has no title.
-
-        If an oil was chosen whose tests are compared with results (`oil`), its name is added.
-        """
-        title = self.declared.title or self.name
-        return title if self.oil is None else f"{title}, oil {self.oil}"
+        """Title of the scene, or the name of its file if it has no title."""
+        return str(self.declared.title or self.name)
 
     @property
     def tests(self) -> tuple[Measurement, ...]:
         """Tests of the scene; those that measured a transition come first."""
-        return tuple(test.under_oil(self.oil) for test in self.parts.tests)
+        return self.parts.tests
 
     @property
     def measured(self) -> tuple[Measurement, ...]:

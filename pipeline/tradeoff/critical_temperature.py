@@ -14,7 +14,6 @@ from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, store_path
-from pipeline.sweep.measurement import own_tests
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Report
@@ -105,9 +104,8 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene with measured transitions, or its path or name. Each of its random surfaces is
-        simulated. If tests are of several oils, only those of the scene's own oil count; without
-        any, those of the alphabetically first oil. A transition without friction, bulk temperature
-        or time at full load takes the scene's value.
+        simulated. A transition without friction, bulk temperature or time at full load takes the
+        scene's value.
     out : path, optional
         Store of the simulated points, resumed if it exists. By default it is temporary.
     workers, client, progress : optional
@@ -131,7 +129,6 @@ def critical_temperatures(
     '149 °C'
     """
     sweep = sweep_of(sweep)
-    sweep = take_own_tests(sweep, "measured")
     if not sweep.measured:
         raise InputError(
             f"the scene {sweep.name} has no measured transition; give it a [[measured]] with "
@@ -167,20 +164,10 @@ def critical_temperatures(
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
 
 
-def take_own_tests(sweep: Sweep, key: str) -> Sweep:
-    """Return the sweep with tests of the scene's own oil as its only measured transitions.
-
-    The tests are taken from the scene's list `key`, "measured" or "tested". If the scene names no
-    oil, its own tests are those that name none. Without tests of the scene's own oil, the
-    alphabetically first oil counts as its own.
-    """
-    tests = getattr(sweep, key)
-    own, pairs = own_tests(tests), zip(sweep.entries.get(key, ()), tests, strict=True)
-    entries = [
-        {name: value for name, value in entry.items() if name not in ("outcome", "run")}
-        for entry, test in pairs
-        if test in own
-    ]
+def as_transitions(sweep: Sweep) -> Sweep:
+    """Return the sweep with its tests of known outcome as measured transitions."""
+    tests = sweep.entries.get("tested", ())
+    entries = [{k: v for k, v in one.items() if k not in ("outcome", "run")} for one in tests]
     return sweep.changed("measured", entries or None)
 
 

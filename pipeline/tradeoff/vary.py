@@ -16,7 +16,6 @@ import pandas as pd
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import boundary_frame
-from pipeline.analysis.laboratory import ambiguous_oils
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
@@ -127,9 +126,7 @@ def vary(
         contacts = {
             (mechanics(varied.variant(one.variant).scene), one.velocity, one.load) for one in done
         }
-        # `at` needs one oil. Any will do, since tests do not move the boundary.
-        oil = next(iter(ambiguous_oils(varied)), None)
-        ds = at(path, criterion=laws.get("criterion"), oil=oil)
+        ds = at(path, criterion=laws.get("criterion"))
         table, carried = _table(boundary_frame(boundary(ds)), variations), warned(ds)
     return Variations(sweep.title, table, len(done), len(contacts), carried)
 

@@ -25,7 +25,7 @@ _DECLARED = ("title", "caveat", "friction_band", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
-FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions", "tested_oil"}
+FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions"}
 
 
 @dataclass(eq=False)
@@ -72,9 +72,7 @@ def changed(sweep, **values):
         values["measured"] = tuple(test for test in tests if not test.outcome)
         values["tested"] = tuple(test for test in tests if test.outcome)
     own = {name: value for name, value in values.items() if name in _OF_SWEEP}
-    if "tested_oil" in values:
-        own["oil"] = values["tested_oil"]
-    rest = {k: v for k, v in values.items() if k not in {*own, "tested_oil"}}
+    rest = {name: value for name, value in values.items() if name not in own}
     written = sweep.written
     for name, value in rest.items():
         for path, entry in _entries(name, value, sweep).items():
@@ -237,7 +235,7 @@ def _test(name, test):
     kind = Transition if name == "measured" else Test
     values = _fields(test)
     values["load"] = values.pop("normal_load")
-    return _table(kind, SimpleNamespace(**values))
+    return _table(kind, SimpleNamespace(oil=None, **values))
 
 
 def _oil(oil):

@@ -7,7 +7,6 @@ import pytest
 from scipy import integrate, stats
 
 import pipeline
-from pipeline import plot
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     NOT_KNOWN,
@@ -179,34 +178,6 @@ def test_a_transition_is_measured_against_a_turn_to_severe_wear(tests, residual)
     )
     ds = synthetic.sweep(rise=synthetic.falling, measured=(), tested=tested, preset="reference")
     assert counted(ds) == pytest.approx([residual], abs=5e-3)
-
-
-def test_the_tests_of_the_chosen_oil_alone_count_in_any_order_and_answers_name_it():
-    tests = [
-        Measurement(600.0, CRITICAL * share, outcome=outcome, oil=oil)
-        for share, outcome, oil in (
-            (0.6, "severe", "A"), (0.8, "mild", "A"), (1.5, "mild", "B"), (0.7, "mild", None)
-        )
-    ]  # fmt: skip
-    for held in (tests[:3], tests[2::-1]):
-        ds = synthetic.sweep(measured=tuple(held))
-        said = [
-            pipeline.margin(pipeline.at(ds, oil=oil), 600.0, 1.0).model_error for oil in ("A", "B")
-        ]
-        scale = math.sqrt((0.04 + math.log(0.6) ** 2) / 5)
-        high = math.sqrt((0.04 + math.log(1.5) ** 2) / 5)
-        rest = "from 1 test of oil"
-        assert said == [
-            f"−{100 * scale:.2g} to +10 % in velocity, {rest} A and a prior of 10 %",
-            f"−10 to +{100 * high:.2g} % in velocity, {rest} B and a prior of 10 %",
-        ]
-        assert plot(ds, "tests").axes[0].get_ylabel() == "velocity of the test [m/s]"
-    alone = synthetic.sweep(measured=tuple(tests[:2]))  # a single oil is taken without a choice
-    assert "of oil A" in pipeline.boundary(alone).attrs["model_error"]
-    of_scene = synthetic.sweep(measured=tuple(tests))  # only tests without an oil's name count
-    said = pipeline.margin(of_scene, 600.0, 1.0).model_error
-    assert said == "± 10 % in velocity, assumed; no test contradicts it"
-    assert "of oil A" in pipeline.margin(pipeline.at(of_scene, oil="A"), 600.0, 1.0).model_error
 
 
 def test_a_test_beside_a_place_is_named_with_its_conditions():

@@ -12,7 +12,6 @@ from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import Law
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import refusal_tests
@@ -59,10 +58,6 @@ def pins():
 def frictions():
     ds = plane()
     return ds.assign_coords({"friction.coefficient": ("load", 0.1 + 0 * ds["load"].values)})
-
-
-def oils():
-    return synthetic.sweep(measured=tuple(Measurement(600.0, 1.5, oil=oil) for oil in "BA"))
 
 
 def at(**values):
@@ -168,12 +163,6 @@ REFUSALS = {
                   "a load that is no finite number"),
     "no shares": (lambda: pipeline.boundary(plane().drop_vars("cooler_share")), "no axis cooler"),
     "doubled": (lambda: pipeline.boundary(plane().isel(load=[0, 1, 1])), "has a load twice"),
-    # oils
-    "an oil": (lambda: pipeline.boundary(oils()), "answer is for one: A, B; give its name"),
-    "a page of oils": (lambda: pipeline.explore(oils(), "a.html"), "answer is for one: A, B"),
-    "no such oil": (lambda: pipeline.at(oils(), oil="C"),
-                    "oil is 'C', which no test of the scene names; give one of A, B"),
-    "no oil": (at(oil="C"), "which no test of the scene names; they name no oil, so leave it out"),
     # places
     "load": (margin(900.0, 2.0), "load is 900 N; the sweep has 200 to 750 N"),
     "velocity": (margin(400.0, 0.1), "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),

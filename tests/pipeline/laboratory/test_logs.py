@@ -239,7 +239,10 @@ def test_rows_of_several_oils_are_told_apart_and_counted_once(tests, irg, tmp_pa
     document = tests(OILS)
     assert [test["oil"] for test in document["tests"]] == ["FVA 3", "PAO 8", "PAO 8"]
     assert document["left_out"] == {"5": "repeats an earlier row"}
-    assert "3 tests of 3 runs, 2 oils: 2 mild, 1 severe" in irg("tests", tmp_path / "log.csv")
+    assert (
+        "3 tests of 3 runs, 2 oils, of which a scene takes one (--where): 2 mild, 1 severe"
+        in irg("tests", tmp_path / "log.csv")
+    )
     some = tests(OILS, "--where", "Öl=PAO 8")
     assert len(some["tests"]) == 2
     assert 'where = { "Öl" = "PAO 8" }' in some["toml"]

@@ -45,7 +45,7 @@ print(json.dumps({
     "fault": fault(),
     "doubt": str(load("20 um").notes[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
-    "is another scene": scene_ids(one, {}) != scene_ids(other, {}),
+    "is another scene": scene_ids(one) != scene_ids(other),
     "misfits": [*misfits(one, other)],
     "rows": [over.variant(name).scene.roughness.waviness for name in over.variants.names],
 }))

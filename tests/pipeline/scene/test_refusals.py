@@ -144,9 +144,13 @@ QUANTITIES = {
     "share": (lambda: share_of("ten"), '"ten": give a share such as 10% or 0.1'),
 }
 
+TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
+    "oils": (entry("tested", [{**TEST, "oil": "A"}, {**TEST, "oil": "B"}], without="measured"),
+             'tested[1].oil: "B", but tested[0] has "A"; a scene takes the tests of one oil'),
+    "another oil": (entry("tested", [{**TEST, "oil": "A"}]), '"A", but measured[0] has no oil;'),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
     "huge": (entry("model.scatter", 1e-200), "is out of range, which is from"),
