@@ -195,7 +195,7 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
-    # Drop labels of conditions that are replaced; inputs of samples stay as they were drawn.
+    # Drop labels of conditions that are replaced.
     labels = [path for path in values if path in ds.coords and path in _NAMES]
     return add_scene_ids(ds.drop_vars(labels).assign_attrs(attributes))
 

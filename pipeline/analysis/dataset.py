@@ -75,7 +75,7 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {one}" for path, one in whole.variants.written(variant).items())
         title = f"{whole.declared.title or whole.name}, {words}"
-        return whole.samples_of(variant).changed("title", title)
+        return whole.surfaces_of(variant).changed("title", title)
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)
@@ -250,20 +250,20 @@ def _per_point(ds: xr.Dataset) -> xr.Dataset:
 
 
 def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
-    """Names of dimensions of varied scene entries and of table rows, not of surfaces or samples."""
+    """Names of dimensions of varied scene entries and of table rows, not of surfaces."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
     return [str(dim) for dim in dims if dim not in COORDINATES or dim == VARIANT]
 
 
 class Kind(Enum):
-    """Arrangement of a sweep's points: a grid of loads and velocities, listed pairs, or samples."""
+    """Arrangement of a sweep's points: a grid of loads and velocities, or listed pairs."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
 
 
 def sweep_kind(ds: xr.Dataset) -> Kind:
-    """Arrangement of a sweep's points: grid of loads and velocities, listed pairs, or samples."""
+    """Arrangement of a sweep's points: grid of loads and velocities, or listed pairs."""
     return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
 
 

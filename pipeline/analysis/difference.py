@@ -31,7 +31,7 @@ class Difference:
     entries: pd.DataFrame  #: Entries of the scenes that differ: ``entry``, ``a``, ``b``.
     #: Critical velocities at loads of both stores, each store under its own conditions: ``load
     #: [N]``, ``a [m/s]``, ``b [m/s]``, ``change [%]``, ``outcome a`` and ``outcome b``. With
-    #: several surfaces or samples they are medians. The frame is empty if no boundary is found.
+    #: several surfaces they are medians. The frame is empty if no boundary is found.
     boundary: pd.DataFrame
     #: Points that are done in only one store or have different rises: ``load [N]``, ``velocity
     #: [m/s]``, ``variant``, ``state a``, ``state b``, ``rise a [K]``, ``rise b [K]``, ``change
@@ -102,8 +102,8 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 def _critical_velocities(data: Results) -> pd.DataFrame:
     """Frame of critical velocity [m/s] and outcome in words, by load.
 
-    With several surfaces or samples the velocity is the median; NaN if it is 0 or infinite. The
-    outcome lists those of all surfaces, each once; for samples it is that of the median.
+    With several surfaces the velocity is the median; NaN if it is 0 or infinite. The outcome lists
+    those of all surfaces, each once.
     """
     boundaries, meanings = boundary(data), outcomes("velocity")
     if "critical_velocity_quantile" in boundaries:
@@ -140,8 +140,8 @@ def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
 
     The rise is the highest in the contact at the end of the point's simulation, per unit friction
     coefficient. Pending points are included if the last run was to compute them. The variant is a
-    text: the seed of the point's surface, or the number of its sample. If `data` has no dimension
-    of surfaces or samples, the variant is the seed of the single surface if `has_seeds`, else None.
+    text: the seed of the point's surface. If `data` has no dimension of surfaces, the variant is
+    the seed of the single surface if `has_seeds`, else None.
     """
     data.require("max_rise")
     values = {

@@ -24,7 +24,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     """Data frame of a boundary, with a row for each scene and each value of `axis`.
 
     `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
-    velocity. It is always "load" for samples of unknown inputs, which have no critical loads.
+    velocity.
     """
     name = "critical_velocity" if axis == "load" else "critical_load"
     columns = _band if f"{name}_quantile" in boundaries else _surface
@@ -63,12 +63,10 @@ def _surface(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str
 
 
 def _band(boundaries: xr.Dataset, name: str, axis: str) -> Iterator[tuple[str, xr.DataArray]]:
-    """Yield pairs (heading, column) of a boundary for several surfaces, or for samples.
+    """Yield pairs (heading, column) of a boundary for several surfaces.
 
-    For several surfaces, the columns are the median, the 10 and the 90 % quantile of the critical
-    value, and the number of surfaces with each outcome that occurs. For samples of unknown inputs,
-    they are only the velocities at which severe wear is 5, 50 and 95 % likely; a velocity of 0
-    becomes minus infinity.
+    The columns are the median, the 10 and the 90 % quantile of the critical value, and the number
+    of surfaces with each outcome that occurs.
 
     `name` is "critical_velocity" or "critical_load". A column has a value for each load (`axis` is
     "load") or for each velocity ("velocity").

@@ -1,7 +1,7 @@
 """Verdict on an operating point: probability of severe wear, distance from it, and errors.
 
-Three errors count. The numerical error (`pipeline.analysis.rise_error`) shifts all rises. Surfaces,
-or draws of uncertain inputs, have rises that differ. The model's own error
+Three errors count. The numerical error (`pipeline.analysis.rise_error`) shifts all rises. Surfaces
+have rises that differ. The model's own error
 (`pipeline.analysis.model_error`) shifts the critical velocity of a further laboratory run. The
 verdict is mild if this run is severe with a probability of at most 5 % at the worst numerical
 error. It is severe if this probability is at least 95 %. Otherwise it is not decided.
@@ -40,7 +40,7 @@ class Margin:
 
     The distances are the critical temperature minus the contact temperature that the criterion
     compares with it (``distance``), critical velocity over velocity (``velocity_factor``), and
-    critical load over load (``load_factor``). With several surfaces, or draws of unknown inputs,
+    critical load over load (``load_factor``). With several surfaces,
     temperatures and critical values are medians, and ``intervals`` has their 5 and 95 % quantiles.
     Beyond the computed velocities the temperature rise is extrapolated as a power of the velocity.
 
@@ -71,8 +71,8 @@ class Margin:
     load_outcome: str  #: Why there is no critical load, or ranges of severe wear.
     is_computed: bool  #: True if the sweep has computed this point, so nothing is interpolated.
     is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
-    members: int  #: Number of surfaces, or of draws of unknown inputs.
-    #: 5 and 95 % quantiles over surfaces or draws, by attribute such as ``distance``; empty for a
+    members: int  #: Number of surfaces.
+    #: 5 and 95 % quantiles over surfaces, by attribute such as ``distance``; empty for a
     #: single surface. A critical value is 0 where wear is severe throughout, infinite where mild.
     intervals: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     tested: tuple[str, ...] = ()  #: Tests of the scene at or near the operating point, in words.

@@ -69,7 +69,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         temperature (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and
         its ``distance [K]`` below the critical temperature. For velocity and for load it also has
         the lowest critical value, its ratio to the point's own value, and the outcome. With several
-        surfaces, or draws of unknown inputs, these values are medians; ``distance low [K]`` and
+        surfaces these values are medians; ``distance low [K]`` and
         ``distance high [K]`` are the 5 and 95 % quantiles. Points outside the computed ones have no
         values, and ``notes`` give the reason.
 

@@ -52,7 +52,7 @@ _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
 class Results:
     """Results of a sweep, or of one of its scenes, as arrays.
 
-    A row is one combination of varied entries and surface, or one sample.
+    A row is one combination of varied entries and surface.
 
     Attributes
     ----------
@@ -61,13 +61,13 @@ class Results:
     judged : mapping
         Conditions that `pipeline.at` changed: new values in SI, by the path of their scene entry.
     kind : Kind
-        Whether points form a grid of loads and velocities, are listed pairs, or are samples.
+        Whether points form a grid of loads and velocities, or are listed pairs.
     front : tuple of str
-        Names of the dimensions of rows: entries with several values, then surfaces or samples.
+        Names of the dimensions of rows: entries with several values, then surfaces.
     rows : Dataset
-        Values of entries, surfaces or samples that identify the rows, as coordinates.
+        Values of entries and surfaces that identify the rows, as coordinates.
     loads, velocities : ndarray
-        Ascending loads [N] and velocities [m/s] of the points; velocities of samples are in `rows`.
+        Ascending loads [N] and velocities [m/s] of the points.
     cut : tuple of str
         The names "load" and "velocity", as far as they are scalars in the dataset.
     columns : mapping
@@ -97,7 +97,7 @@ class Results:
 
     @property
     def entry_dims(self) -> tuple[str, ...]:
-        """Names of dimensions of varied entries, or of table rows, not of surfaces or samples."""
+        """Names of dimensions of varied entries, or of table rows, not of surfaces."""
         return tuple(name for name in self.front if name != "realization")
 
     @property
@@ -265,7 +265,7 @@ class Results:
     def messages(self) -> Any:
         """Warning or failure message of each point; "" for a point without a message.
 
-        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        The axes are varied entries, surfaces (`Results.front`), load and velocity.
         """
         if "message" in self.columns:
             return self.columns["message"]
@@ -284,7 +284,7 @@ class Results:
     def values(self, name: str) -> Any:
         """Array of the variable `name`.
 
-        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity, then
+        The axes are varied entries, surfaces (`Results.front`), load and velocity, then
         others such as step. Axes that the variable lacks are left out.
         """
         if name in self.columns:
@@ -313,7 +313,7 @@ class Results:
     def done(self) -> Mask:
         """Mask of points that are done.
 
-        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        The axes are varied entries, surfaces (`Results.front`), load and velocity.
         """
         self.require("status")
         return np.asarray(self.columns["status"] == DONE)
@@ -328,7 +328,7 @@ class Results:
     def asked(self) -> Mask:
         """Mask of points that the last run was to compute, done or not.
 
-        The axes are varied entries, surfaces or samples (`Results.front`), load and velocity.
+        The axes are varied entries, surfaces (`Results.front`), load and velocity.
         """
         return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
 
@@ -336,7 +336,7 @@ class Results:
         """Temperature rise [K] per unit friction coefficient at each point; NaN if it is not done.
 
         It is the rise of the temperature that the criterion compares with the critical temperature,
-        at the worst step of the point. The axes are varied entries, surfaces or samples
+        at the worst step of the point. The axes are varied entries, surfaces
         (`Results.front`), load and velocity.
         """
         if self.place is None:

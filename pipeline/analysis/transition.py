@@ -41,9 +41,8 @@ def outcomes(axis: str) -> Mapping[int, str]:
 class Line:
     """Rise along velocity at a load, or along load at a velocity, and where wear changes.
 
-    Arrays may have leading axes: a curve on each surface, or for each draw of unknown inputs,
-    through each operating point. To compare a curve with several limits, `rows` has the number of
-    the curve for each limit.
+    Arrays may have leading axes: a curve on each surface, through each operating point. To compare
+    a curve with several limits, `rows` has the number of the curve for each limit.
     """
 
     #: Rises [K] over velocities [m/s] or loads [N]. The curve may extend beyond the computed
@@ -251,7 +250,7 @@ def range_of(data: Results, axis: str) -> tuple[float, float]:
 
 
 class Transitions(NamedTuple):
-    """Outcome along velocity or load on m surfaces or draws, and where wear first turns severe.
+    """Outcome along velocity or load on m surfaces, and where wear first turns severe.
 
     There is one line along velocity or load through each of k operating points.
     """
@@ -264,7 +263,7 @@ class Transitions(NamedTuple):
     def outcome_texts(self, along: str) -> Iterator[str]:
         """Yield the outcome in words for each operating point, along "velocity" or "load".
 
-        If surfaces or draws differ, the words count those on which wear changes, by outcome; if it
+        If surfaces differ, the words count those on which wear changes, by outcome; if it
         changes on none, those with each outcome.
         """
         words = outcomes(along)

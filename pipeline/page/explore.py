@@ -71,8 +71,6 @@ def explore(
       surfaces. The reader can change friction, temperatures, and the share of the contact that is
       above the critical temperature when wear turns severe. For each point the page also shows
       numbers, fields and the distribution of temperature over the contact.
-    - For samples of unknown inputs the page shows the probability of severe wear at any load and
-      velocity.
     - For a scene that lists pairs of load and velocity the page shows the verdict on each pair, and
       its distance from severe wear.
 

@@ -213,7 +213,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     """Add a variant to a sweep for each of `rows`, and return the new sweep.
 
     `rows` are the rows of the scene's table ``sweep.along``, each as entries by path. Raises an
-    `InputError` if a row is faulty, there are too many rows, or the sweep has samples, too.
+    `InputError` if a row is faulty, or there are too many rows.
     """
     if len(rows) > MOST_SCENES:
         raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")

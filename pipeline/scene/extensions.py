@@ -1,4 +1,4 @@
-"""Extensions of a scene: entries with several values, operating points, logs, unknown inputs.
+"""Extensions of a scene: entries with several values, operating points, logs.
 
 Each is read by a module with a function ``begin``, imported only where a scene needs it: a module
 of this package, or ``entries`` of an extra whose ``format`` finds its entries. ``begin`` may add to

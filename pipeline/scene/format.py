@@ -388,7 +388,7 @@ class _SceneFile(Declared):
         "model's own error."] = ()
     tested: A[tuple[Any, ...], _list_of_tests(Test, Stages),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
-        "for `irg infer` with samples, and for the model's own error."] = ()
+        "for `irg infer`, and for the model's own error."] = ()
 
 SceneFile = _with_extras(_SceneFile, "")
 # fmt: on

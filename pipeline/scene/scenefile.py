@@ -184,7 +184,7 @@ def run_point(
     Raises
     ------
     TriboError
-        If a text is not a load or a velocity, the scene has no such surface or sample, or
+        If a text is not a load or a velocity, the scene has no such surface, or
         `tribo.simulate` raises an error.
 
     Examples

@@ -77,10 +77,10 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
     """Text of each entry's value, by the path of the entry.
 
     The entries are those of the sweep, or `entries` if given. In both cases, the conditions in
-    `Sweep.judged` replace the entries that have the same paths. The title and entries that differ
-    between samples are left out.
+    `Sweep.judged` replace the entries that have the same paths. The title and seeds of several
+    surfaces are left out.
     """
-    left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_drawn)}
+    left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_seed)}
     leaves = _leaves(entries or sweep.entries)
     texts = {path: in_words(value) for path, value in leaves if path not in left_out}
     return texts | _judged(sweep)

@@ -35,7 +35,7 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
 
     They are fewer if points are large. `sizes` are the lengths of the dimensions, and
     `bytes_of_a_point` is for the largest variable. A chunk has all loads, since one ramp computes
-    them, then neighbouring velocities, then surfaces or samples.
+    them, then neighbouring velocities, then surfaces.
     """
     room, block = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST), dict[str, int]()
     for name in sorted(sizes, key=lambda name: (name != "load", name != "velocity")):

@@ -159,7 +159,7 @@ def require_free_names(sweep: Sweep) -> None:
     """
     names = Counter(one.name for one in sweep.variants.columns)
     used = {INPUTS, *VARIABLES} - {*PLANE}
-    for name in (one.name for one in sweep.variants.columns if one.along and not one.is_drawn):
+    for name in (one.name for one in sweep.variants.columns if one.along and not one.is_seed):
         if name in used or names[name] > 1:
             raise InputError(
                 f"a column of the rows is called {name}, as is one of the dataset; give it another "

@@ -253,9 +253,9 @@ class Sweep:
         """SHA-256 of the scene that is simulated at a point."""
         return self.variant(point.variant)._scene_hash
 
-    def samples_of(self, name: Variant) -> Self:
-        """The sweep of the random surfaces or samples of one variant."""
-        return replace(self.variant(name), variants=self.variants.samples_of(name))
+    def surfaces_of(self, name: Variant) -> Self:
+        """The sweep of the random surfaces of one variant."""
+        return replace(self.variant(name), variants=self.variants.surfaces_of(name))
 
     def with_hold(self, duration: float) -> Self:
         """The sweep with another `duration` for which the full load is held after the ramp [s].

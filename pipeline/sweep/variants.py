@@ -48,7 +48,9 @@ class Column:
     name: str
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension that determines the values; empty for a dimension
-    is_drawn: bool = False  # rows that differ in this column alone are equally likely draws
+    is_seed: bool = (
+        False  # rows that differ here alone are equally likely surfaces
+    )
     meaning: str = ""
     entry: str = ""  # path of the entry that the column sets, if the name is another
 
@@ -120,15 +122,14 @@ class Variants:
 
     @property
     def chosen(self) -> tuple[Column, ...]:
-        """Dimensions whose labels the user chose: all but those of random surfaces and samples."""
-        return tuple(one for one in self.columns if not (one.along or one.is_drawn))
+        """Dimensions whose labels the user chose: all but seeds of random surfaces."""
+        return tuple(one for one in self.columns if not (one.along or one.is_seed))
 
     @property
     def given(self) -> tuple[Variant, ...]:
         """Names of the variants that the user chose: all combinations of the chosen labels.
 
-        A name is a tuple of (dimension, label) pairs. Dimensions of random surfaces and of samples
-        are left out.
+        A name is a tuple of (dimension, label) pairs. The dimension of random surfaces is left out.
         """
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
@@ -140,9 +141,9 @@ class Variants:
     def values(self, name: Variant) -> Mapping[str, Any]:
         """New values of the scene's entries that a variant replaces, by path of the entry.
 
-        `name` has the pairs (dimension, label) of the variant. It may leave out the dimensions of
-        random surfaces and samples. Then the result leaves out the entries that differ between
-        surfaces or samples. Raises an `InputError` if the sweep has no such variant.
+        `name` has the pairs (dimension, label) of the variant. It may leave out the dimension of
+        random surfaces; then the result leaves out their seeds. Raises an `InputError` if the sweep
+        has no such variant.
         """
         if name in self.by_name:
             labels, values = self.by_name[name]
@@ -153,18 +154,8 @@ class Variants:
             wanted = " and ".join(f"{key} {value}" for key, value in name)
             ends = "; ".join(f"{key} {one[0]} to {one[-1]}" for key, one in self.axes.items())
             raise InputError(f"the sweep has no {wanted}; it has {ends or 'one scene alone'}")
-        drawn = {one.key for one in self._drawn_columns}
-        return {key: one for key, one in own[0].values.items() if key not in drawn}
-
-    @property
-    def _drawn_columns(self) -> tuple[Column, ...]:
-        """Columns in which the random surfaces or samples of one variant differ.
-
-        One column has the seed or the number of the sample. The others have values that follow from
-        this seed or number.
-        """
-        drawn = {one.name for one in self.columns if one.is_drawn}
-        return tuple(one for one in self.columns if drawn & {one.name, one.along})
+        seeds = {one.key for one in self.columns if one.is_seed}
+        return {key: one for key, one in own[0].values.items() if key not in seeds}
 
     def written(self, name: Variant) -> dict[str, Any]:
         """Labels of a row by dimension, written as in a scene file."""
@@ -172,9 +163,9 @@ class Variants:
         keys = {one.name: one.key for one in self.columns}
         return {dim: values.get(keys[dim], label) for dim, label in name}
 
-    def samples_of(self, name: Variant) -> Variants:
-        """Table of the random surfaces or samples of one variant; a single row if it has none."""
-        columns = self._drawn_columns
+    def surfaces_of(self, name: Variant) -> Variants:
+        """Table of the random surfaces of one variant; a single row if it has none."""
+        columns = tuple(one for one in self.columns if one.is_seed)
         own = [row for full, row in self.by_name.items() if {*name} <= {*full}]
         rows = (Row({one.name: row.labels[one.name] for one in columns}, row.values) for row in own)
         return Variants(columns, tuple(rows)) if columns else Variants()
@@ -215,7 +206,7 @@ def in_order(labels: Iterable[Any]) -> list[Any]:
 def surfaces(seeds: Sequence[int]) -> Variants:
     """Table of variants on random surfaces, one for each seed; a single variant without seeds."""
     name = "realization"
-    column = Column(name, is_drawn=True, meaning=ROWS[name], entry=SEED)
+    column = Column(name, is_seed=True, meaning=ROWS[name], entry=SEED)
     rows = tuple(Row({name: seed}, {SEED: seed}) for seed in seeds)
     return Variants((column,), rows) if seeds else Variants()
 
