@@ -43,13 +43,6 @@ DIMENSIONS = {
         "a specific wear rate", ("1e-30 m^2/N", "1e-3 m^2/N"),
         {"m^2/N": "1", "mm^3/(N m)": "1e-9", "mm³/(N m)": "1e-9", "1/GPa": "1e-9"},
     ),
-    "m2": Dimension(
-        "an area", ("1e-18 m^2", "1e6 m^2"), {"m^2": "1", "mm^2": "1e-6", "mm²": "1e-6"}),
-    "K W-1": Dimension("a thermal resistance", ("1e-12 K/W", "1e12 K/W"), {"K/W": "1"}),
-    "J K-1": Dimension("a heat capacity", ("1e-12 J/K", "1e12 J/K"), {"J/K": "1"}),
-    "W K-1": Dimension("a heat loss per kelvin", ("1e-12 W/K", "1e12 W/K"), {"W/K": "1"}),
-    "W m-2 K-1": Dimension(
-        "a heat transfer coefficient", ("1e-9 W/(m^2 K)", "1e9 W/(m^2 K)"), {"W/(m^2 K)": "1"}),
 }  # fmt: skip
 """Dimensions of scenes, by the unit of SI as CF writes it.
 
@@ -58,7 +51,7 @@ The limits are far beyond any machine, and far from where products of them leave
 ZERO = {"degC": Decimal("273.15"), "°C": Decimal("273.15")}
 """Temperatures at which these units are 0 [K]."""
 _OTHERS = {
-    "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9", "mm² K/W": "1e-6",
+    "%": "1e-2", "kB": "1e3", "MB": "1e6", "GB": "1e9", "mm³": "1e-9",
     "MJ/(m³ K)": "1e6", "N m": "1",
 }  # fmt: skip
 """Units that no scene uses, and their sizes in SI."""
@@ -68,7 +61,7 @@ UNITS = {
     "bulk_temperature": "°C", "disk_temperature": "°C", "critical_temperature": "°C",
     "decisive_temperature": "°C", "temperature_error": "K", "distance": "K", "distance_low": "K",
     "distance_high": "K", "friction": "", "failing_share": "", "viscosities": "mm²/s",
-    "thermal_diffusivity": "mm²/s", "film_resistance": "mm² K/W", "heat_capacity": "MJ/(m³ K)",
+    "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, by the names of columns and fields; empty for a number."""

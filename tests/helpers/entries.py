@@ -267,7 +267,7 @@ def placed_rows(*places):
         "load": "N",
         "velocity": "m/s",
         "angle": "deg",
-        "gear": None,
+        "flank": None,
         "name": None,
         "time": "1",
     }

@@ -304,16 +304,12 @@ def local(draw, number):
 
 
 def hold(draw, number):
-    """Entries of a load with a hold; in half of the scenes the disk warms meanwhile."""
+    """Entries of a load with a hold."""
     entries, velocity, _ = (local if number % 3 == 2 else lay)(draw, number)
     seconds = draw.log(5, 120)
     load = float(entries["loading.reference_load"].split()[0])
     entries["loading.hold"] = f"{seconds:g} s"
     entries["wear.specific_wear_rate"] = f"{draw.log(3e-8, 6e-7):g} mm^3/(N m)"
-    if number % 2 == 0:
-        loss = 0.1 * load * velocity / draw.between(20, 80)
-        entries["disk.loss"] = f"{loss:.3g} W/K"
-        entries["disk.capacity"] = f"{loss * seconds * draw.between(0.3, 1.5):.3g} J/K"
     entries["sweep.loads"] = [f"{load * share:.5g} N" for share in LOAD_SHARES[1::2]]
     return entries, velocity, {}
 

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from tests.helpers import synthetic
 
-DUTY = "gear;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
+DUTY = "flank;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ TABLES = """along = [
   { "pin.radius" = "3 mm", "friction.coefficient" = 0.1, load = "300 N", velocity = "1 m/s" },
   { "pin.radius" = "4 mm", "friction.coefficient" = 0.12, load = "600 N", velocity = "2 m/s" },
 ]"""
-FILE = """pin.radius [mm],friction.coefficient,load [N],velocity [m/s],gear
+FILE = """pin.radius [mm],friction.coefficient,load [N],velocity [m/s],flank
 3,0.1,300,1,a
 4,0.12,600,2,b
 """

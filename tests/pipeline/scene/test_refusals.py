@@ -217,8 +217,8 @@ ENTRIES = {
         "sweep.over.pin.length": [f"{3 + n / 1000} mm" for n in range(149)]}), "are too many"),
     # rows of a scene
     "rows": (entry("sweep.along", [{"load": "1 N", "velocity": "1 m/s"},
-                                   {"load": "1 N", "velocity": "2 m/s", "gear": "a"}]),
-             "sweep.along[1]: not all rows have gear"),
+                                   {"load": "1 N", "velocity": "2 m/s", "flank": "a"}]),
+             "sweep.along[1]: not all rows have flank"),
     "row lacks": (entry("sweep.along", [{"load": "1 N"}]), "sweep.along[0].velocity: missing"),
     "row column": (along("load [N],pin.radius [mm]\n300,3\n"), "no column velocity [m/s]"),
     "row path": (along("load [N],velocity [m/s],pin.radios [mm]\n600,1,3\n"), "pin.radios"),

@@ -88,7 +88,6 @@ PRINTED = {
     "1 m/s": (1.5, ("m/s", "m s-1", "m·s⁻¹")),
     "1 N/s": (150.0, ("N/s", "N s-1")),
     "1 1/GPa": (2e-8, ("1/GPa", "GPa-1", "GPa⁻¹", "/GPa")),
-    "1 W/(m^2 K)": (50.0, ("W/m2K", "W/(m²·K)", "W/m²K", "W m-2 K-1")),
     "1 N m": (100.0, ("Nm", "N m", "N·m", "N-m")),
 }  # fmt: skip
 SIZES_OF_PRINT = {"mm³/Nm": 1e9, "mm3/Nm": 1e9, "mm³/N·m": 1e9, "mm3/N/m": 1e9,
