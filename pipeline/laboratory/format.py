@@ -40,7 +40,6 @@ class Log(Declared):
         "Decimal mark; by default as its numbers show."] = None
 # fmt: on
 
-ENTRIES: dict[str, type] = {}
 FORMS = (Log,)
 """Forms that an entry of a scene's list of tests may take, besides a single test."""
 

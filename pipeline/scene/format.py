@@ -57,16 +57,6 @@ def one_or_two(kind: Kind) -> Either:
     return Either(kind, List(kind, length=2))
 
 
-def _with_extras(table: type, path: str) -> Any:
-    """Copy `table`, the class of the scene table at `path`, and add the keys of optional parts.
-
-    An optional part lists its keys in ``ENTRIES`` of its module ``format``.
-    """
-    listed = (brought.ENTRIES for brought in extras.modules("format"))
-    others = (entries[path] for entries in listed if path in entries)
-    return type(table.__name__.lstrip("_"), (*others, table), {})
-
-
 def _list_of_tests(*own: type) -> List:
     """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`.
 
@@ -286,7 +276,7 @@ Fidelity: Any = type("Fidelity", (_Fidelity,), {
     **dict.fromkeys(_HINTS),
 })
 
-class _Sweep(Declared):
+class Sweep(Declared):
     loads: A[tuple[float, ...], Axis(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
     velocities: A[tuple[float, ...], Axis(List(VELOCITY, distinct=True), Range(VELOCITY)),
         "Sliding velocities."]
@@ -306,8 +296,6 @@ class _Sweep(Declared):
     steps: A[str | None, OneOf(("course", "end")),
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
-
-Sweep = _with_extras(_Sweep, "sweep")
 
 class Transition(Declared):
     form_name = "entries"
@@ -345,7 +333,7 @@ class Stages(_Run):
         "Severe stage of a run; give it alone if it was the first stage.",
         Example("450 N")] = None
 
-class _SceneFile(Declared):
+class SceneFile(Declared):
     extends: A[str | None,
         "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
         "relative to this file.", Example("other.toml")] = None
@@ -389,6 +377,4 @@ class _SceneFile(Declared):
     tested: A[tuple[Any, ...], _list_of_tests(Test, Stages),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer`, and for the model's own error."] = ()
-
-SceneFile = _with_extras(_SceneFile, "")
 # fmt: on

@@ -48,9 +48,7 @@ class Column:
     name: str
     unit: str | None = "1"  # None for words
     along: str = ""  # dimension that determines the values; empty for a dimension
-    is_seed: bool = (
-        False  # rows that differ here alone are equally likely surfaces
-    )
+    is_seed: bool = False  # rows that differ here alone are equally likely surfaces
     meaning: str = ""
     entry: str = ""  # path of the entry that the column sets, if the name is another
 

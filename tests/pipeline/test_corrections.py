@@ -89,13 +89,3 @@ def test_bodies_that_roll_have_a_track_each(tmp_path, irg):
         with pytest.raises(pipeline.SceneFileError) as error:
             pipeline.load_scene(tmp_path / "plain.toml", overrides=entries | wrong)
         assert problem in str(error.value)
-
-
-UNKNOWN = """
-[unknown]
-"friction.coefficient" = { mean = 0.1, sd = 0.01 }
-"materials.steel.thermal_conductivity" = { from = "30 W/(m K)", to = "60 W/(m K)" }
-"disk.track_length" = { from = "10 cm", to = "60 cm" }
-"disk.capacity.thickness" = { from = "0.1 mm", to = "0.5 mm" }
-"pin.loss" = ["0.2 W/K", "0.5 W/K"]
-"""

@@ -98,8 +98,6 @@ def ask(tmp_path_factory):
 
 
 NEEDS = {
-    "[unknown]\n'friction.coefficient' = { mean = 0.1, sd = 0.01 }": "uncertain",
-    "[sweep]\nsamples = 16\nsample_seed = 1": "uncertain",
     "[[tested]]\nfile = 'log.csv'": "laboratory",
     "[sweep]\nalong = 'duty.xlsx'": "laboratory",
     "[disk.roughness]\nfile = 'scan.npy'\nheight_unit = 'um'": "laboratory",
