@@ -31,7 +31,7 @@ reference: .venv/test ## write the references of the scene file and of the datas
 	sed -i '/^## Coordinates/,$$d' workflows/DATASET.md
 	$(BIN)/python -m tests.house.reference dataset >> workflows/DATASET.md
 
-notebooks: .venv/test ## run the three notebooks, and store what their cells show, in 2 minutes
+notebooks: .venv/test ## run the notebooks, and store what their cells show, in 2 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m workflows.notebooks
 
 docs: .venv/test      ## build the site of all pages into results/docs

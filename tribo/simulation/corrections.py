@@ -27,11 +27,7 @@ from tribo.simulation.pins import Pin
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import measures
-from tribo.thermal import (
-    Disc,
-    circuit_rise,
-    track_warming,
-)
+from tribo.thermal import Disc, circuit_rise, track_warming
 from tribo.types import Array
 
 NEEDED = (
@@ -56,8 +52,8 @@ class Track:
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the body.
     disc : Disc or None
-        Disc whose rim is the track. The disc keeps all heat but its losses (see `Disc`). None for a
-        half-space, in which heat spreads without end.
+        Disc whose rim is the track. The disc keeps all heat. None for a half-space, in which heat
+        spreads without end.
 
     Examples
     --------

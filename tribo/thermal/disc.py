@@ -12,7 +12,7 @@ import scipy
 from tribo.errors import require_positive
 from tribo.types import Array
 
-_ROOTS = 120
+_MOST_ROOTS = 120
 # Value of κt/a² below which the rim counts as a curved half-space: there the series needs
 # more roots than are kept, and the half-space is wrong by less than 1e-4.
 _EARLY = 4e-4
@@ -20,7 +20,7 @@ _EARLY = 4e-4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Disc:
-    """A disc without a loss of heat.
+    """A disc that keeps all its heat.
 
     Parameters
     ----------
@@ -70,13 +70,12 @@ class Disc:
         [519.4, 40.0]
         """
         radius = self.diameter / 2
-        roots, weights = _modes()
         fourier = diffusivity * age / radius**2
         early = fourier < _EARLY
         late = np.where(early, 1.0, fourier)[..., None]
-        series = (weights * np.exp(-(roots**2) * late)).sum(axis=-1)
-        lost, root = -0.5, np.sqrt(np.where(early, fourier, 1.0))
-        short = 1 / (math.sqrt(math.pi) * root) - lost * scipy.special.erfcx(lost * root)
+        series = 2 * np.exp(-(_roots() ** 2) * late).sum(axis=-1)
+        root = np.sqrt(np.where(early, fourier, 1.0))
+        short = 1 / (math.sqrt(math.pi) * root) + 0.5 * scipy.special.erfcx(-0.5 * root)
         left: Array = np.where(early, short, series) / radius
         return left
 
@@ -86,7 +85,6 @@ class Disc:
 
 
 @functools.cache
-def _modes() -> tuple[Array, Array]:
-    """Roots βₙ of J₁, 0 the first, and the weights of their modes, which are all 2."""
-    roots = np.append(0.0, scipy.special.jn_zeros(1, _ROOTS))
-    return roots, np.full(roots.size, 2.0)
+def _roots() -> Array:
+    """Roots βₙ of J₁, 0 the first."""
+    return np.append(0.0, scipy.special.jn_zeros(1, _MOST_ROOTS))

@@ -54,7 +54,7 @@ def track_warming(
     diffusivity, heat_capacity : float
         κ [m²/s], and heat capacity per volume, ρc [J/(m³ K)].
     disc : Disc or None
-        Size and heat losses of the disk; None for a half-space.
+        Size of the disk; None for a half-space.
 
     Examples
     --------

@@ -20,22 +20,22 @@ def bodies():
     return pin, disk, flux
 
 
-def solved(bodies, difference=0.0, film=0.0):
+def solved(bodies, difference=0.0, layer=0.0):
     pin, disk, flux = bodies
-    disk = Convolution(GRID, disk.spectrum + film)
+    disk = Convolution(GRID, disk.spectrum + layer)
     split = partition_heat(pin, disk, flux, flux > 0, bulk_difference=difference)
     return split.rise[flux > 0].mean() + max(0.0, -difference), split
 
 
-def test_a_film_on_the_disk_warms_the_contact_by_what_the_circuit_says(bodies):
-    film = 2e-8
+def test_a_layer_on_the_disk_warms_the_contact_by_what_the_circuit_says(bodies):
+    layer = 2e-8
     mean, split = solved(bodies)
-    with_film, _ = solved(bodies, film=film)
+    with_layer, _ = solved(bodies, layer=layer)
     area = np.count_nonzero(bodies[2]) * GRID.element_area
     heat = bodies[2].sum() * GRID.element_area
-    rise = circuit_rise(mean, split.pin_share, heat, disk_resistance=film / area)
+    rise = circuit_rise(mean, split.pin_share, heat, disk_resistance=layer / area)
     # The bodies' rises are not uniform, which costs some percent of the change.
-    assert rise - mean == pytest.approx(with_film - mean, rel=0.1)
+    assert rise - mean == pytest.approx(with_layer - mean, rel=0.1)
 
 
 def test_a_warm_pin_warms_the_contact_by_its_share(bodies):
@@ -46,7 +46,7 @@ def test_a_warm_pin_warms_the_contact_by_its_share(bodies):
     rise = circuit_rise(mean, split.pin_share, heat, pin_resistance=resistance)
     pin_share = (split.pin_share * heat * mean / (mean + resistance * split.pin_share * heat)) * (
         rise / mean
-    )  # what flows through the stem
+    )  # what flows into the pin
     assert rise - mean == pytest.approx((warm - mean) * resistance * pin_share / 10.0, rel=0.05)
 
 
