@@ -1,11 +1,13 @@
 """Tables of operating points in; tables of margins out."""
 
+import csv
 import math
 
 import pandas as pd
 import pytest
 
 import pipeline
+from pipeline.cli import main
 from tests.helpers import synthetic
 
 DUTY = "flank;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
@@ -16,6 +18,23 @@ def store(monkeypatch):
     ds = synthetic.sweep()
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     return ds
+
+
+def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(store, tmp_path):
+    duty, out = tmp_path / "duty.csv", tmp_path / "margins.csv"
+    duty.write_text(DUTY)
+    assert main(["margin", "out.zarr", "--points", str(duty), "-o", str(out), "-q"]) == 0
+    with out.open(newline="") as file:
+        first, second, beyond = csv.DictReader(file)
+    for row, place in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
+        margin = pipeline.margin(store, *place)
+        assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == place
+        assert float(row["distance [K]"]) == pytest.approx(margin.distance, rel=1e-5)
+        assert float(row["velocity factor"]) == pytest.approx(margin.velocity_factor, rel=1e-5)
+        assert row["verdict"] == margin.verdict
+    assert (first["flank"], first["remark"]) == ("1", "cold start")
+    assert beyond["verdict"] == "not known"
+    assert "load is 9000 N; the sweep has" in beyond["notes"]
 
 
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):

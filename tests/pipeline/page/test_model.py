@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.transition import CROSSES
+from pipeline.store.schema import PENDING
+from pipeline.sweep.measurement import Measurement
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
@@ -116,6 +120,30 @@ def banded(by_velocity=FALLING):
 ENDS = [{}, {"critical_temperature": 1200.0}, {"critical_temperature": 310.0}]
 
 
+@pytest.mark.parametrize("make", [synthetic.sweep, lambda: banded().sel(velocity=slice(0.7, 2.5))])
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_a_page_counts_the_tests_beyond_the_velocities_that_the_command_counts(make, is_whole):
+    tests = tuple(
+        Measurement(600.0, velocity, friction, outcome=outcome)
+        for velocity in (0.2, 1.0, 7.0)
+        for friction, outcome in ((None, "mild"), (None, "severe"), (None, None), (0.1, "mild"))
+    )
+    ds, counted = with_fields(make(), measured=tests, tested=()), set()
+    ds = ds.where(is_whole | (ds["load"] != 600.0) | (abs(ds["velocity"] - 1.5) < 0.6))
+    script = """return argument.map((given) => {
+      chosen.conditions = { ...content.conditions, ...given };
+      return residuals();
+    });"""
+    for given, told in zip(ENDS, run(ds, script, ENDS), strict=True):
+        there = pipeline.at(ds, **given)
+        found = model_error(pipeline.results(there), point_field(pipeline.results(there)))
+        expected = [*found.residuals, *found.wrong]
+        here = [*told["turn"], *told["below"], *told["above"]]
+        assert sorted(here) == pytest.approx(sorted(expected), rel=0.01, abs=0.01)
+        counted.add(len(expected))
+    assert 0 < min(counted) < max(counted) < len(tests)
+
+
 REGIONS = """
 const all = regions().map(([name, grid]) => [name, grid]);
 return content.fine.load.flatMap((_, k) => content.inner.flatMap((_place, j) => {
@@ -126,3 +154,15 @@ return content.fine.load.flatMap((_, k) => content.inner.flatMap((_place, j) => 
   return [[rises.some(Number.isNaN) ? "unknown" : verdict, here.join()]];
 }));
 """
+
+
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_each_node_between_points_lies_in_the_region_of_its_verdict(is_whole):
+    velocities = (1.0, 1.5, 2.0, 3.0, 4.0)
+    told = {} if is_whole else {"status": {(600.0, v): PENDING for v in velocities}}
+    ds = synthetic.sweep((200.0, 300.0, 400.0, 500.0, 600.0), velocities, **told)
+    nodes = run(ds, REGIONS)
+    alike = {"mild": "mild", "severe": "severe", "not decided": "open", "unknown": ""}
+    assert [here for _, here in nodes] == [alike[verdict] for verdict, _ in nodes]
+    assert {verdict for verdict, _ in nodes} >= {"mild", "severe", "not decided"}
+    assert ("unknown" in {verdict for verdict, _ in nodes}) == (not is_whole)
