@@ -15,6 +15,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline import extras
+from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
 API = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
@@ -75,3 +76,16 @@ def test_help_and_completion_offer_the_public_names_in_the_order_of_the_page():
     )
     completer = rlcompleter.Completer({"pipeline": pipeline})
     assert completer.complete("pipeline.open_s", 0).startswith("pipeline.open_sweep")
+
+
+def test_a_scene_loads_only_the_readers_of_what_it_names():
+    readers = {f"pipeline.scene.{name}" for name in ("along", "over")}
+    readers |= {"pipeline.laboratory.logs"}
+    code = f"""if True:
+        import sys, pipeline
+        for over in ({{}}, {{"sweep.over": {{"pin.radius": ["1 mm", "2 mm"]}}}}):
+            pipeline.load_scene("irg_transition", overrides=over)
+            print(*({readers!r} & set(sys.modules)))
+    """
+    plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
+    assert (plain, named) == ("", "pipeline.scene.over")

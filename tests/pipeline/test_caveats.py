@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 import pipeline
+from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
 
 OWN = "Not validated: no test of this steel."
@@ -46,3 +47,9 @@ def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
     for told, text in doors(irg, store, tmp_path):
         assert told == [*expected]
         assert [text.count(line) for line in expected] == [1] * len(expected)
+
+
+def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():
+    for preset in ("standard", None):
+        for line in pipeline.margin(synthetic.sweep(preset=preset), 400.0, 2.0).caveats:
+            assert len(line) <= 100

@@ -10,6 +10,7 @@ from scipy import integrate, stats
 
 import pipeline
 from pipeline.analysis.rise_error import preset_error
+from pipeline.analysis.tables import notes_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps, synthetic
@@ -191,3 +192,19 @@ def test_a_mild_place_whose_ramp_passes_through_severe_wear_says_so(tmp_path, ir
     ds.drop_vars("message").to_netcdf(tmp_path / "a.nc")
     said = irg("margin", tmp_path / "a.nc", "--load=740 N", "--velocity=2 m/s")
     assert "warning: wear is severe at lower loads" in said
+
+
+def test_the_caveat_of_a_scene_stands_beside_each_verdict():
+    ds = synthetic.sweep(caveat="Not validated: no test of this steel.")
+    told = pipeline.margin(ds, 400.0, 2.0).caveats
+    assert told[0] == "Not validated: no test of this steel."
+    table = pipeline.margin(ds, {"load": ["400 N", "500 N"], "velocity": ["1 m/s", "2 m/s"]})
+    assert table["notes"].tolist() == [" | ".join(told)] * 2
+    assert notes_of(table) == [*told]
+    assert notes_of(table, told[1:]) == [told[0]]
+
+
+def test_a_fidelity_of_its_own_has_no_known_error_and_decides_nothing():
+    here = margin(synthetic.sweep(preset=None), 400.0, 0.5)
+    assert (here.temperature_error, here.verdict) == (None, "not decided")
+    assert (here.lowest, here.highest) == (0.0, 1.0)

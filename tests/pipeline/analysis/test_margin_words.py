@@ -11,6 +11,7 @@ from pipeline.analysis.margin import (
 from pipeline.analysis.margin_frame import (
     LONG,
 )
+from pipeline.analysis.rise_error import RiseError
 from tests.helpers import synthetic
 
 
@@ -95,3 +96,22 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert "9000 N" in found.iloc[2]["notes"] or "9 kN" in found.iloc[2]["notes"]
     assert found.iloc[2, 3:-1].isna().all()
     assert {*LONG} < {*found}
+
+
+@pytest.mark.parametrize(
+    ("error", "changes", "kind"),
+    [
+        ((1.0, 2.0, 0.0), {}, "a finer preset"),
+        ((3.0, 2.0, 1.0), {}, "more points near it"),
+        ((0.0, 2.0, 2.5), {}, "what its warnings ask for"),
+        ((3.0, 2.0, None), {}, "what its warnings ask for"),
+        ((3.0, None, 1.0), {}, "its numerical error, which is known for a preset"),
+        ((None, 2.0, 1.0), {}, "more points near it"),
+        ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test at this point"),
+        ((3.0, 2.0, 1.0), {"highest": 0.03}, None),  # mild
+    ],
+)
+def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error, changes, kind):
+    open_ = {"lowest": 0.0, "probability": 0.02, "highest": 0.5, "error": RiseError(*error)}
+    found = changed(here, **open_ | changes)
+    assert found.decided_by == kind

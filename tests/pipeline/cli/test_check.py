@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+import pipeline
+from pipeline.sweep.physics import note_on_ends
 from tests.helpers.scenes import SCENE as SMALL
 
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
@@ -55,3 +57,12 @@ def test_what_cannot_be_run_fails_here_and_in_a_run(check, irg, setting, said, t
     assert said in check("--set", setting, code=2)
     assert said in irg("run", SCENE, "--set", setting, "-o", tmp_path / "out.zarr", code=2)
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_document(check):
+    lines = check().splitlines()
+    assert len(lines) <= 20
+    assert max(map(len, lines)) <= 100
+    rows = {row["subject"]: row["meaning"] for row in check("--json")}
+    assert rows["warning"] == f"pin.length: {note_on_ends(pipeline.load_scene(SCENE))}"
+    assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}

@@ -176,3 +176,24 @@ def test_tables_are_written_as_csv_markdown_and_json_and_printed_in_part(store, 
     assert max(map(len, few.splitlines())) <= 100
     refused = irg("boundary", store, "--by", "test", code=2)
     assert "the scene has no tests" in refused
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run"], "SCENE.toml"),
+        (["sing", "scene.toml"], "sing"),
+        (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
+        (["margin", "out.zarr", "--load", "5 N"], "give --load and --velocity, or --points"),
+        (["plot", "out.zarr", "--width", "8,5 cm"], "decimals with a point"),
+        (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
+        (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
+        (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
+        (["boundry", "out.zarr"], "command is 'boundry'; did you mean 'boundary'?"),
+        (["plot", "out.zarr", "--kind", "ram"], "--kind is 'ram'; did you mean 'ramp'?"),
+    ],
+)
+def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
+    words = irg(*arguments, code=2)
+    assert said in words
+    assert words.count("\n") == 1

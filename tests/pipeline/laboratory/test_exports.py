@@ -125,3 +125,8 @@ def test_a_form_is_named_where_a_file_has_too_few_signs(tmp_path, irg):
     assert plain["form"][0] != named["form"][0] == "Anton Paar TRB3"
     assert "no form" in irg("tests", path, "--form", "trb", code=2)
     assert 'did you mean "trb3"' in irg("tests", path, "--form", "trb", code=2)
+
+
+def test_each_export_has_a_sample():
+    forms = {form for form, *_ in TRACES.values()}
+    assert {*exports()} == forms | {"srv", "twin_disc"}  # tested above

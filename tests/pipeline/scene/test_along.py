@@ -5,6 +5,7 @@ import math
 import pytest
 
 import pipeline
+from pipeline.cli import main
 from pipeline.scene.faults import SceneFileError
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
@@ -45,3 +46,24 @@ def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
     (point,) = points(pipeline.load_scene(scene(tmp_path, rows=rows)))
     assert point.velocity == pytest.approx(600 / 60 * math.pi * 0.05)
     assert "at radius" in faults(scene(tmp_path, TABLES.replace("1 m/s", "600 rpm")))
+
+
+def test_a_label_in_numbers_is_in_si(tmp_path):
+    heads = "cycle time [min],angle [deg],flank,load [N],velocity [m/s]"
+    rows = f"{heads}\n0.5,30,2a,300,1\n1,60,3,600,2\n"
+    table = pipeline.load_scene(scene(tmp_path, rows=rows)).variants
+    held = {column.name: (table.labels(column.name), column.unit) for column in table.columns}
+    assert held["cycle time"] == ((30.0, 60.0), "s")
+    assert held["angle"] == (pytest.approx((math.pi / 6, math.pi / 3)), "rad")
+    assert held["flank"] == (("2a", "3"), None)
+
+
+def test_check_and_run_refuse_a_label_that_the_dataset_uses_before_they_make_a_store(
+    tmp_path, capsys
+):
+    out = tmp_path / "out.zarr"
+    for name, command in (("time", ["check"]), ("max_rise", ["run", "-o", str(out)])):
+        path = scene(tmp_path, rows=FILE.replace("flank", name))
+        assert main([*command, str(path)]) == 2
+        assert f"is called {name}, as is one of the dataset; give it" in capsys.readouterr().err
+    assert not out.exists()

@@ -14,8 +14,9 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, tasks
 from pipeline.sweep.plan import run_point as run_alone
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import changed
+from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import STEEL
 from tribo import measures, simulate
 from tribo.simulation import Trunks, disk_positions, heat
@@ -184,3 +185,24 @@ def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
     )
     assert not any("edge" in text for text in lower)
     assert any("touches the window's x edge" in text for text in higher)
+
+
+@pytest.mark.parametrize(
+    ("changes", "steps"),
+    [
+        ({}, "course"),
+        ({"wear": None}, "end"),
+        ({"loading": RAMP}, "end"),
+        ({"loading": RECORD}, "end"),
+        ({"variants": rows("oil", {"a": {}, "b": {"disk.thermal_conductivity": 30.0}})}, "end"),
+        ({"variants": surfaces([1, 2])}, "course"),
+        ({"variants": rows("wear", {"some": {}, "none": {"wear": None}})}, "course"),
+        ({"variants": rows("hold", {"a": {}, "b": {"loading": RAMP}})}, "end"),
+    ],
+    ids=[
+        *("ramp", "no wear", "hold", "record", "shared contacts", "surfaces"),
+        *("one that wears", "one that is held"),
+    ],
+)
+def test_the_course_is_stored_of_what_wears_on_a_ramp_of_its_own(changes, steps):
+    assert choose_stations(tiny.sweep(**changes)).steps == steps

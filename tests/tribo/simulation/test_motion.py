@@ -9,12 +9,14 @@ import pytest
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     PRESETS,
+    Ball,
     Cylinder,
     Fidelity,
     Grid,
     Motion,
     Ramp,
     Scene,
+    Wear,
     contact_modulus,
     measures,
     simulate,
@@ -115,3 +117,25 @@ def test_a_cylinder_that_rolls_stays_round():
     assert rolling["contact_width"] == unworn["contact_width"]
     assert rolling["max_pressure"] == pytest.approx(unworn["max_pressure"], rel=1e-5)
     assert measures(scene, end(scene, 1.25))["max_pressure"] < 0.8 * unworn["max_pressure"]
+
+
+def test_a_ball_that_rolls_wears_a_groove_around_itself():
+    """The implicit step solves for the depth worn by its own pressure, with any step size."""
+    scene = Scene(
+        pin=Ball(5e-3, STEEL),
+        disk=STEEL,
+        pixels=Grid((40, 48), (12e-6, 12e-6), periodic=(False, False)),
+        loading=Ramp(150.0, 150.0),
+        wear=Wear(1e-14, "local"),
+        motion=Motion(slide_roll_ratio=0.5, track_length=2e-3),
+        fidelity=Fidelity(pixels_per_element=1, increments=20, contact_tolerance=1e-6),
+    )
+    coarse = end(scene, 1.0, 150.0)
+    worn = coarse.wear_depth[0]
+    assert worn[24] > 20 * worn[4]
+    steps = replace(scene.fidelity, increments=80)
+    fine = end(replace(scene, fidelity=steps), 1.0, 150.0)
+    assert np.allclose(worn, fine.wear_depth[0], atol=0.05 * worn.max())
+    profile = coarse.pressure.sum(axis=0)  # wear has flattened the ball along y
+    unworn = end(replace(scene, wear=None), 1.0, 150.0).pressure.sum(axis=0)
+    assert profile.max() < 0.8 * unworn.max()

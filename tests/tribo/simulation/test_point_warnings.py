@@ -176,3 +176,43 @@ def test_from_ten_turns_on_a_pin_wears_evenly(turns, words):
     time = turns * 2 * np.pi * scene.pin.radius / 0.5  # the pin rolls at half the sliding velocity
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=time, time=time)
     assert_told(words, scene, state, WarningKind.FEW_TURNS)
+
+
+def test_kinds_keep_the_bits_that_stores_have():
+    assert {kind.label: kind.value for kind in WarningKind} == {
+        "unstable wear": 1,
+        "contact at edge": 2,
+        "few nodes": 4,
+        "few steps": 8,
+        "present heat": 16,
+        "coarse pixels": 32,
+        "beyond shape": 64,
+        "few turns": 128,
+        "slow rise": 256,
+        "molten": 512,
+    }
+
+
+@pytest.mark.parametrize(
+    ("as_published", "steps", "words"),
+    [
+        (True, 1, "reached in a single step"),
+        (True, 2, "reached in 2 steps"),
+        (True, 3, None),
+        (False, 1, "reached in a single step"),
+        (False, 2, None),
+    ],
+)
+def test_wear_in_few_steps_warns(as_published, steps, words):
+    scene = small_scene(as_published=as_published)
+    state = replace(touching(scene, np.s_[5:40]), index=steps)
+    assert_told(words, scene, state, WarningKind.FEW_STEPS)
+    for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
+        assert not texts(unworn, state, WarningKind.FEW_STEPS)
+
+
+@pytest.mark.parametrize("imprint", [0.0, 0.1])
+def test_explicit_wear_is_unstable_whatever_imprint_a_step_may_leave(imprint):
+    scene = small_scene("local", as_published=True, increments=30, imprint=imprint)
+    state = last(scene, 400.0, 1.25)
+    assert_told("explicit wear is unstable", scene, state, WarningKind.UNSTABLE_WEAR)

@@ -63,3 +63,14 @@ def test_the_script_of_the_page_prints_a_verdict(capsys):
     assert len([line for line in code.splitlines() if line]) <= 10
     exec(code, {})
     assert capsys.readouterr().out.startswith("Verdict(is_severe=")
+
+
+def test_the_bodies_of_a_motion_turn_as_the_scene_says():
+    scene = replace(tiny.sweep().scene, motion=tribo.Motion(slide_roll_ratio=0.5))
+    both = tribo.Corrections(track=TRACK, pin_track=TRACK)
+    said, repeated = (
+        tribo.Conditions(friction=0.1, bulk_temperature=300.0, corrections=parts)
+        for parts in (both, replace(both, motion=scene.motion))
+    )
+    found = tribo.judge(scene, 600.0, 1.5, said)
+    assert found == tribo.judge(scene, 600.0, 1.5, repeated)
