@@ -14,7 +14,7 @@ import xarray as xr
 from pipeline.store import files, root
 from pipeline.store.create import writing
 from pipeline.store.place import ROOT
-from pipeline.store.schema import DONE, MADE
+from pipeline.store.schema import DONE
 from pipeline.store.write import opened
 from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
@@ -70,14 +70,6 @@ def done_points(path):
     """Points of a store that are done, in its order."""
     store = opened(path)
     return store.points_at(np.nonzero(store.flags == DONE))
-
-
-def stored_values(path, point, name):
-    """Stored values of a variable at a point."""
-    store = opened(path)
-    if name in MADE:
-        return store.read_steps()[name][store.index(point)]
-    return store.read(name, store.index(point))
 
 
 def make(path, sweep):

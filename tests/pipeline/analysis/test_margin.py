@@ -1,12 +1,10 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 import xarray as xr
-from scipy import integrate, stats
 
 import pipeline
 from pipeline.analysis.rise_error import preset_error
@@ -46,20 +44,7 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
         assert result.load_factor == pytest.approx(critical / load, rel=1e-9)
 
 
-SDS = [4.0, 14.0, 60.0]
 """Standard deviations of the critical temperature [K], which is 120 K above the bulk."""
-
-
-def likely_severe(rise, sd, exponent=1.0):
-    """Probability of severe wear at a rise [K] by quadrature over the critical temperature."""
-
-    def severe(score):
-        limit = LIMIT + 10.0 * sd * score
-        distance = -math.log(limit / rise) / exponent if limit > 0 else math.inf
-        return stats.norm.pdf(score) * stats.t.cdf(distance / 0.1, 4)
-
-    edge = [] if 80 * sd < LIMIT else [-LIMIT / 10 / sd]
-    return integrate.quad(severe, -8, 8, points=edge or None, limit=400)[0]
 
 
 def surfaces(*rises, **told):

@@ -75,12 +75,6 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
     assert driver.find_element(By.ID, "sign-warned").is_displayed()
 
 
-def signs(driver):
-    """Names of the symbols that the legend shows."""
-    listed = driver.find_elements(By.CSS_SELECTOR, "#legend li")
-    return {one.get_attribute("id").removeprefix("sign-") for one in listed if one.is_displayed()}
-
-
 def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
     driver = page(synthetic.sweep())
     before, unchanged = driver.execute_script("return chosen.conditions"), table(driver)

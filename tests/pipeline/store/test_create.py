@@ -25,7 +25,8 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points
+from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
 from tests.helpers.scenes import STEEL
@@ -237,6 +238,24 @@ def several(**changes):
     return tiny.sweep(loads=(150.0,), velocities=(0.5, 1.0), **changes)
 
 
+def test_surfaces_are_added_to_those_that_are_there(path, monkeypatch):
+    fewer, more = (several(variants=surfaces(seeds)) for seeds in ((4, 1), (7, 1, 4)))
+    chosen = points(fewer)[1::2]
+    with writing(path, fewer) as store:
+        store.commit(run_point(fewer, point).record(with_fields=False) for point in chosen)
+    before = open_sweep(path).load()
+    with killed_after(monkeypatch, 8), writing(path, more):
+        pass
+    with open_sweep(path) as ds:
+        (name,) = more.variants.axes
+        after = ds.sel({name: before[name]}).load()
+    for name in set(before.data_vars) - {"asked"}:
+        np.testing.assert_array_equal(after[name].values, before[name].values)
+    with writing(path, more) as store:
+        assert len(store.pending()) == len(points(more)) - len(chosen)
+    assert verify_store(path).is_clean
+
+
 # Refusals
 
 
@@ -252,6 +271,23 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
         "  fidelity.increments: 6 in the store, 7 in the scene",
     ]
     assert contents(alone) == before
+
+
+@pytest.mark.parametrize(
+    ("made", "asked", "complaint"),
+    [
+        ({}, {"fields": True}, "sweep.fields: false in the store, true in the scene"),
+        ({}, {"variants": surfaces((1,))}, "none in the store, realization in"),
+        ({"variants": surfaces((1,))}, {}, "realization in the store, none in"),
+    ],
+    ids=["fields later", "surfaces later", "surfaces before"],
+)
+def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
+    commit(path, several(**made), ())
+    before = contents(path)
+    with pytest.raises(StoreMismatchError, match=complaint):
+        commit(path, several(**asked), ())
+    assert contents(path) == before
 
 
 def test_a_whole_number_is_the_same_as_its_float(path):

@@ -13,7 +13,7 @@ from pipeline.sweep.laws import Law, MissingSurface, law_record
 from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
-from tests.helpers.entries import placed_rows, rows
+from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
@@ -37,7 +37,6 @@ def hidden():
 
 
 STORED = Law("laws:Law", (("distance", 1.0),), "0")
-PLACED = tiny.sweep(variants=placed_rows((100.0, 1.0)))
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
