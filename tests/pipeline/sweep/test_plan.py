@@ -34,8 +34,8 @@ def same(first, second):
 def test_tasks_of_a_ramp_ascend_in_load():
     assert len(set(points(SWEEP))) == 9
     every = [*tasks(reversed(points(SWEEP)), SWEEP)]
-    assert [[task.point] for task in every] == [
-        (Point(load, velocity),) for velocity in tiny.VELOCITIES for load in tiny.LOADS
+    assert [task.point for task in every] == [
+        Point(load, velocity) for velocity in tiny.VELOCITIES for load in tiny.LOADS
     ]
     # 150 N is below a quarter of the reference load, so it has its own ramp of smaller increments.
     assert [len(list(same)) for _, same in groupby(every, key=lambda task: task.ramp)] == 3 * [1, 2]
@@ -76,14 +76,7 @@ PHYSICS = {
         "fidelity": {"heat_model": "history"},
         "wear": tribo.Wear(1e-14),
     },
-    "explicit wear": {"fidelity": {"as_published": True}},
-    "as published": {
-        "fidelity": {
-            "kernel": "nearest-image",
-            "contact_criterion": "pressure-change",
-            "partition": "uniform",
-        }
-    },
+    "as published": {"fidelity": {"as_published": True, "partition": "uniform"}},
     "ball": {
         "pin": tribo.Ball(8e-3, STEEL),
         "pixels": tribo.Grid((20, 20), (38e-6, 38e-6), (False, False)),
