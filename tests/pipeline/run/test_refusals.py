@@ -33,6 +33,8 @@ def no_file():
 
 
 REFUSALS = {
+    "no friction": (lambda: pipeline.run_sweep(COLD, "cold.zarr", boundary_only=True),
+                    "no boundary without friction"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
