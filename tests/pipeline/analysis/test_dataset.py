@@ -52,7 +52,7 @@ def test_every_variable_is_known_at_each_of_a_points_own_steps_and_before_at_non
 
 def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
     track = tribo.Track.under(tiny.sweep().scene.pin, tiny.sweep().scene.disk, 0.34)
-    kept = tribo.Corrections(track=track, disk_bulk=tribo.Bulk(capacity=500.0))
+    kept = tribo.Corrections(track=track)
     coarser = {"history_coarsening": 2, "increments": 6}
     wide = tribo.Grid((96, 16), (4.3e-6, 15e-6))
     sweep = tiny.sweep(pixels=wide, fidelity=coarser)
