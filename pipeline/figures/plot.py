@@ -67,7 +67,6 @@ def plot(
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
-        - sensitivity: ``title``, title of the scene.
 
     Returns
     -------
@@ -85,8 +84,6 @@ def plot(
     >>> hotter = pipeline.at("results/first_try.zarr", friction=0.12)
     >>> pipeline.plot(hotter, "diagram", "diagram.svg").name
     'diagram.svg'
-    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> figure = pipeline.plot(pipeline.sensitivity(ensemble), title="A scene", width="16 cm")
     """
     study = getattr(ds, "drawn_by", None)
     only = study.rpartition("draw_")[2] if study else ""

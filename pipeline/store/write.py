@@ -40,7 +40,7 @@ from pipeline.store.schema import (
     STEPPED,
     path_of,
 )
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from tribo.types import Indices, Mask
 

@@ -1,8 +1,8 @@
 """Kills of drivers, workers and everything at random moments, while a sweep grows.
 
-A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run``, by
-``irg run --boundary-only`` and with samples of unknown inputs. The others do without Dask: there
-half of the time is spent in commits. A quarter takes over the points of another store.
+A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run`` and by
+``irg run --boundary-only``. The others do without Dask: there half of the time is spent in commits.
+A quarter takes over the points of another store.
 """
 
 import itertools
@@ -42,7 +42,6 @@ _COMMANDS = {
         ["irg_transition", "--boundary-only"],
         [['sweep.loads=["200 N","400 N","750 N"]']],
     ),
-    "samples": (["uncertain"], [[f"sweep.samples={count}"] for count in (8, 16, 24)]),
 }
 
 
@@ -122,14 +121,12 @@ def _with_workers(trial, way):
     if way in _COMMANDS:
         (name, *options), trial.stages = _COMMANDS[way]
         scene = str(_SCENE).format(name)
-        coarse = _COARSE if way != "samples" else []
-        most = trial.stages[-1] if way == "samples" else coarse
-        overrides = dict(map(_entry, most))
+        overrides = dict(map(_entry, _COARSE))
         trial.expected = _AsStored(pipeline.load_scene(scene, overrides=overrides), trial.path)
         command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
 
         def by_command(stage):
-            settings = [word for entry in (*coarse, *stage) for word in ("--set", entry)]
+            settings = [word for entry in (*_COARSE, *stage) for word in ("--set", entry)]
             return started(trial.log, *command, *settings, mistake=trial.run.mistake)
 
         trial.start = by_command
@@ -155,7 +152,7 @@ def _disturb(trial, driver, targets):
 
 
 def _entry(text):
-    """Path and value, as Python reads it, of a setting such as "sweep.samples=8"."""
+    """Path and value, as Python reads it, of a setting such as "fidelity.increments=6"."""
     name, _, value = text.partition("=")
     return name, {"true": True}.get(value) or int(value)
 

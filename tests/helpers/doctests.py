@@ -10,20 +10,9 @@ import numpy as np
 import pytest
 from _pytest.doctest import DoctestItem, DoctestModule
 
-from pipeline.extras import present
 from tests.helpers.shared import made_once
 
 ROOT = Path(__file__).parents[2]
-UNKNOWN = """
-extends = "workflows/first_try.toml"
-[unknown]
-"friction.coefficient" = { mean = 0.1, sd = 0.005 }
-"temperature.critical" = { mean = "145 degC", sd = "8 K" }
-[window]
-pixels = [576, 120]
-[sweep]
-samples = 16
-"""
 
 
 @pytest.hookimpl(wrapper=True)
@@ -50,10 +39,7 @@ def _beside_scenes_and_results(request, monkeypatch):
 
 @pytest.fixture(scope="session")
 def folder_with_results(tmp_path_factory):
-    """Folder with ``workflows`` and two stores under ``results``, which an example may change.
-
-    Both are of `workflows/first_try.toml`, ``unknown.zarr`` with two unknown inputs.
-    """
+    """Folder with ``workflows`` and a store under ``results``, which an example may change."""
     made = made_once(tmp_path_factory, "examples", _fill)
     return shutil.copytree(made, tmp_path_factory.mktemp("examples") / "own", symlinks=True)
 
@@ -61,12 +47,7 @@ def folder_with_results(tmp_path_factory):
 def _fill(folder):
     (folder / "workflows").symlink_to(ROOT / "workflows")
     (folder / "results").mkdir()
-    scenes = [folder / "workflows/first_try.toml"]
-    if "uncertain" in present():
-        scenes.append(folder / "unknown.toml")
-        scenes[1].write_text(UNKNOWN)
-    for scene in scenes:
-        _compute(scene, folder / f"results/{scene.stem}.zarr")
+    _compute(folder / "workflows/first_try.toml", folder / "results/first_try.zarr")
 
 
 def _compute(scene, path):
@@ -76,11 +57,7 @@ def _compute(scene, path):
     from pipeline.sweep.plan import points, run_point, tasks
     from tribo.simulation import Trunks
 
-    sweep = pipeline.load_scene(scene)
-    records = []
+    sweep, trunks = pipeline.load_scene(scene), Trunks()
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        trunks = Trunks()
-        for task in tasks(points(sweep), sweep):
-            results = [run_point(sweep, task.point, trunks)]
-            records += [result.record(sweep.plane.fields) for result in results]
-        store.commit(records)
+        found = (run_point(sweep, task.point, trunks) for task in tasks(points(sweep), sweep))
+        store.commit([result.record(sweep.plane.fields) for result in found])

@@ -1,6 +1,5 @@
 """Sweeps made of the fields of all their parts, by name."""
 
-import numpy as np
 import xarray as xr
 
 import pipeline
@@ -65,10 +64,3 @@ def deciding(ds):
     """Deciding temperature [K] at each point of one scene, as a labelled array."""
     judged = pipeline.results(ds).conditions
     return judged.contact_temperature(decisive_rise(ds, judged))
-
-
-def inputs_of(table):
-    """Inputs of the samples in a table, (n_sample, n_input)."""
-    labels = ("sample", "velocity")
-    names = [one.name for one in table.coordinates if one.name not in labels]
-    return np.array([table.labels(name) for name in names]).T

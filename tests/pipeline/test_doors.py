@@ -77,7 +77,7 @@ def asked_of_a_place(ds, load, velocity):
     return here.verdict, here.decisive_temperature - 273.15, here.probability
 
 
-@pytest.mark.parametrize("name", [name for name in STORES])
+@pytest.mark.parametrize("name", STORES)
 def test_the_page_judges_its_nodes_as_their_margins_are(name):
     ds, verdicts = STORES[name](), set()
     near = [[float(load), float(velocity)] for load, velocity in places(ds, 60)]

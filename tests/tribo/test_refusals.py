@@ -159,7 +159,6 @@ REFUSALS = {
     "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
-    "stops": (lambda: Ramp(1.0, 1.0, 1.0, (-1.0,)), "stops is (-1.0,)"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
               "at most 100000 are allowed"),

@@ -13,8 +13,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of
 from pipeline.store.progress import summary
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.model import Point
-from tests.helpers import entries, tiny
+from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
 from tests.helpers.stores import commit, forge

@@ -53,7 +53,7 @@ def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, coun
 
 
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
-RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, stops=(0.5,))
+RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
 SMALLER = {
     "pixels_per_element": 2,
@@ -167,7 +167,7 @@ def test_the_moments_of_a_hold_are_stored_on_reaching_the_load_and_at_the_end():
     assert held["normal_load"].tolist() == [250.0, 250.0]
     assert held["time"].tolist() == [250 / 150, 250 / 150 + 1.0]
     every = run_point(changed(sweep, steps="course"), 250.0, 1.0).columns
-    assert every["normal_load"].tolist() == [125.0, 250.0, 250.0, 250.0]
+    assert every["normal_load"].tolist() == [125.0, 250.0, 250.0]
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
