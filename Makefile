@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises samples mutants crash cluster many measured scaling bench bench-peers release clean
+.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises mutants crash cluster many measured scaling bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -63,22 +63,11 @@ lowest:               ## install the lowest versions that are declared, and run 
 slow: .venv/test      ## the long checks: workers that die, promised accuracies, the site of pages
 	$(BIN)/python -m pytest tests -m slow
 
-promises: .venv/test  ## judge --accuracy, presets and stated errors on random scenes, in two hours
+promises: .venv/test  ## judge presets and stated errors on random scenes, in an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
-
-samples: .venv/test   ## judge samples by 2000 simulations, irg infer and next runs by truths, in 2 hours
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage --minutes 30
-	for tests in 8 24; do \
-	    OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.runs --tests $$tests || exit 1; done
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.stages --direct --truths 60
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
