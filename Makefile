@@ -64,11 +64,9 @@ lowest:               ## install the lowest versions that are declared, and run 
 slow: .venv/test      ## the long checks: workers that die, promised accuracies, the site of pages
 	$(BIN)/python -m pytest tests -m slow
 
-promises: .venv/test  ## judge --accuracy, presets and stated errors on random scenes, in two hours
+promises: .venv/test  ## judge presets and stated errors on random scenes, in an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 

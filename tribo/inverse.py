@@ -69,7 +69,7 @@ def specific_wear_rate(
     >>> import tribo.inverse
     >>> rate = tribo.inverse.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
     >>> f"{rate.lowest:.1e} to {rate.highest:.1e} m²/N"
-    '1.4e-17 to 3.2e-17 m²/N'
+    '1.6e-17 to 3.8e-17 m²/N'
     """
     grid = scene.grid
     if scene.velocities_at(velocity).pin:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import pandas as pd
 import xarray as xr
@@ -37,21 +37,28 @@ def point(options: argparse.Namespace) -> Result:
     places = sweep.take_place(*place, options.alone)
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
-            store.commit(_simulate(places, Point(*place), options.alone, progress))
+            wanted = _points(places, Point(*place), options.alone)
+            store.mark_asked(wanted)
+            store.commit(_simulate(places, wanted, progress))
         return _margin_result(pipeline.open_sweep(path), Place(*place), options.alone)
 
 
-def _simulate(sweep: Sweep, wanted: Point, alone: bool, progress: Report) -> Iterator[PointRecord]:
-    """Simulate `wanted`, then the scene's tests unless `alone`, and yield a record of each.
-
-    An error at `wanted` is raised. An error at another point is put in the record of that point.
-    """
+def _points(sweep: Sweep, place: Point, alone: bool) -> tuple[Point, ...]:
+    """The point to judge, then those of the scene's tests unless `alone`."""
     tests = () if alone else sweep.tests
-    for point in dict.fromkeys((wanted, *(Point(one.normal_load, one.velocity) for one in tests))):
+    return tuple(dict.fromkeys((place, *(Point(one.normal_load, one.velocity) for one in tests))))
+
+
+def _simulate(sweep: Sweep, points: Sequence[Point], progress: Report) -> Iterator[PointRecord]:
+    """Simulate `points` and yield a record of each.
+
+    An error at the first is raised. An error at another is put in its record.
+    """
+    for point in points:
         try:
             yield run_point(sweep, point, progress=progress).record(sweep.plane.fields)
         except TriboError as error:
-            if point == wanted:
+            if point == points[0]:
                 raise
             yield PointRecord(point, None, str(error))
 

@@ -89,16 +89,16 @@ class Contents:
 
 
 def loading_of(
-    contents: Contents, faults: Faults, table: Ramp | Record, *stops: float
+    contents: Contents, faults: Faults, table: Ramp | Record
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
-    `table` is the scene's ``[loading]``, and `contents` has the contents of files. While the full
-    load is held after a ramp, steps end at the times `stops` [s]. If the table asks for a fit, the
-    result is the ramp fitted to the record, and a note on it is added to `faults`.
+    `table` is the scene's ``[loading]``, and `contents` has the contents of files. If the table
+    asks for a fit, the result is the ramp fitted to the record, and a note on it is added to
+    `faults`.
     """
     if isinstance(table, Ramp):
-        return tribo.Ramp(**vars(table), stops=tuple(s for s in stops if s < table.hold)), None
+        return tribo.Ramp(**vars(table)), None
     path = contents.find(table, "loading", faults)
     content = contents.keep(_read_record(path, faults)) if path else str(table.content)
     times, loads = contents.take(content, (2, -1))

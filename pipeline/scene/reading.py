@@ -27,7 +27,7 @@ from pipeline.scene.parts import (
     roughness_of,
     wear_of,
 )
-from pipeline.scene.runs import expand_tests, tested_holds, tests_of
+from pipeline.scene.runs import expand_tests, tests_of
 from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
@@ -83,8 +83,7 @@ class SceneReader:
         scene, changed = self._read_tables(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
         part, read = partial(self._part, scene, faults), (self.contents, faults)
-        stops = tested_holds(scene)
-        loading, record = part(partial(loading_of, *read), "loading", more=stops) or (None, None)
+        loading, record = part(partial(loading_of, *read), "loading") or (None, None)
         heights = partial(roughness_of, *read)
         roughness = laws.get("surface") or part(heights, "disk.roughness", "window")
         made = {
@@ -151,22 +150,19 @@ class SceneReader:
             self.first = entries, scene
         return scene, kind.keys
 
-    def _part(
-        self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str, more: Any = ()
-    ) -> Any:
+    def _part(self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str) -> Any:
         """Make a part of a scene by calling `make`, and cache the part.
 
-        The arguments of `make` are the scene's tables at `paths`, then the values in `more`.
-        Returns None if the first table is missing, a table is faulty, or `make` raises an error,
-        which is added to `faults`.
+        The arguments of `make` are the scene's tables at `paths`. Returns None if the first table
+        is missing, a table is faulty, or `make` raises an error, which is added to `faults`.
         """
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):
             return None
-        made_of = (*paths, *tables, *more)
+        made_of = (*paths, *tables)
         if self.parts.get(made_of) is None:  # a faulty part is made again, and refused each time
             with faults.at(f"{paths[0]}.file" if hasattr(tables[0], "file") else paths[0]):
-                self.parts[made_of] = make(*tables, *more)
+                self.parts[made_of] = make(*tables)
         return self.parts.get(made_of)
 
     def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:

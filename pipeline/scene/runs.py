@@ -62,14 +62,6 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
         yield Test(**common | {"run": run, name: value, "outcome": outcome})
 
 
-def tested_holds(scene: Any) -> tuple[float, ...]:
-    """Durations for which the tests of a scene held the full load [s], ascending, each once.
-
-    `scene` is a `SceneFile`: the tables of a scene file as objects.
-    """
-    return tuple(sorted({test.hold for test in tests_of(scene) if test and test.hold}))
-
-
 def tests_of(scene: Any) -> tuple[Any, ...]:
     """All measured transitions and tests of `scene`, a `SceneFile`."""
     return (*(scene.measured or ()), *(scene.tested or ()))

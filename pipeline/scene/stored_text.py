@@ -92,4 +92,4 @@ def _variants(text: Any) -> Variants:
 
 
 def _stations(text: Any) -> Stations | None:
-    return text and Stations(**text | {"holds": tuple(text["holds"])})
+    return text and Stations(**text)

@@ -39,6 +39,7 @@ from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import points
 from pipeline.sweep.stages import Report, silent
 
 
@@ -79,7 +80,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
                 place.put({ROOT: before.documents()[ROOT]})
             _write_root(place, root)
     store = Store(place, root, lock)
-    store.mark_asked(sweep)
+    store.mark_asked(points(sweep))
     return store
 
 

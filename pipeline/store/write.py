@@ -40,9 +40,8 @@ from pipeline.store.schema import (
     STEPPED,
     path_of,
 )
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
 _ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # texts and facts of a point
@@ -150,10 +149,10 @@ class Store:
         """Mark points as pending, so that they are computed again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
-    def mark_asked(self, sweep: Sweep) -> None:
-        """Mark the points of `sweep` in the store as those that the present run is to compute."""
+    def mark_asked(self, points: Iterable[Point]) -> None:
+        """Mark `points` in the store as those that the present run is to compute."""
         wanted = np.zeros_like(self.asked)
-        for point in points_of(sweep):
+        for point in points:
             wanted[self.index(point)] = 1
         changed, self.asked = self.asked != wanted, wanted
         self._write_flags("status", self.flags, changed)  # always, so that a lost chunk is noticed

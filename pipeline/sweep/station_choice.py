@@ -12,10 +12,8 @@ def choose_stations(sweep: Sweep) -> Stations:
     """Stations (times of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
-    tests = sweep.tests
-    holds = {test.hold for test in tests if test.hold is not None}
     steps = sweep.plane.steps or _default_steps(sweep)
-    return Stations(steps, _warms_in_hold(sweep), tuple(sorted(holds)))
+    return Stations(steps, _warms_in_hold(sweep))
 
 
 def _default_steps(sweep: Sweep) -> Steps:

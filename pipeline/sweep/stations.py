@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
@@ -21,7 +20,6 @@ class Stations:
     steps: Steps
     # True if a hold is judged at each step: bodies warm while wear widens the contact.
     judges_hold: bool
-    holds: tuple[float, ...]  # durations of the tests at the full load [s]
 
     def heat_steps(self, scene: Scene, load: float) -> frozenset[int]:
         """Indices of the time steps at which to compute a temperature on the finest grid.
@@ -35,14 +33,7 @@ class Stations:
         if self.steps == "course":
             is_own = isinstance(scene.loading, MeasuredLoad) or not scene.remembers_steps
             return frozenset(step.index for step in (way if is_own else holding))
-        kept = [step.index for step in holding] if self.judges_hold else []
-        reached = max((step.time for step in way if not step.holding), default=0.0)
-        tested = (
-            step.index
-            for step in holding
-            if any(math.isclose(step.time - reached, hold, rel_tol=1e-6) for hold in self.holds)
-        )
-        return frozenset([*kept, *tested])
+        return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
     def kept(self, scene: Scene, load: float) -> list[Station]:
         """Stations of a point at a load [N] that are stored; the last is the point's end."""

@@ -106,7 +106,6 @@ class Trade:
             "",
             "Largest error of the boundary velocity at these points, against the reference on the",
             "same pixels; error to expect at any load, with margin; processor time of all points.",
-            "",
             *(f"no result: {reason}" for reason in self.not_converged),
         ]
         return "\n".join(lines)

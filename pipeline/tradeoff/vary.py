@@ -69,10 +69,9 @@ def vary(
 ) -> Variations:
     """Find the boundary of a scene, and of the same scene with single entries changed.
 
-    Scenes that differ only in friction or temperatures share all points. Scenes that differ in wear
-    rate or thermal constants share contacts at equal wear rate × velocity. Points are computed on
-    Dask as in `pipeline.run_sweep`: in a script, call this function under ``if __name__ ==
-    "__main__":``.
+    Scenes that differ only in friction or temperatures share all points, and scenes that differ
+    only in thermal constants share the contacts of their points. Points are computed on Dask as in
+    `pipeline.run_sweep`: in a script, call this function under ``if __name__ == "__main__":``.
 
     Parameters
     ----------

@@ -71,8 +71,7 @@ def computing(records, pace):
 
     def compute(link, sweep, writer, queue, tally):
         while queue:
-            points = queue.take("here").points
-            writer.add([record_of(records, sweep, point) for point in points])
+            writer.add([record_of(records, sweep, queue.take("here").point)])
             tally.count(writer.flush(), 1)
             time.sleep(pace)
 

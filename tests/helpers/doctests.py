@@ -57,11 +57,7 @@ def _compute(scene, path):
     from pipeline.sweep.plan import points, run_point, tasks
     from tribo.simulation import Trunks
 
-    sweep = pipeline.load_scene(scene)
-    records = []
+    sweep, trunks = pipeline.load_scene(scene), Trunks()
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        trunks = Trunks()
-        for task in tasks(points(sweep), sweep):
-            results = [run_point(sweep, task.point, trunks)]
-            records += [result.record(sweep.plane.fields) for result in results]
-        store.commit(records)
+        found = (run_point(sweep, task.point, trunks) for task in tasks(points(sweep), sweep))
+        store.commit([result.record(sweep.plane.fields) for result in found])

@@ -37,7 +37,8 @@ def assert_complementary(scene, before, state):
         worn = before.wear_depth if same_grid else 0 * worn
     p = state.pressure
     modulus = contact_modulus(scene.pin.material, scene.disk)
-    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    kernel = "nearest-image" if explicit else "periodic"
+    solid = ElasticHalfSpace(scene.grid, modulus, kernel)
     separation = scene.separation(scene.heights())
     z = separation + worn
     heights = np.abs(separation[p > 0]).max() + np.abs(z[p > 0]).max()

@@ -63,7 +63,7 @@ class FaultyRamp(tribo.Ramp):
         object.__setattr__(self, "faulty_load", faulty_load)
 
     def __reduce__(self):
-        values = self.rate, self.reference_load, self.hold, self.stops, self.faulty_load
+        values = self.rate, self.reference_load, self.hold, self.faulty_load
         return _remade, (type(self), *values)
 
     def stations(self, normal_load, increments, hold_increments=0):

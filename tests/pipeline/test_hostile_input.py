@@ -98,7 +98,6 @@ SCENES = {
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()
     ),
-    "samples: 100001 is out of range": "sweep.samples = 100001",
     "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "2.5e+07 points are too many": "[sweep]\n"
     + "".join(

@@ -76,11 +76,9 @@ def one_velocity(ds):
 
 
 def slippery():
-    """Sweep with friction that falls with velocity, and a film on the disk."""
+    """Sweep with friction that falls with velocity."""
     ds = full()
-    falling = Corrections(
-        friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))), film_resistance=1e-7
-    )
+    falling = Corrections(friction=Friction(by_velocity=((1.0, 1.1), (3.0, 0.9))))
     return with_fields(ds, conditions=replace(pipeline.results(ds).conditions, corrections=falling))
 
 

@@ -40,12 +40,6 @@ load = "600 N"
 velocity = "3 m/s"
 outcome = "mild"
 """
-UNKNOWN = """
-[unknown]
-"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }
-"friction.coefficient" = { mean = 0.1, sd = 0.01 }
-"temperature.critical" = { mean = "145 degC", sd = "8 K" }
-"""
 ROW = '{{ "pin.radius" = "{}", "friction.coefficient" = {}, load = "{}", velocity = "{}" }}'
 ROWS = ", ".join(
     [ROW.format("2 mm", 0.1, "300 N", "1.5 m/s"), ROW.format("4 mm", 0.12, "500 N", "2 m/s")]
@@ -68,9 +62,6 @@ CHANGES = {
     "over": ((AXES, FEWER + 'over = { "pin.radius" = ["2 mm", "4 mm"] }'),),
     "mean": (("failing_share = 0.1", 'criterion = "mean"'), (AXES, FEWER)),
     "rows": ((AXES, f"{FEWER}along = [{ROWS}]"),),
-    "samples": (
-        (AXES, FEWER.replace("2 m/s", "1 m/s") + "samples = 16" + MEASURED + MILD + UNKNOWN),
-    ),
 }
 
 
@@ -86,8 +77,8 @@ def stores(tmp_path_factory):
         assert all(new in text for _, new in CHANGES[kind])
         scene.write_text(text)
         sweep = pipeline.load_scene(scene)
-        # One of nine points fails and one is pending; one sample lacks a load.
-        skip = {"broken": points(sweep)[3:6:2], "samples": points(sweep)[:1]}.get(kind, ())
+        # One of nine points fails and one is pending.
+        skip = points(sweep)[3:6:2] if kind == "broken" else ()
         with np.errstate(all="raise", under="ignore"):
             commit_all(store, sweep, skip)
         if kind == "broken":
@@ -122,7 +113,7 @@ def ask(stores, answers, irg):
         if asked not in answers:
             words = command, stores(kind), *options
             whole = [["--all"]] if command == "boundary" else [[]]
-            whole += [["--all", "--by=velocity"]] if whole[0] and kind != "samples" else []
+            whole += [["--all", "--by=velocity"]] if whole[0] else []
             said = "".join(irg(*words, *more, code=code) for more in whole)
             said = unbroken(said)
             parsed = parse([*map(str, words)])
@@ -167,7 +158,7 @@ def as_floats(values):
     return np.array(values, dtype=float)  # None is NaN
 
 
-@pytest.mark.parametrize("kind", ["broken", "surfaces", "rows", "samples"])
+@pytest.mark.parametrize("kind", ["broken", "surfaces", "rows"])
 def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     ds = opened(stores(kind))
     counts = {flag: int((ds["status"] == flag).sum()) for flag in (0, 1, 2)}
@@ -239,18 +230,12 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     assert row["failed share [%]"] == pytest.approx(100 * (1 - cooler), abs=2)
 
 
-def test_samples_that_lack_a_load_are_left_out_and_counted(ask):
-    _, said, _ = ask("margin", "samples", *place_of(600, 2))
-    assert "1 samples are left out: not done at every load" in said
-
-
 # The same answer as text, as JSON and in Python
 
 
 ASKED = [
-    *((kind, (), {}) for kind in ("broken", "surfaces", "mean", "samples")),
+    *((kind, (), {}) for kind in ("broken", "surfaces", "mean")),
     ("plane", *OTHERWISE),
-    ("samples", ("--given-measured",), {"given_measured": True}),
     ("over", ("--at", "pin.radius=4 mm"), {"pin.radius": "4 mm"}),
 ]  # fmt: skip
 

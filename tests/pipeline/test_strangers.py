@@ -21,8 +21,12 @@ import tribo
 
 pathlib.Path({marker!r}).touch()
 
-class Law(tribo.RunningIn):
-    pass
+class Law:
+    pattern = "swept"
+
+    def over(self, begin, end):
+        return tribo.Wear(1e-15)
+
 
 class Flat:
     def heights(self, pixels):
@@ -41,21 +45,10 @@ AT = ["--load", "400 N", "--velocity", "2 m/s"]
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """Folder with two sound stores: of a small sweep, and of samples."""
+    """Folder with the sound store of a small sweep."""
     folder = tmp_path_factory.mktemp("done")
     (folder / "small.toml").write_text(SCENE.replace("increments = 10", "increments = 1"))
     commit_all(folder / "small.zarr", pipeline.load_scene(folder / "small.toml"))
-    unknown = {
-        "friction.coefficient": {"mean": 0.1, "sd": 0.005},
-        "temperature.critical": {"from": "120 degC", "to": "170 degC"},
-    }
-    drawn = {
-        "unknown": unknown,
-        "sweep.samples": 12,
-        "sweep.loads": ["400 N"],
-        "measured": [{"load": "400 N", "velocity": "2 m/s"}],
-    }
-    commit_all(folder / "samples.zarr", pipeline.load_scene(folder / "small.toml", overrides=drawn))
     return folder
 
 
@@ -90,16 +83,16 @@ def write(store, root):
     (store / "zarr.json").write_bytes(root.documents()["zarr.json"])
 
 
-def forged(done, folder, store, criterion):
-    """Copy a store into a folder, and change its stored criterion."""
-    target = shutil.copytree(done / store, folder / store)
+def forged(done, folder, criterion):
+    """Copy the store into a folder, and change its stored criterion; return its name."""
+    target = shutil.copytree(done / "small.zarr", folder / "small.zarr")
     root = read_root(place_of(target))
     own = Law(criterion, (), "0" * 64) if ":" in criterion else None
     judged = replace(root.sweep.conditions, criterion=criterion, rule=own)
     sweep = changed(root.sweep, conditions=judged)
     write(target, replace(root, sweep=sweep, text=sweep_text(sweep)))
     shutil.copy(folder / "payload.py", target)
-    return store
+    return target.name
 
 
 COMMANDS = [
@@ -113,6 +106,18 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.parametrize(
+    ("command", "scene"),
+    [(command, "wear") for command in COMMANDS]
+    + [(COMMANDS[0], scene) for scene in ("surface", "criterion", "extends")],
+)
+def test_a_scene_that_names_code_is_refused_and_runs_nothing(strangers, ran, irg, command, scene):
+    said = irg(command[0], f"{scene}.toml", *command[1:], code=2)
+    assert "unknown" in said
+    assert not ran()
+    assert not (strangers / "out.zarr").exists()
+
+
 def test_a_setting_that_names_code_runs_nothing(strangers, ran, irg):
     for setting in ("wear={law='payload:Law'}", "temperature.criterion=payload:rule"):
         irg("check", "small.toml", "--set", setting, code=2)
@@ -122,7 +127,7 @@ def test_a_setting_that_names_code_runs_nothing(strangers, ran, irg):
 
 
 def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg):
-    forged(done, strangers, "small.zarr", "payload:rule")
+    forged(done, strangers, "payload:rule")
     assert "small.zarr" in irg("status", ".")
     assert irg("status", "small.zarr", "--json")[0]["done"] == 9
     assert irg("verify", "small.zarr", "--json") == []
@@ -141,16 +146,15 @@ READING = [
 
 
 @pytest.mark.parametrize(
-    ("command", "name", "stored"),
-    [(command, "small.zarr", STORED[0]) for command in READING]
-    + [(["boundary"], "small.zarr", stored) for stored in STORED[1:]]
-    + [([command], "samples.zarr", STORED[0]) for command in ("sensitivity", "infer")],
+    ("command", "stored"),
+    [(command, STORED[0]) for command in READING]
+    + [(["boundary"], stored) for stored in STORED[1:]],
 )
 def test_a_store_runs_nothing_and_writes_no_empty_answer(
-    strangers, done, ran, irg, command, name, stored
+    strangers, done, ran, irg, command, stored
 ):
     (strangers / "duty.csv").write_text("load [N],velocity [m/s]\n400,2\n")
-    store = forged(done, strangers, name, stored.format(folder=strangers))
+    store = forged(done, strangers, stored.format(folder=strangers))
     said = irg(command[0], store, *command[1:], code=2)
     assert "a Python object, of which it has only the name" in said
     assert not ran()
@@ -158,7 +162,7 @@ def test_a_store_runs_nothing_and_writes_no_empty_answer(
 
 
 def test_a_store_whose_chunks_would_be_unpickled_is_read_by_its_format(strangers, done, ran, irg):
-    store = forged(done, strangers, "small.zarr", "share")
+    store = forged(done, strangers, "share")
     root = read_root(place_of(strangers / store))
     message = root.arrays["message"]
     root.arrays["message"] = {
@@ -181,7 +185,7 @@ def test_a_store_whose_chunks_would_be_unpickled_is_read_by_its_format(strangers
 
 @pytest.mark.parametrize("name", ["{folder}/outside", "../outside", "deep/load"])
 def test_a_store_names_no_files_outside_it(strangers, done, irg, name):
-    store = forged(done, strangers, "small.zarr", "share")
+    store = forged(done, strangers, "share")
     root = read_root(place_of(strangers / store))
     outside = name.format(folder=strangers)
     root.arrays[outside], root.axes[outside] = root.arrays["steps"], root.axes["load"]

@@ -54,13 +54,15 @@ def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equa
 def test_temperatures_are_those_of_the_fields(unequal, tmp_path):
     last = unequal.sel(load=600.0, velocity=1.0)
     contact = last["pressure"].values > 0
-    rise = 0.07 * last["rise"].values - 35.0 * last["bulk_response"].values
+    of_friction, of_bulks = (last[name].values.astype(float) for name in ("rise", "bulk_response"))
+    rise = 0.07 * of_friction - 35.0 * of_bulks
     temperature = 333.15 + rise[contact]
+    # Fields are stored with 24 bits, each rise with a rounding error of 6e-8.
     at_end = pipeline.temperatures(pipeline.end_of_point(last))
-    assert float(at_end["max_temperature"]) == pytest.approx(temperature.max(), rel=1e-9)
-    assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-9)
+    assert float(at_end["max_temperature"]) == pytest.approx(temperature.max(), rel=1e-7)
+    assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-7)
     hot = at_end["temperature_quantile"].sel(cooler_share=0.9)
-    assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-9)
+    assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-7)
     page = pipeline.explore(unequal, tmp_path / "page.html").path.read_text()
     (held,) = re.findall(r'id="content">(.*?)</script>', page, re.DOTALL)
     shown = json.loads(held)["fields"]["points"]["7"]  # rises above the colder body

@@ -122,9 +122,7 @@ def computed(family, number):
     seed = number if family == "shipped" else FIRST + number
     rng = np.random.default_rng([seed, 161])
     try:
-        sweep = changed(
-            FAMILIES[family](seed), fields=False, steps="end", variants=Variants(), selection=None
-        )
+        sweep = changed(FAMILIES[family](seed), fields=False, steps="end", variants=Variants())
         velocities = [velocity for velocity in sweep.plane.velocities if velocity]
         low, high = min(velocities), max(velocities)
         if family != "shipped":  # shipped scenes have distant velocities
@@ -198,7 +196,6 @@ def plane_of(row, preset, share):
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
-        is_solved=np.zeros(rises.shape, bool),
     )
 
 

@@ -159,7 +159,6 @@ REFUSALS = {
     "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
-    "stops": (lambda: Ramp(1.0, 1.0, 1.0, (-1.0,)), "stops is (-1.0,)"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
               "at most 100000 are allowed"),
@@ -205,6 +204,7 @@ REFUSALS = {
     "no friction": (lambda: divided(ZERO, method="uniform", bulk_difference=1.0), "there is none"),
     "no time": (lambda: divided(time=0.0, bulk_difference=1.0), "no time to conduct"),
     # scenes and their points
+    "choice": (lambda: Fidelity(heat_model="none"), "heat_model is 'none'; allowed are"),
     "heat tolerance": (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
     "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
     **{
@@ -250,6 +250,8 @@ REFUSALS = {
     "ball": (lambda: scene(pin=Ball(1e-3, STEEL)), "under a ball pin both axes must be free"),
     "images": (lambda: small_scene("local", periodic=(False, False), as_published=True),
                "as_published needs a patch"),
+    "own law rolls": (lambda: scene(wear=Law(), motion=Motion(slide_roll_ratio=1.0)),
+                      "needs a pin at rest"),
     "uniform": (lambda: replace(small_scene(partition="uniform"), unequal_bulks=True),
                 "divides frictional heat alone"),
     "velocity": (lambda: list(simulate(small_scene(), 300.0, math.nan)), "velocity is nan"),

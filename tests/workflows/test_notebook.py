@@ -12,6 +12,8 @@ import json
 import re
 from pathlib import Path
 
+import matplotlib as mpl
+import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
@@ -22,10 +24,6 @@ SMALLER = {
     "stations": (
         '"sweep.fields": True',
         '"sweep.fields": True, "sweep.loads": ["600 N", "750 N"], "sweep.velocities": ["1.6 m/s"]',
-    ),
-    "uncertain": (
-        '{"sweep.samples": SAMPLES}',
-        '{"sweep.samples": 24, "sweep.loads": ["200 N", "400 N", "750 N"]}',
     ),
 }
 _OF_A_RUN = (
@@ -39,6 +37,16 @@ _OF_A_RUN = (
 def folder(tmp_path_factory):
     """Empty folder in which the notebooks run."""
     return tmp_path_factory.mktemp("notebooks")
+
+
+@pytest.fixture(autouse=True)
+def _there(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    with (
+        pd.option_context("display.max_columns", 20, "display.width", 80),  # options of a kernel
+        mpl.rc_context({"savefig.dpi": 40}),
+    ):
+        yield
 
 
 def cells_of(name, kind):

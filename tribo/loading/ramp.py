@@ -79,9 +79,6 @@ class Ramp:
         Load that the shared ramp (trunk) reaches in the scene's number of increments [N].
     hold : float, optional
         Duration for which each point holds its load once it is reached [s].
-    stops : tuple of float, optional
-        Times at which a step of the hold must end, counted from the start of the hold [s]. Times
-        after the end of the hold are ignored.
 
     Examples
     --------
@@ -97,14 +94,11 @@ class Ramp:
     rate: float
     reference_load: float
     hold: float = 0.0
-    stops: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate, reference_load=self.reference_load)
         if not 0 <= self.hold < math.inf:
             raise InputError(f"hold is {self.hold!r} s; it must be finite and at least 0")
-        if not all(0 <= stop < math.inf for stop in self.stops):
-            raise InputError(f"stops is {self.stops!r}; each must be finite and at least 0")
 
     def increment(self, normal_load: float, increments: int) -> float:
         """Load increment of each step on the shared ramp (trunk) that leads to `normal_load` [N].
@@ -168,15 +162,14 @@ class Ramp:
         `before` is the impulse (∫F dt) of the loading before the hold, divided by the full load
         [s]. Each step multiplies the impulse so far by at most exp(10/`increments`).
         """
-        begin, before = 0.0, max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
-        stops = {stop for stop in (*self.stops, self.hold) if 0 < stop <= self.hold}
-        for end in sorted(stops):
-            grown = math.log1p((end - begin) / (before + begin))
-            steps = max(1, math.ceil(increments * grown / _GROWTH * (1 - 1e-12)))
-            for step in range(1, steps):
-                yield begin + (before + begin) * math.expm1(grown * step / steps)
-            yield end
-            begin = end
+        if not self.hold:
+            return
+        before = max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
+        grown = math.log1p(self.hold / before)
+        steps = max(1, math.ceil(increments * grown / _GROWTH * (1 - 1e-12)))
+        for step in range(1, steps):
+            yield before * math.expm1(grown * step / steps)
+        yield self.hold
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
         """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one at that load.

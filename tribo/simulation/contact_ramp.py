@@ -122,15 +122,15 @@ def contacts(
     new = trunks.reach(key, start(scene), shared, advanced, note)
     state, course = yield from new
     if "ends" in memo:  # solved for a scene that differs in heat alone
-        yield from (
-            replace(one, course=course) if one.is_requested else one for one in memo["ends"]
-        )
+        yield from (replace(one, course=course) for one in memo["ends"])
         return
     ends = list[State]()
     for one in _ends(levels, state, stations[len(shared) :], normal_load, velocity, requested):
-        ends.append(one)
+        if one.is_requested:
+            ends.append(one)
         yield replace(one, course=course) if one.is_requested else one
-    memo["ends"] = ends
+    if trunks.has_room_for(ends):
+        memo["ends"] = ends
 
 
 def _ends(

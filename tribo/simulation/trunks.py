@@ -103,6 +103,10 @@ class Trunks:
                 self._last = key, {}
             return self._last[1]
 
+    def has_room_for(self, states: Sequence[State]) -> bool:
+        """True if `states` need no more memory than all ramps may."""
+        return sum(array.nbytes for one in states for array in _arrays(one)) <= self._limit
+
     def reach(
         self,
         key: Hashable,

@@ -13,7 +13,28 @@ from tribo.wear.archard import Wear, WearPattern
 
 
 class WearLaw(Protocol):
-    """A law of wear in proportion to pressure, at a rate that depends on the distance slid."""
+    """A law of wear in proportion to pressure, at a rate that depends on the distance slid.
+
+    Examples
+    --------
+    A rate that has fallen to a half after 2 m:
+
+    >>> import math
+    >>> from dataclasses import dataclass
+    >>> import tribo
+    >>> @dataclass(frozen=True)
+    ... class Fading:
+    ...     rate: float
+    ...     distance: float
+    ...     pattern: str = "swept"
+    ...
+    ...     def over(self, begin, end):
+    ...         mean = math.log((self.distance + end) / (self.distance + begin)) / (end - begin)
+    ...         return tribo.Wear(self.rate * self.distance * mean, self.pattern)
+    >>> law: tribo.WearLaw = Fading(6e-15, 2.0)
+    >>> f"{law.over(2.0, 2.001).specific_wear_rate:.1e} m²/N"
+    '3.0e-15 m²/N'
+    """
 
     @property
     def pattern(self) -> WearPattern:

@@ -42,7 +42,7 @@ def fig4(study: Study) -> Report:
     }
     middle = {name: _middle(field) for name, field in fields.items()}
     highest = {name: float(field.max()) for name, field in fields.items()}
-    over = {name: highest[name] / peak - 1 for name in ("nearest_image")}
+    over = {name: highest[name] / peak - 1 for name in ("nearest_image", "periodic")}
     end = float(fields["free"][:, 0].max())
     values = {
         "load": sweep.plane.loads[-1],

@@ -18,7 +18,6 @@ from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.store.schema import MADE, STEPPED
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.stores import commit
@@ -52,7 +51,7 @@ def test_every_variable_is_known_at_each_of_a_points_own_steps_and_before_at_non
 
 def test_no_answer_reads_a_step_on_the_grid_of_the_history(tmp_path):
     track = tribo.Track.under(tiny.sweep().scene.pin, tiny.sweep().scene.disk, 0.34)
-    kept = tribo.Corrections(track=track, disk_bulk=tribo.Bulk(capacity=500.0))
+    kept = tribo.Corrections(track=track)
     coarser = {"history_coarsening": 2, "increments": 6}
     wide = tribo.Grid((96, 16), (4.3e-6, 15e-6))
     sweep = tiny.sweep(pixels=wide, fidelity=coarser)
@@ -114,13 +113,12 @@ def test_temperatures_are_bulk_plus_friction_times_rise(ds):
 
 @pytest.fixture(scope="module")
 def held(tmp_path_factory):
-    """Dataset with a hold of three seconds, in which wear lets the contact cool."""
+    """Dataset with a hold of three steps, in which wear lets the contact cool."""
     path = tmp_path_factory.mktemp("held") / "held.zarr"
-    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0)
-    tests = tuple(Measurement(750.0, 1.25, hold=stop) for stop in (0.75, 1.5, 2.25))
-    sweep = tiny.sweep(loading=loading, steps="course", measured=tests)
+    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=240.0)
+    sweep = tiny.sweep(loading=loading, steps="course")
     with np.errstate(all="raise", under="ignore"):
-        commit_all(path, sweep.changed("sweep.samples", 8))  # a hold has steps where tests end
+        commit_all(path, sweep)
     return open_sweep(path)
 
 
@@ -128,11 +126,11 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
     rise = decisive_rise(held, CONDITIONS).sel(load=600.0, velocity=1.0).item()
     point = held.sel(load=600.0, velocity=1.0)
     by_step = point["time"].copy(data=rise_exceeded(point["rise_quantile"].values, 0.1))
-    assert rise == by_step.max("step") == by_step.sel(step=-4)
+    assert rise == by_step.max("step") == by_step.sel(step=-3)
     assert rise > by_step.sel(step=0) + 10
     # Even if the contact is hotter at a lower load, only temperatures at full load count.
     earlier = held.load().copy(deep=True)
-    earlier["rise_quantile"].loc[{"step": slice(None, -5)}] *= 10
+    earlier["rise_quantile"].loc[{"step": slice(None, -4)}] *= 10
     assert decisive_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise
 
 

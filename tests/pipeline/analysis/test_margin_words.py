@@ -61,7 +61,6 @@ def test_the_sentence_tells_verdict_probability_and_distance(here):
         probability=0.99,
         highest=0.99,
         distance=-5.0,
-        counts_inputs=True,
         tested=("mild at 1 m/s", "severe at 2 m/s"),
     )
     assert severe.sentence == (

@@ -108,7 +108,7 @@ REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
     "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
-    "part": (at(**{"pin.capacity.diameter": "3 mm"}), "with pin.capacity.diameter = 3 mm into"),
+    "part": (at(**{"pin.material.hardness": "3 GPa"}), "with pin.material.hardness = 3 GPa into"),
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),

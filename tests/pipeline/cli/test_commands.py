@@ -107,12 +107,15 @@ def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg
     assert "model's own error   ± 10 % in velocity, assumed; no test confirms" in alone
     assert "tests of the scene at other places are left out, by --alone" in alone
     assert "left out" not in said
-    pipeline.run_sweep(pipeline.load_scene(tested).take_place(400.0, 1.0), out, workers=1)
+    place = pipeline.load_scene(tested).take_place(400.0, 1.0, alone=True)
+    pipeline.run_sweep(place, out, workers=1)
     here = pipeline.margin(out, "400 N", "1 m/s")
-    assert said.startswith(here.sentence[:60])
+    assert alone.startswith(here.sentence[:60])
     assert here.is_computed
-    (row,) = irg(*point, "--json")
+    (row,), (other,) = irg(*point, "--alone", "--json"), irg(*point, "--json")
     assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
+    assert other["probability"] > row["probability"]
+    assert other["decisive temperature [°C]"] == row["decisive temperature [°C]"]
 
 
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):

@@ -4,6 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from tests.helpers.refusals import command, refusal_tests
+from tests.helpers.scenes import SCENE
 
 
 def irg(*arguments):
@@ -15,7 +16,6 @@ def over_itself(*arguments):
 
     def build():
         Path("duty.csv").write_text("load [N],velocity [m/s]\n250,1\n")
-        Path("own.toml").write_text('title = "a pair"\n')
         Path("link.csv").symlink_to("duty.csv")
         return command(*arguments)
 
@@ -27,6 +27,17 @@ def nested():
 
 
 PLACE = ("--load", "250 N", "--velocity", "1 m/s")
+WIDTH = ("--contact-width", "0.2 mm")
+
+
+def recorded():
+    Path("load.csv").write_text("time [s],load [N]\n0,0\n1,200\n4,600\n")
+    ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
+    assert ramp in SCENE
+    Path("recorded.toml").write_text(SCENE.replace(ramp, 'file = "load.csv"'))
+    return command("infer", "recorded.toml", *WIDTH, *PLACE, "--duration", "9 s")
+
+
 REFUSALS = {
     # values of options
     "no quantity": (irg("plot", "a.zarr", "--load", "3"), '"3" has no unit; give one like'),
@@ -55,7 +66,6 @@ REFUSALS = {
                     "duty.csv is read by this command; name another file to write"),
     "over a link": (over_itself("margin", "tiny.zarr", "--points", "duty.csv", "-o", "link.csv"),
                     "link.csv is read by"),
-    "over a pair": (over_itself("gears", "own.toml", "--scene", "own.toml"), "own.toml is read by"),
     # options that do not go together
     "at": (irg("boundary", "tiny.zarr", "--at", "temperature.critical=150"),
            'critical_temperature: "150" has no unit'),
@@ -72,6 +82,12 @@ REFUSALS = {
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
+    "ignored": (irg("infer", "first_try", "--duration", "9 s"),
+                "--duration belongs to --contact-width"),
+    "width": (irg("infer", "first_try", *WIDTH), "needs a load and a velocity; give"),
+    "short": (irg("infer", "first_try", *WIDTH, *PLACE, "--duration", "1 s"),
+              "must be at least the"),
+    "record": (recorded, "--duration holds a ramp; a recorded load ends where the record does"),
     "new": (irg("new"), "no file is named; give a file to write"),
     "help": (irg("help", "boundry"), 'no page or command is called "boundry" (did you mean'),
 }  # fmt: skip

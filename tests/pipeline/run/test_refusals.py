@@ -1,5 +1,6 @@
 """Refusals of runs that need no cluster: what causes each, and what its message says."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from distributed import Client
@@ -7,9 +8,11 @@ from distributed import Client
 import pipeline
 from pipeline.run.cluster import client_of
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.refusals import refusal_tests
 
 SWEEP = tiny.sweep()
+COLD = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
 
 
 class Closed(Client):
@@ -30,6 +33,8 @@ def no_file():
 
 
 REFUSALS = {
+    "no friction": (lambda: pipeline.run_sweep(COLD, "cold.zarr", boundary_only=True),
+                    "no boundary without friction"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),

@@ -85,8 +85,19 @@ def measured(shape, **others):
 
 
 def own(law="", kind="wear", **overrides):
-    law = law or tribo.Wear(1e-15)
+    law = law or Fading(1e-15)
     return lambda: load_scene("first_try", overrides=overrides, laws={kind: law})
+
+
+@dataclass(frozen=True)
+class Fading:
+    """A wear law whose rate falls with the distance slid."""
+
+    rate: float
+    pattern: str = "swept"
+
+    def over(self, begin, end):
+        return tribo.Wear(self.rate / (1 + begin + end), self.pattern)
 
 
 @dataclass
@@ -197,6 +208,7 @@ ENTRIES = {
     "no such law": (own(kind="waer"), "'waer' is unknown; give wear, surface,"),
     "no rule": (own(kind="criterion"), "is not a tribo.Rule; give one"),
     "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
+    "class": (own(Fading), "is not an object of a dataclass"),
     "unlike": (own(Unlike({})), "write @dataclass(frozen=True), or with an array"),
     "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear replaces this entry"),
     "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),
@@ -224,9 +236,6 @@ ENTRIES = {
     "row path": (along("load [N],velocity [m/s],pin.radios [mm]\n600,1,3\n"), "pin.radios"),
     "no rows": (along("load [N],velocity [m/s]\n"), "has no rows"),
     "no row file": (entry("sweep.along", "no.csv"), "no.csv"),
-    "row samples": (along("load [N],velocity [m/s]\n300,1\n300,2\n", **{
-        "unknown": {"friction.coefficient": {"mean": 0.1, "sd": 0.01}}, "sweep.samples": 8}),
-                    "leave out sweep.along or sweep.samples"),
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(10_001))), "10001 rows are too many"),
     # tables of points

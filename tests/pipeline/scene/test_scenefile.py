@@ -198,16 +198,12 @@ def test_an_empty_file_lacks_every_table(tmp_path):
     assert [line.partition(": missing; give a")[0] for line in caught.value.faults] == needed
 
 
-_DISC = {"disk.diameter": "20 mm", "disk.width": "5 mm", "disk.bore": "30 mm"}
-
-
 @pytest.mark.parametrize(
     ("overrides", "keys"),
     [
         ({"window.pixels": [33, 33], "pin.radius": "2 N"}, {"window.pixels", "pin.radius"}),
         ({"pixels_per_element": 5, "pin.lenght": "1 mm"}, {"window.pixels", "pin.lenght"}),
         ({"disk.diameter": "20 mm", "pin.radius": "2 N"}, {"disk.width", "pin.radius"}),
-        (_DISC | {"pin.length": "0.01 mm"}, {"disk", "pin.length"}),
     ],
 )
 def test_conflicts_of_entries_are_named_beside_other_mistakes(overrides, keys):

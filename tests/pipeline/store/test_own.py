@@ -169,16 +169,6 @@ def test_a_damaged_chunk_of_a_copy_is_one_line(copy, tmp_path, irg):
     )
 
 
-def test_what_a_command_caches_is_kept_by_a_run_alone(copy):
-    keeper = pipeline.open_sweep(copy)["status"].encoding["keeper"]
-    keeper.keep("a", b"content")
-    assert keeper.kept("a") is None
-    keeper.may_keep = True
-    keeper.keep("a", b"content")
-    assert keeper.kept("a") == b"content"
-    assert pipeline.verify_store(copy).is_clean
-
-
 def test_fields_lie_in_a_group_of_their_own(copy):
     fields = xr.open_zarr(copy, group="fields")
     rise = record(Point(600.0, 1.5)).data["rise"]

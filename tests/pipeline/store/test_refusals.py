@@ -13,8 +13,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of
 from pipeline.store.progress import summary
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.model import Point
-from tests.helpers import entries, tiny
+from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
 from tests.helpers.refusals import refusal_tests
 from tests.helpers.stores import commit, forge
@@ -88,11 +87,6 @@ def with_another_variable():
     commit("a.zarr", tiny.full(loads=(700.0,)), ())
 
 
-def searched():
-    commit("a.zarr", SWEEP, ())
-    commit("a.zarr", entries.changed(SWEEP, chosen=frozenset([Point(250.0, 1.0)])), ())
-
-
 def grown():
     commit("a.zarr", SWEEP, ())
     commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
@@ -153,7 +147,6 @@ REFUSALS = {
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
     "beside": (with_another_variable, "mine, an array added by a user, would not grow with it"),
-    "searched": (searched, "a plane and a search of its boundary have a store each; write a new"),
     "grown": (grown, "these points: load can only grow at its upper end; write a new store"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
         (250.0, 1.0, {"time": 1.0}, {})))),

@@ -60,9 +60,8 @@ def test_a_choice_that_does_not_converge_is_named_and_left_out(monkeypatch):
     assert "draft: the contact did not converge" in str(table)
 
 
-def test_it_names_the_cheapest_within_an_error_and_none_of_the_front_is_beaten(measured):
-    assert measured.cheapest(0.1) is measured.choices[0]
-    assert measured.cheapest(0.0) is measured.front[-1] is measured.reference
+def test_none_of_the_front_is_beaten(measured):
+    assert measured.front[-1] is measured.reference
     for one in measured.front:
         assert not any(
             other.seconds < one.seconds and other.velocity_error < one.velocity_error
@@ -93,9 +92,6 @@ def test_the_command_prints_the_errors_of_the_points_against_the_reference(
         for head, value in told.items():
             if head != "name":
                 assert float(rows[one.name][head]) == pytest.approx(value, rel=1e-5)
-    for bound in (0.05, 0.03, 0.02, 0.01, 0.005):
-        within = [one for one in measured.choices if one.error_at_any_load <= bound]
-        assert f"--accuracy {100 * bound:g}%: {[*within, measured.reference][0].name}" in said
 
 
 def test_the_figure_shows_presets_the_scenes_own_choice_and_the_front(measured):

@@ -45,16 +45,16 @@ def test_the_way_ascends_in_few_steps_but_not_too_few(load, increments):
 
 
 def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
-    held = Ramp(150.0, 750.0, hold=4.0, stops=tuple(0.5 * number for number in range(1, 8)))
+    held = Ramp(150.0, 750.0, hold=4.0)
     for load in (200.0, 600.0):
         plain, stations = list(RAMP.stations(load, 5)), list(held.stations(load, 5))
         assert stations[: len(plain)] == plain
         hold = stations[len(plain) :]
         assert {s.normal_load for s in hold} == {load}
-        assert [s.time - load / 150 for s in hold] == pytest.approx([0.5 * n for n in range(1, 9)])
-        impulses = [plain[-1].impulse + 0.5 * n * load for n in range(1, 9)]
-        assert [s.impulse for s in hold] == pytest.approx(impulses)
-        assert [s.index for s in hold] == [plain[-1].index + n for n in range(1, 9)]
+        held_for = np.array([s.time - load / 150 for s in hold])
+        assert held_for[-1] == pytest.approx(4.0)
+        assert [s.impulse for s in hold] == pytest.approx(plain[-1].impulse + held_for * load)
+        assert [s.index - plain[-1].index for s in hold] == [*range(1, len(hold) + 1)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
     *_, end = Ramp(150.0, 750.0, hold=1e-9).stations(600.0, 100)

@@ -35,7 +35,6 @@ def twin_disc(motion=RATIO, elements=300, **changes):
         increments=1,
         contact_tolerance=1e-6,
         heat_tolerance=1e-8,
-        heat_kernel="endless",
     )
     scene = Scene(
         pin=Cylinder(RADIUS, LENGTH, replace(STEEL, hardness=math.inf)),

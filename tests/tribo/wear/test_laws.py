@@ -1,4 +1,4 @@
-"""Wear laws: the shipped example against its closed form, and laws that break their contract."""
+"""A wear law and a surface of one's own (tribo/wear/laws.py)."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,6 +12,26 @@ from tests.helpers.scenes import small_scene
 VELOCITY, LOAD = 1.25, 600.0
 
 
+@dataclass(frozen=True)
+class RunningIn:
+    """A rate that falls from `initial_rate` to `final_rate`, exponentially over a `distance`."""
+
+    initial_rate: float
+    final_rate: float
+    distance: float
+    pattern: str = "swept"
+
+    def over(self, begin, end):
+        way = (end - begin) / self.distance
+        faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
+        rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
+        return tribo.Wear(rate, self.pattern)
+
+
+LAW = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=1.5)
+CONSTANT = RunningIn(initial_rate=1.2e-15, final_rate=1.2e-15, distance=1.0)
+
+
 def worn_volume(scene, velocity=VELOCITY):
     *_, state = tribo.simulate(scene, LOAD, velocity)
     return tribo.measures(scene, state)["wear_volume"]
@@ -23,6 +43,25 @@ def ramped_volume(law, rate, velocity, load):
     faded = L**2 - L * (L + slid) * math.exp(-slid / L)
     excess = law.initial_rate - law.final_rate
     return rate / velocity * (law.final_rate * slid**2 / 2 + excess * faded)
+
+
+def test_a_law_wears_off_what_its_closed_form_says():
+    scene = replace(small_scene(increments=40), wear=LAW)
+    expected = ramped_volume(LAW, scene.loading.rate, VELOCITY, LOAD)
+    assert worn_volume(scene) == pytest.approx(expected, rel=2e-3)  # error of second order in steps
+
+
+def test_a_law_of_a_constant_rate_is_archard_s():
+    scene = small_scene(increments=6)
+    *_, constant = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
+    *_, archard = tribo.simulate(replace(scene, wear=tribo.Wear(1.2e-15)), LOAD, VELOCITY)
+    np.testing.assert_allclose(constant.wear_depth, archard.wear_depth, rtol=1e-9)
+    assert constant.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
+
+
+def test_a_pin_that_does_not_slide_wears_by_no_law():
+    scene = replace(small_scene(increments=6), wear=LAW)
+    assert worn_volume(scene, velocity=0.0) == 0
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,17 @@ def work_of(loading):
     return total
 
 
+@pytest.mark.parametrize("increments", [1, 10])
+@pytest.mark.parametrize("as_published", [False, True])
+@pytest.mark.parametrize("name", LOADINGS)
+def test_the_worn_volume_is_that_of_the_load_on_its_way(name, as_published, increments):
+    scene = plane(as_published=as_published, increments=increments, contact_tolerance=1e-3)
+    scene = replace(scene, loading=LOADINGS[name], pixels=Grid((48, 1), (8e-6, 456e-6)))
+    state = end(scene)
+    expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
+    assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
+
+
 @pytest.mark.parametrize(
     ("preset", "pattern"), [*zip(PRESETS, itertools.cycle(("local", "swept")), strict=False)]
 )
@@ -94,6 +105,22 @@ def test_the_worn_volume_of_a_rough_contact_is_exact_in_every_preset(preset, pat
     *_, state = simulate(scene, LOAD, VELOCITY)
     expected = 1.2e-15 * VELOCITY * work_of(scene.loading)
     assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-10)
+
+
+def test_worn_depth_converges_at_second_order():
+    """Depth has a kink in time where the edge of the contact passes, and a lower order.
+
+    So the order is tested in the middle of the contact, and on average.
+    """
+    exact = end(plane(increments=160)).wear_depth
+    middle = slice(48, 72)
+    counts = [5, 10, 20, 40]
+    depths = [end(plane(increments=n)).wear_depth for n in counts]
+    for errors in (
+        [np.abs(depth - exact)[middle].max() for depth in depths],
+        [np.abs(depth - exact).mean() for depth in depths],
+    ):
+        assert 1.8 < -np.polyfit(np.log(counts), np.log(errors), 1)[0] < 2.2
 
 
 @functools.cache
@@ -115,17 +142,18 @@ def test_explicit_wear_with_the_paper_s_increments_is_a_checkerboard_and_says_so
     assert rough.pressure.max() > 2 * smooth().pressure.max()
     (warning,) = warnings(scene, rough)
     assert "unstable" in warning.text
-    assert "at least 180 increments" in warning.text  # 100 times 3.57, over 2
+    assert "at least 179 increments" in warning.text  # 100 times 3.57, over 2
     assert warnings(plane(), smooth()) == []
     assert "unstable" in warnings(scene, next(iter(simulate(scene, LOAD, VELOCITY))))[0].text
 
 
 def test_explicit_wear_with_the_number_of_increments_that_is_advised_is_the_implicit_result():
-    scene, state = explicit(180)
+    scene, state = explicit(179)
     assert warnings(scene, state) == []
-    assert roughness_of_pressure(state) < 0.02
+    assert roughness_of_pressure(state) < 0.03
+    # The nearest image alone deforms less than all images, and wear differs by 0.3 %.
     assert state.pressure.max() == pytest.approx(smooth().pressure.max(), rel=0.01)
-    assert state.wear_depth.max() == pytest.approx(smooth().wear_depth.max(), rel=1e-3)
+    assert state.wear_depth.max() == pytest.approx(smooth().wear_depth.max(), rel=5e-3)
 
 
 def test_stiffness_is_that_of_the_shapes_that_wear():
