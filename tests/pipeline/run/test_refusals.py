@@ -1,5 +1,6 @@
 """Refusals of runs that need no cluster: what causes each, and what its message says."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from distributed import Client
@@ -7,9 +8,11 @@ from distributed import Client
 import pipeline
 from pipeline.run.cluster import client_of
 from tests.helpers import tiny
+from tests.helpers.entries import changed
 from tests.helpers.refusals import refusal_tests
 
 SWEEP = tiny.sweep()
+COLD = changed(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
 
 
 class Closed(Client):
