@@ -1,6 +1,6 @@
 """Kills of drivers, workers and everything at random moments, while a sweep grows.
 
-A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run`` and by
+A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run``, and by
 ``irg run --boundary-only``. The others do without Dask: there half of the time is spent in commits.
 A quarter takes over the points of another store.
 """

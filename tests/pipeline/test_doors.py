@@ -1,5 +1,6 @@
 """The same places, asked of every door: each gives the same verdict, temperature and chance."""
 
+import json
 import re
 
 import numpy as np
@@ -7,7 +8,11 @@ import pandas as pd
 import pytest
 
 import pipeline
-from pipeline.analysis.margin import clipped
+import tribo
+from pipeline.analysis.field import point_field
+from pipeline.analysis.laboratory import model_error
+from pipeline.analysis.margin import DECIDED, clipped, verdict_plane
+from pipeline.cli import main
 from tests.helpers import page_sweeps, synthetic
 from tests.helpers.javascript import run
 from tests.helpers.scenes import MEASURED, SCENE
@@ -17,7 +22,6 @@ from tests.pipeline.page.test_model import MARGINS
 
 SAME = {"rel": 1e-9, "abs": 1e-12}  # all answers use one field and differ by rounding only
 HEADS = "load [N]", "velocity [m/s]"
-OF_SAMPLES = {"abs": 1e-6}  # probabilities change by 2e-7 with the other places judged together
 ON_THE_PAGE = {"abs": 0.02}  # the page interpolates linearly between nodes
 PLANES = "plane", "from rest", "judged otherwise", "a band", "half done", "a slice", "surfaces"
 """Stores whose diagram has regions."""
@@ -75,6 +79,37 @@ def places(ds, count):
 def asked_of_a_place(ds, load, velocity):
     here = pipeline.margin(ds, float(load), float(velocity))
     return here.verdict, here.decisive_temperature - 273.15, here.probability
+
+
+@pytest.mark.parametrize("name", STORES)
+def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
+    ds = STORES[name]()
+    asked = [*places(ds, 6)]
+    table = dict(zip(HEADS, np.transpose(asked), strict=True))
+    frame = pipeline.margin(ds, table)
+    field = point_field(held := pipeline.results(ds))
+    pd.DataFrame(table).to_csv(tmp_path / "duty.csv", index=False)
+    ds.to_netcdf(tmp_path / "copy.nc")
+    options = [f"{tmp_path}/copy.nc", f"--points={tmp_path}/duty.csv", "--json"]
+    assert main(["margin", *options]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    for number, (load, velocity) in enumerate(asked):
+        row = frame.iloc[number]
+        if row["verdict"] == "not known":
+            assert printed[number]["verdict"] == "not known"
+            with pytest.raises(tribo.InputError):
+                asked_of_a_place(held, load, velocity)
+            continue
+        verdict, temperature, chance = asked_of_a_place(held, load, velocity)
+        assert (verdict, printed[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
+        assert temperature == pytest.approx(row["decisive temperature [°C]"], **SAME)
+        assert printed[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
+        assert clipped(chance) == pytest.approx(row["probability"], **SAME)
+        assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
+        ends = verdict_plane(field, [load], [velocity], model_error(held, field))
+        low, high = (float(one[0, 0]) for one in ends)
+        drawn = "mild" if high <= DECIDED[0] else "severe" if low >= DECIDED[-1] else "not decided"
+        assert drawn == verdict, (load, velocity)
 
 
 @pytest.mark.parametrize("name", STORES)
