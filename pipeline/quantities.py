@@ -61,7 +61,7 @@ UNITS = {
     "bulk_temperature": "°C", "disk_temperature": "°C", "critical_temperature": "°C",
     "decisive_temperature": "°C", "temperature_error": "K", "distance": "K", "distance_low": "K",
     "distance_high": "K", "friction": "", "failing_share": "", "viscosities": "mm²/s",
-    "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
+    "unmodelled_rise": "", "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, by the names of columns and fields; empty for a number."""

@@ -157,7 +157,7 @@ def _si_value(path: str, value: Any) -> Any:
             return {body: oil_temperature(name, one) for body, one in value.items()}
         case "bulk_temperature" | "critical_temperature":
             return oil_temperature(name, value)
-        case "share":
+        case "share" | "unmodelled_rise":
             return share_of(value)
     return value
 

@@ -12,6 +12,7 @@ from pipeline.analysis.dataset import Kind
 from pipeline.analysis.field import point_field
 from pipeline.analysis.results import Results
 from pipeline.sweep.accuracy import error_in_words
+from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends
 from tribo import Corrections
@@ -30,6 +31,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
         sweep.declared.caveat,
+        unmodelled_rise_words(conditions),
         note_on_ends(sweep),
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
         exact,

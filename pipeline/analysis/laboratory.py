@@ -64,7 +64,8 @@ def model_error(data: Results, field: PointField) -> ModelError:
 def untested_error(sweep: Sweep) -> ModelError:
     """Distribution of the model's own error if the scene's tests are not used: the prior."""
     model = sweep.declared.model
-    return ModelError(usual=model.scatter if model else USUAL)
+    is_stated = model is not None and model.scatter is not None  # a row of a store may lack it
+    return ModelError(usual=model.scatter if is_stated else USUAL)
 
 
 def _known_comparison(data: Results, field: PointField, test: Measurement) -> Comparison | None:

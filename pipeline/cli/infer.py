@@ -12,6 +12,7 @@ from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
 from pipeline.cli.given import flags_of, one_scene_in, values_in
 from pipeline.cli.output import Result, counted, run_line, working
 from pipeline.quantities import display, shown_in
+from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
 from pipeline.tradeoff.critical_temperature import CriticalTemperatures, as_transitions
 from tribo import InputError, Ramp
@@ -45,8 +46,10 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
             sweep, out=options.kept, workers=options.workers, progress=progress
         )
     frame = _transition_frame(inferred)
+    beside = [words] if (words := unmodelled_rise_words(sweep.conditions)) else []
     if tested:
-        return _bounds_result(inferred, [str(test.outcome) for test in tested], frame)
+        outcomes = [str(test.outcome) for test in tested]
+        return _bounds_result(inferred, outcomes, frame, beside)
     measured = counted(len(frame), "measured transition", "measured transitions")
     several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
     apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
@@ -54,18 +57,19 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
         short(frame),
         f"on average {display(inferred.mean, '°C', 4)}{apart}",
+        *beside,
     ]
     return Result(inferred.as_dict(), text, frames=[frame])
 
 
 def _bounds_result(
-    at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame
+    at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame, beside: list[str]
 ) -> Result:
     """Result of ``irg infer`` for tests with an outcome: bounds of the critical temperature.
 
     `at_tests` has the simulated temperature at each test, and `outcomes` is "mild" or "severe" for
     each test. `frame` is the table to print, with a row for each test; it gets their outcomes as a
-    new column.
+    new column. `beside` has lines to print last.
     """
     judged = list(zip(outcomes, at_tests.means, strict=True))
     low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
@@ -85,6 +89,7 @@ def _bounds_result(
         "temperature where wear stayed mild, above it where wear turned severe:",
         short(frame),
         bounds,
+        *beside,
     ]
     document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
     return Result(document, text, frames=[frame])

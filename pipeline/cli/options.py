@@ -176,7 +176,7 @@ REALIZATION = value(
 AT = several(
     "--at KEY=VALUE",
     'judge at a value: of an entry in sweep.over, like "pin.radius=2 mm", '
-    'or of a condition, like "temperature.critical=150 degC"',
+    'or of a condition, like "temperature.critical=150 degC" or "model.rise=+6 %%"',
     partial(values.pair, like='"pin.radius=2 mm"'),
 )  # fmt: skip
 

@@ -23,6 +23,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.accuracy import error_in_words, has_unknown_error
+from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_turns
 from pipeline.sweep.remarks import remarks
@@ -125,6 +126,10 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     u = "of the disk u" if sweep.scene.motion else "V"
     peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
     yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
+    if added := unmodelled_rise_words(sweep.conditions):
+        yield "", added
+    elif sweep.scene.friction_heat and not sweep.measured:
+        yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text
 

@@ -68,9 +68,10 @@ function showControl(control) {
  * of bulk temperatures over that factor [K], and rise above which wear is severe [K]. Without friction
  * different bulk temperatures still warm one body; their ratio is then the largest one stored.
  * @param {Conditions} conditions */
-function heatOf({ friction, bulk_temperature: pin, disk_temperature: disk = pin, critical_temperature: critical }) {
+function heatOf(conditions) {
+  const { friction, bulk_temperature: pin, disk_temperature: disk = pin, unmodelled_rise: added } = conditions;
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
-  const factor = Math.max(friction, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
-  const limit = critical === null ? NaN : (critical - coldest) / factor;
+  const factor = Math.max(friction * (1 + added), Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
+  const limit = conditions.critical_temperature === null ? NaN : (conditions.critical_temperature - coldest) / factor;
   return { coldest, factor, ratio: difference && difference / factor, limit };
 }

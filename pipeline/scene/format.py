@@ -241,6 +241,10 @@ class Model(Declared):
     scatter: A[float, Share(at_least=0, below=1),
         "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
         f"0 for none. {LATER}"] = 0.1
+    rise: A[float, Share(above=-1, usual=(0, 0.5)),
+        "What you know to act beside the model, as a part of the rise by friction, such as a pin's "
+        f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}",
+        Example("+6 %")] = 0.0
 
 _CHOICES = {
     "pixels_per_element":
@@ -366,7 +370,7 @@ class SceneFile(Declared):
         "it."]
     temperature: A[Temperature,
         "Temperatures that decide whether wear is severe. They act after the simulation."]
-    model: A[Model | None, "Error of the model itself."] = None
+    model: A[Model | None, "What the model leaves out, and its error."] = None
     fidelity: A[Any, table_of(Fidelity),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None

@@ -208,6 +208,7 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
         friction=scene.friction.coefficient,
         critical_temperature=temperature.critical,
         failing_share=temperature.failing_share,
+        unmodelled_rise=(scene.model and scene.model.rise) or 0.0,  # a store may lack it
         criterion=name_of(rule) if rule else temperature.criterion,
         rule=rule,
         corrections=corrections_of(scene, made.pin, made.disk, made.motion),

@@ -9,11 +9,28 @@ from pipeline.sweep.conditions import Conditions
 
 
 def heating_words(conditions: Conditions) -> str:
-    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C".
+
+    A rise beside the model is added, such as "rise +6 %".
+    """
     bulk = f"bulk {display(conditions.bulk_temperature, '°C')}"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {display(conditions.disk_temperature, '°C')} (disk)"
-    return f"friction {conditions.friction:g}, {bulk}"
+    added = f", rise {signed_percent(conditions.unmodelled_rise)}"
+    return f"friction {conditions.friction:g}, {bulk}{added * bool(conditions.unmodelled_rise)}"
+
+
+def unmodelled_rise_words(conditions: Conditions) -> str:
+    """Line on the rise that is added for what acts beside the model; empty if none is added."""
+    if not conditions.unmodelled_rise:
+        return ""
+    added = signed_percent(conditions.unmodelled_rise)
+    return f"{added} of the rise is added for what acts beside the model (irg help physics)"
+
+
+def signed_percent(share: float) -> str:
+    """A share in percent with its sign, such as "+6 %"."""
+    return f"{100 * share:+.4g} %".replace("-", "−")
 
 
 def judged_by(several: Iterable[Conditions]) -> str:

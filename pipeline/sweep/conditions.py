@@ -23,12 +23,14 @@ PATHS = {
     "critical_temperature": "temperature.critical",
     "share": "temperature.failing_share",
     "criterion": "temperature.criterion",
+    "unmodelled_rise": "model.rise",
 }
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """Entries of the scene file that act after the simulation, by the fields of `Conditions`."""
 _NUMBERS = (
     "friction", "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
+    "unmodelled_rise",
 )  # fmt: skip
 UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
 """Units of the fields that are numbers."""
@@ -173,6 +175,7 @@ def changes_of(
     critical_temperature: float | None = None,
     share: float | None = None,
     criterion: str | Rule | None = None,
+    unmodelled_rise: float | None = None,
 ) -> dict[str, Any]:
     """Values of the fields of `Conditions`, by name, for those arguments that are not None.
 
@@ -182,6 +185,7 @@ def changes_of(
         "friction": friction,
         "critical_temperature": critical_temperature,
         "failing_share": share,
+        "unmodelled_rise": unmodelled_rise,
         "criterion": "share" if criterion is None and share is not None else criterion,
     }
     changes = {name: value for name, value in entries.items() if value is not None}

@@ -25,6 +25,7 @@ from pipeline.scene.units import NUMBER
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened, store_path
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report
@@ -170,9 +171,13 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Yield values of the entry `key`; ``"+20%"`` becomes 1.2 times the scene's value."""
+    """Yield values of the entry `key`; ``"+20%"`` becomes 1.2 times the scene's value.
+
+    For ``model.rise``, which is a change itself, it is the value.
+    """
+    is_change = key == PATHS["unmodelled_rise"]
     for value in values:
-        relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
+        relative = _RELATIVE.fullmatch(value) if isinstance(value, str) and not is_change else None
         if relative is None:
             yield value
             continue

@@ -38,6 +38,7 @@ class Judging(ABC):
     bulk_temperature: float  # [K], of the pin alone if `disk_temperature` is given
     critical_temperature: float | None = None  # [K]
     disk_temperature: float | None = field(default=None, kw_only=True)  # [K]
+    unmodelled_rise: float = field(default=0.0, kw_only=True)  # as a part of the computed rise
     corrections: Corrections | None = field(default=None, kw_only=True)
 
     @property
@@ -63,20 +64,20 @@ class Judging(ABC):
 
     @property
     def rise_factor(self) -> float:
-        """Coefficient of friction, by which a rise per unit friction is multiplied.
+        """Factor by which a rise per unit friction is multiplied: µ (1 + `unmodelled_rise`).
 
         If the bulk temperatures differ, the factor is at least their absolute difference divided by
         the largest of `tribo.thermal.BULK_RATIOS` [K]. So the factor is above 0 even without
         friction, and `bulk_ratio`, the difference divided by the factor, is finite.
         """
-        return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
+        heating = self.friction * (1 + self.unmodelled_rise)
+        return max(heating, abs(self.bulk_difference) / BULK_RATIOS[-1])
 
     @property
     def bulk_ratio(self) -> float:
         """Bulk temperature of the disk minus that of the pin, per unit friction [K].
 
-        It is `bulk_difference` [K] divided by `rise_factor`, the coefficient of friction; 0 if both
-        bulk temperatures are equal.
+        It is `bulk_difference` [K] divided by `rise_factor`; 0 if both bulk temperatures are equal.
         """
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
@@ -130,6 +131,9 @@ class Conditions(Judging):
         Temperature above which the lubricant fails [K]; None if it is not known.
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None if it equals the pin's.
+    unmodelled_rise : float
+        Rise that acts beside the model, as a part of the rise by friction that is computed: 0.06
+        multiplies it by 1.06. It is above -1.
     corrections : Corrections or None
         Tracks that earlier turns have warmed, and friction that depends on velocity; None without
         corrections.
@@ -158,6 +162,10 @@ class Conditions(Judging):
             raise InputError(
                 f"critical_temperature is {critical:g} K ({critical - 273.15:.4g} °C); it must be "
                 f"above the bulk temperature, {warmest:g} K ({warmest - 273.15:.4g} °C)"
+            )
+        if not -1 < self.unmodelled_rise < math.inf:
+            raise InputError(
+                f"unmodelled_rise is {self.unmodelled_rise!r}; give a share above -1, such as 0.06"
             )
         self.require_proportional()
 
@@ -188,7 +196,7 @@ class Verdict:
     bulk_temperature : float
         First part of `decisive_temperature`: the bulk temperature of the colder body [K].
     contact_rise : float
-        Second part: the rise between two half-spaces [K].
+        Second part: the rise between two half-spaces, with its unmodelled part [K].
     added_rise : float
         Third part: the rise added by earlier turns, and by friction that depends on velocity [K].
 

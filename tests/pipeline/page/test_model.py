@@ -19,6 +19,7 @@ from tests.helpers.page_sweeps import same
 from tests.helpers.sweeps import with_fields
 from tribo import Corrections, Friction
 
+RISE = "model.rise"
 BOUNDARY = """
 return argument.map((given) => {
   chosen.conditions = { ...content.conditions, ...given };
@@ -66,6 +67,7 @@ def random_conditions(ds, count=4):
             "bulk_temperature": bulk,
             "critical_temperature": bulk + draw.uniform(20.0, 250.0),
         }
+        conditions["unmodelled_rise"] = round(0.4 * math.sin(100 * conditions["friction"]), 3)
         if "bulk_ratio" in ds.coords:
             conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
         if pipeline.results(ds).conditions.criterion == "share":
@@ -81,6 +83,8 @@ def under(ds, conditions):
         conditions["bulk_temperature"] = {"pin": pin, "disk": conditions.pop("disk_temperature")}
     if "failing_share" in conditions:
         conditions["share"] = conditions.pop("failing_share")
+    if "unmodelled_rise" in conditions:
+        conditions[RISE] = conditions.pop("unmodelled_rise")
     return pipeline.at(ds, **conditions)
 
 

@@ -7,6 +7,8 @@ type Conditions = {
   disk_temperature?: number;
   critical_temperature: number | null;
   failing_share: number;
+  /** As a part of the rise by friction. */
+  unmodelled_rise: number;
   criterion?: string;
   /** Measured at a place, and does not follow the scene's over velocity. */
   strip_friction?: boolean;

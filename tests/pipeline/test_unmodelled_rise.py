@@ -1,0 +1,154 @@
+"""What acts beside the model, `[model] rise`, multiplies the rise by friction in every answer."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.text import Text
+
+import pipeline
+from pipeline.scene.units import in_si
+from tests.helpers import page_sweeps, synthetic
+from tests.helpers.sweeps import with_fields
+from tests.pipeline.conftest import commit_all
+from tribo import Corrections, Friction
+
+RISE, ADDED = {"model.rise": "+6 %"}, 1.06
+LINE = "+6 % of the rise is added for what acts beside the model (irg help physics)"
+FEW = {
+    "fidelity.preset": "draft",
+    "sweep.loads": ["400 N", "600 N"],
+    "sweep.velocities": ["1 m/s", "4 m/s"],
+}
+
+
+def without_tests(ds):
+    """The sweep without tests: a measured friction would not follow another one of the scene."""
+    return with_fields(ds, measured=())
+
+
+def falling():
+    """Sweep whose friction depends on velocity."""
+    curve = Corrections(friction=Friction(by_velocity=((0.5, 1.2), (4.0, 0.9))))
+    ds = synthetic.sweep()
+    conditions = replace(pipeline.results(ds).conditions, corrections=curve)
+    return without_tests(with_fields(ds, conditions=conditions))
+
+
+KINDS = {
+    "one bulk": lambda: without_tests(synthetic.sweep()),
+    "friction by velocity": falling,
+    "two bulks": lambda: without_tests(page_sweeps.of_two_bulks()),
+    "a warm pin": lambda: without_tests(page_sweeps.of_a_warm_pin()),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_acts_as_more_friction_does(kind):
+    ds = KINDS[kind]()
+    friction = pipeline.results(ds).conditions.friction
+    added, rubbed = pipeline.at(ds, **RISE), pipeline.at(ds, friction=ADDED * friction)
+    plain, boundary, like = map(pipeline.boundary, (ds, added, rubbed))
+    for name in ("critical_velocity", "critical_load", "mild_below", "severe_above"):
+        np.testing.assert_allclose(boundary[name], like[name], rtol=1e-12)
+        assert not plain[name].equals(boundary[name])
+    margin, same = (pipeline.margin(one, 600.0, 1.2) for one in (added, rubbed))
+    for name in ("decisive_temperature", "distance", "probability", "highest", "critical_velocity"):
+        assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-11)
+    both = pipeline.temperatures(added), pipeline.temperatures(rubbed)
+    xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)
+
+
+def test_between_bodies_of_unequal_bulk_only_the_rise_by_friction_grows():
+    ds = page_sweeps.of_two_bulks()
+    both = ds, pipeline.at(ds, **RISE)
+    rubbed, added = (pipeline.temperatures(one)["mean_temperature"] for one in both)
+    still = 298.15 + 0.5 * 20.0  # the disk is 20 K warmer, of which the contact takes half
+    np.testing.assert_allclose(added - still, ADDED * (rubbed - still), rtol=1e-11)
+    assert rubbed.max() > still + 20.0
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """Store of a small sweep whose scene names no rise beside the model."""
+    path = tmp_path_factory.mktemp("rise") / "s.zarr"
+    commit_all(path, pipeline.load_scene("first_try", overrides=FEW))
+    return path
+
+
+def test_each_answer_names_it_where_it_is_not_zero(irg, store, tmp_path):
+    place = "--load=600 N", "--velocity=2 m/s"
+    at = "--at", "model.rise=+6 %"
+    for command in (("boundary", store), ("margin", store, *place)):
+        text = irg(*command, *at)
+        assert text.count(LINE) == 1
+        assert all(LINE in row["notes"] for row in irg(*command, *at, "--json"))
+        assert "beside the model" not in irg(*command)
+        assert "beside the model" not in irg(*command, "--at", "model.rise=0")
+    assert "friction 0.1, bulk 25 °C, rise +6 %" in irg("boundary", store, *at)
+    assert "rise −5 %" in irg("boundary", store, "--at", "model.rise=-5 %")
+    (tmp_path / "own.toml").write_text('extends = "first_try"\n[model]\nrise = "+6 %"\n')
+    few = "--preset=draft", "--set=sweep.realizations=1", "--alone"
+    assert LINE in irg("point", tmp_path / "own.toml", *place, *few)
+    irg("explore", store, *at, "-o", tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8").split("<h2>Inputs")[0]
+    assert LINE in page
+    assert "bulk 25 °C, rise +6 %" in page
+    figure = pipeline.plot(pipeline.at(store, **RISE))
+    texts = (text.get_text().replace("\n", " ") for text in figure.findobj(Text))
+    assert any("bulk 25 °C, rise +6 %" in text for text in texts)
+
+
+def test_a_run_with_another_one_computes_nothing_and_is_judged_by_it(irg, tmp_path):
+    path = tmp_path / "s.zarr"
+    commit_all(path, pipeline.load_scene("first_try", overrides=FEW))
+    before = pipeline.boundary(pipeline.at(path, friction=0.106))["critical_velocity"]
+    (tmp_path / "own.toml").write_text('extends = "first_try"\n[model]\nrise = "+6 %"\n')
+    few = [f"--set={name}={value}" for name, value in FEW.items()]
+    again = irg("run", tmp_path / "own.toml", *few, "-o", path, "--workers=1", "--json")
+    assert (again["computed"], again["done"]) == (0, 4)
+    after = pipeline.boundary(path)["critical_velocity"]
+    np.testing.assert_allclose(after, before, rtol=1e-12)
+
+
+def test_rows_may_differ_in_it_and_share_their_points(irg):
+    scene = pipeline.load_scene(
+        "first_try", overrides=FEW | {"sweep.over": {"model.rise": ["0 %", "+6 %"]}}
+    )
+    rises = [scene.variant(name).conditions.unmodelled_rise for name in scene.variants.names]
+    assert rises == [0.0, 0.06]
+    few = [f"--set={name}={value}" for name, value in FEW.items()]
+    varied = irg("vary", "first_try", *few, "--over=model.rise=+6%", "--workers=1", "--json")
+    assert {row["value"] for row in varied if row["entry"] == "model.rise"} == {"+6%"}
+    assert min(row["change [%]"] for row in varied if row["entry"] == "model.rise") < -5
+
+
+def test_a_critical_temperature_from_transitions_contains_it(irg, tmp_path):
+    scene = pipeline.load_scene("first_try", preset="draft")
+    one = scene.changed("measured", scene.entries["measured"][:1])
+    bulk = in_si("temperature.bulk", "25 degC", "1 K")
+    plain, added = (
+        pipeline.critical_temperatures(sweep).mean - bulk
+        for sweep in (one, one.changed("model.rise", "+6 %"))
+    )
+    assert added == pytest.approx(ADDED * plain, rel=1e-12)
+    text = irg("infer", "first_try", "--preset=draft", "--set", "model.rise=+6 %")
+    assert LINE in text
+
+
+def test_check_says_what_is_not_counted_unless_transitions_or_the_entry_count_it(irg, tmp_path):
+    said = "holder and films are not counted; model.rise adds them"
+    assert said not in irg("check", "first_try")
+    assert LINE in irg("check", "first_try", "--set", "model.rise=+6 %")
+    (tmp_path / "own.toml").write_text('extends = "first_try"\nwithout = ["measured"]\n')
+    assert irg("check", tmp_path / "own.toml").count(said) == 1
+    added = irg("check", tmp_path / "own.toml", "--set", "model.rise=+6 %")
+    assert said not in added
+    assert LINE in added
+
+
+@pytest.mark.parametrize("value", ["-100 %", "-1.5", "much"])
+def test_a_rise_that_leaves_nothing_is_refused(irg, store, value):
+    assert "model.rise" in irg("check", "first_try", "--set", f"model.rise={value}", code=2)
+    assert "give" in irg("boundary", store, "--at", f"model.rise={value}", code=2)
