@@ -186,4 +186,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"
     if has_unknown_error(sweep):
-        yield "error", "not known; it is for a --preset"
+        yield (
+            "error",
+            "not known for own numerical choices: irg trade compares them with the presets",
+        )

@@ -17,7 +17,7 @@ _FEW = 0.05  # failing share below which the criterion's temperature counts as t
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest relative error to expect of a sweep's critical velocity; None if unknown.
 
-    It is known for presets of numerical choices alone.
+    It is known for presets of numerical choices alone, adapted to the scene.
     """
     preset, rule = str(_preset(sweep)), sweep.conditions
     is_highest = rule.criterion == "highest"
@@ -39,14 +39,13 @@ def error_in_words(sweep: Sweep) -> str:
     """Describe the error of a sweep's critical velocity, and how the error is known."""
     error = velocity_error(sweep)
     if error is None:
-        return "how far boundary velocities err is not known; it is for a --preset"
+        return (
+            "own numerical choices: how far boundary velocities err is not known (irg trade SCENE)"
+        )
     by = f"{100 * error:g} % (irg help choosing)"
     return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
 
 
 def _preset(sweep: Sweep) -> str | None:
-    """Name of a sweep's preset, or of the finest preset that its numerical choices match or exceed.
-
-    The result is None if there is no such preset.
-    """
-    return sweep.preset or preset_of(sweep.scene.fidelity)
+    """Name of the preset whose numbers a sweep has; None for numerical choices of one's own."""
+    return sweep.preset or preset_of(sweep.scene)

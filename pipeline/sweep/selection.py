@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import operator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any
 
-from tribo import PRESETS, Fidelity
-from tribo.simulation.element_size import TIGHTEST
-from tribo.simulation.parts_of_steps import ENOUGH_STEPS
+from tribo import PRESETS, Fidelity, Scene
 
 KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
@@ -21,49 +18,34 @@ Judged by `make promises`.
 """
 
 
-_FINER = {
-    "pixels_per_element": operator.le,
-    "history_coarsening": operator.le,
-    "elements_per_summit": operator.ge,
-    "fewest_summits": operator.ge,
-    "fewest_elements": operator.ge,
-    "increments": operator.ge,
-    "hold_increments": operator.ge,
-    "imprint": operator.le,
-    "contact_tolerance": operator.le,
-    "heat_tolerance": operator.le,
-}
-"""Comparison by which a field is as fine as a preset's; other fields must be equal."""
+def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
+    """Presets by name, adapted to a scene.
 
-
-def preset_of(fidelity: Fidelity) -> str | None:
-    """Name of the finest preset that all numerical choices match or exceed; None without one."""
-    names = (name for name in reversed(PRESET_BOUNDS) if _is_as_fine(fidelity, PRESETS[name]))
-    return next(names, None)
-
-
-def _is_as_fine(fidelity: Fidelity, preset: Fidelity) -> bool:
-    """True if all numerical choices that matter are at least as fine as those of a preset."""
-    without_effect = {*KEPT_FIELDS}
-    if fidelity.pixels_per_element == 1:
-        without_effect |= {"averaging", "fewest_summits"}
-        if fidelity.history_coarsening == 1 and fidelity.contact_tolerance <= TIGHTEST:
-            without_effect |= {"elements_per_summit", "fewest_elements"}
-    own, least = (_effective_fields(one) for one in (fidelity, preset))
-    return all(
-        _FINER.get(name, operator.eq)(value, least[name])
-        for name, value in own.items()
-        if name not in without_effect
-    )
-
-
-def _effective_fields(fidelity: Fidelity) -> dict[str, Any]:
-    """Numerical choices by name; a 0 of special meaning is replaced by what it stands for."""
-    whole = 0.0 if fidelity.increments >= ENOUGH_STEPS else math.inf
-    return asdict(fidelity) | {
-        "hold_increments": fidelity.hold_increments or fidelity.increments,
-        "imprint": fidelity.imprint or whole,
+    Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
+    "history", presets get this model too, which needs all load steps on one grid.
+    """
+    past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
+    changes = past if scene.remembers_heat else {}
+    return {
+        name: with_dividing_elements(scene, replace(PRESETS[name], **changes)) for name in names
     }
+
+
+def with_dividing_elements(scene: Scene, fidelity: Fidelity) -> Fidelity:
+    """Return `fidelity` with elements small enough to tile the scene's grid of pixels.
+
+    An element is a block of n × n pixels. Its n is lowered until n divides the numbers of pixels
+    along x and along y.
+    """
+    nx, ny = scene.pixels.shape
+    fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
+    return replace(fidelity, pixels_per_element=next(fits))
+
+
+def preset_of(scene: Scene) -> str | None:
+    """Name of the preset, adapted to a scene, that the scene has; None for other numbers."""
+    adapted = presets_for(scene, PRESET_BOUNDS).items()
+    return next((name for name, fidelity in adapted if fidelity == scene.fidelity), None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,7 @@ from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import PRESET_BOUNDS
-from pipeline.tradeoff.trade import presets_for
+from pipeline.sweep.selection import PRESET_BOUNDS, presets_for
 from tribo import InputError
 
 
@@ -31,7 +30,7 @@ def choose_accuracy(sweep: SceneLike, accuracy: float | str) -> Sweep:
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
-    for name, fidelity in presets_for(sweep, (*PRESET_BOUNDS,)).items():
+    for name, fidelity in presets_for(sweep.scene, PRESET_BOUNDS).items():
         chosen = with_fidelity(sweep, fidelity, name)
         if (velocity_error(chosen) or 0.0) <= accuracy:
             return chosen

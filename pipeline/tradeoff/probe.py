@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -14,6 +13,7 @@ import numpy as np
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
+from pipeline.sweep.selection import with_dividing_elements
 from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, State, simulate
@@ -79,17 +79,6 @@ def _simulated_rise(
     return max(under_load, key=lambda reading: reading[0])
 
 
-def with_dividing_elements(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """Return `fidelity` with elements small enough to tile the scene's grid of pixels.
-
-    An element is a block of n × n pixels. Its n is lowered until n divides the numbers of pixels
-    along x and along y.
-    """
-    nx, ny = sweep.scene.pixels.shape
-    fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
-    return replace(fidelity, pixels_per_element=next(fits))
-
-
 def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
     """Up to `number` different targets, each a load and a variant of the sweep.
 
@@ -112,7 +101,7 @@ def points_near_boundary(
     searched. Without a transition there, the point is at the end where the rise is closer to its
     limit.
     """
-    scene = with_fidelity(sweep, with_dividing_elements(sweep, PRESETS["standard"]))
+    scene = with_fidelity(sweep, with_dividing_elements(sweep.scene, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
     if not moving:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
@@ -21,7 +21,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.selection import Choice
+from pipeline.sweep.selection import Choice, presets_for
 from pipeline.sweep.severity import boundary_velocity_error, rise_limit
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent, staged
@@ -32,7 +32,6 @@ from pipeline.tradeoff.probe import (
     points_near_boundary,
     probe,
     spread_places,
-    with_dividing_elements,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
@@ -188,25 +187,12 @@ def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
     return float(steps / scene.fidelity.pixels_per_element**2)
 
 
-def presets_for(sweep: Sweep, names: Sequence[str]) -> dict[str, Fidelity]:
-    """Presets by name, adapted to a scene.
-
-    Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
-    "history", presets get this model too, which needs all load steps on one grid.
-    """
-    past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
-    changes = past if sweep.scene.remembers_heat else {}
-    return {
-        name: with_dividing_elements(sweep, replace(PRESETS[name], **changes)) for name in names
-    }
-
-
 def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
     """Fidelities to measure, by name: the preset ``reference``, `presets`, and the sweep's own.
 
     Equal fidelities are listed once, under the first name.
     """
-    named = presets_for(sweep, ("reference", *presets))
+    named = presets_for(sweep.scene, ("reference", *presets))
     named.setdefault(sweep.preset or OWN, sweep.scene.fidelity)
     names: dict[Fidelity, str] = {}
     for name, fidelity in named.items():
