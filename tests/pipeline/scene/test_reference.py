@@ -6,7 +6,7 @@ import tomllib
 import pytest
 
 from pipeline.scene.faults import Faults
-from pipeline.scene.reference import example, new_scene, sections
+from pipeline.scene.reference import all_keys, example, new_scene, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tests.house import reference
@@ -18,6 +18,31 @@ KEYS = [(section, key) for section in sections() for key in section.keys()]  # n
 def test_the_page_is_what_the_format_says():
     text = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
     assert text.endswith(reference.scene()), "write it anew with: make reference"
+
+
+def paths_of(table, place=""):
+    """Yield the paths of entries in nested tables, as the reference writes them."""
+    for key, value in table.items():
+        path = "materials.NAME" if place == "materials" else f"{place}.{key}".lstrip(".")
+        yield path
+        for one in value if isinstance(value, list) else [value]:
+            if isinstance(one, dict):
+                yield from paths_of(one, path)
+
+
+def test_every_entry_is_in_a_shipped_scene_or_on_a_page():
+    """Numerical choices stand in the reference, with the number of each preset."""
+    scenes = [tomllib.loads(file.read_text("utf-8")) for file in shipped_scenes().values()]
+    used, named = {path for scene in scenes for path in paths_of(scene)}, set()
+    for page in set(WORKFLOWS.glob("*.md")) - {WORKFLOWS / "SCENE.md", WORKFLOWS / "DATASET.md"}:
+        code = re.findall(r"```.*?```|`[^`\n]+`", page.read_text("utf-8"), re.DOTALL)
+        named |= {*re.findall(r"\w+", " ".join(code))}
+    without = {
+        path
+        for path, entry in all_keys()
+        if path not in used and not entry.is_store_only and not path.startswith("fidelity.")
+    }
+    assert {path for path in without if path.rpartition(".")[2] not in named} == set()
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
