@@ -69,9 +69,11 @@ function showControl(control) {
  * different bulk temperatures still warm one body; their ratio is then the largest one stored.
  * @param {Conditions} conditions */
 function heatOf(conditions) {
-  const { friction, bulk_temperature: pin, disk_temperature: disk = pin, unmodelled_rise: added } = conditions;
+  const { friction, bulk_temperature: pin, disk_temperature: disk = pin } = conditions;
   const [difference, coldest] = [disk - pin, Math.min(pin, disk)];
-  const factor = Math.max(friction * (1 + added), Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
-  const limit = conditions.critical_temperature === null ? NaN : (conditions.critical_temperature - coldest) / factor;
+  const heating = friction * (1 + conditions.unmodelled_rise);
+  const factor = Math.max(heating, Math.abs(difference) / Math.max(...content.bulk_ratios, 1));
+  const { critical_temperature: critical } = conditions;
+  const limit = critical === null ? NaN : (critical - coldest) / factor;
   return { coldest, factor, ratio: difference && difference / factor, limit };
 }
