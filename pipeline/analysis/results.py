@@ -32,7 +32,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import COORDINATES, DONE, MADE, PLANE, SCENE_ID, STEPPED
+from pipeline.store.schema import ASKED, COORDINATES, DONE, MADE, PLANE, SCENE_ID, STEPPED
 from pipeline.sweep.conditions import PATHS, Conditions
 from pipeline.sweep.laws import Law
 from pipeline.sweep.model import Point, Sweep
@@ -328,9 +328,11 @@ class Results:
     def asked(self) -> Mask:
         """Mask of points that the last run was to compute, done or not.
 
+        Points that a search of the boundary has left out are not among them.
+
         The axes are varied entries, surfaces (`Results.front`), load and velocity.
         """
-        return np.asarray(self.columns.get("asked", np.ones(self.done.shape)) != 0)
+        return np.asarray(self.columns.get("asked", np.full(self.done.shape, ASKED)) == ASKED)
 
     def rises(self, conditions: Conditions) -> Array:
         """Temperature rise [K] per unit friction coefficient at each point; NaN if it is not done.

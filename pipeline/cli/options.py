@@ -107,9 +107,11 @@ ACCURACY = value(
     "--accuracy BOUND", "take the cheapest preset whose boundary errs by this at most, such as 2%%",
     values.share,
 )  # fmt: skip
-BOUNDARY_ONLY = flag(
-    "--boundary-only", "compute only the points beside the boundary; the rest stays pending"
-)
+BOUNDARY_ONLY = value(
+    "--boundary-only TOL", "compute only the points that the boundary needs: the others move its "
+    "velocity by about TOL at most, such as 0.5%%; default: 1%%. They stay pending, and the same "
+    "command without this option computes them", values.tolerance, nargs="?", const=0.01,
+)  # fmt: skip
 
 STORE = value("store OUT.zarr", "store that irg run has made", values.store)
 OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.store)

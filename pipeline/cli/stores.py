@@ -32,7 +32,8 @@ def status(options: argparse.Namespace) -> Result:
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
     store = opened(path)
     state, sweep = summary_of(store), store.sweep
-    text = [state.title, f"{state.total} points: {_counts(state)}"]
+    counts = _counts(state) if state.left_out else f"{state.total} points: {_counts(state)}"
+    text = [state.title, counts]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
     text += [earlier] * bool(state.earlier)
     text += [f"running: {state.running}"] * bool(state.running)
@@ -48,7 +49,11 @@ def status(options: argparse.Namespace) -> Result:
 
 
 def _counts(state: Summary) -> str:
-    return f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
+    failed, pending = len(state.failed), state.pending - state.left_out
+    if not state.left_out:
+        return f"{state.done} done, {failed} failed, {pending} pending"
+    others = [f"{count} {kind}" for count, kind in ((failed, "failed"), (pending, "pending")) if count]
+    return ", ".join([f"{state.done} of {state.total} points, boundary only", *others])
 
 
 def _is_store(path: Path) -> bool:

@@ -1,76 +1,80 @@
-"""Which points of a plane the boundary needs: at each load, those beside it along velocity."""
+"""Which points of a store the boundary between mild and severe wear needs next."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
+from pipeline.run.line_search import Line, places_along
+from pipeline.run.plane_search import next_points
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.severity import rise_limit, worst_rises
 from tribo import InputError
 
-_BESIDE = 1  # further points on each side of the boundary, for a smooth interpolation
+USUAL_TOLERANCE = 0.01
+"""Relative error of the boundary's velocity by points left out, if none is given."""
+
+# In place of 0, which has no logarithm.
+_COLDEST = 1e-9  # rise [K]
+_LEAST_FACTOR = 1e-6  # of friction
 
 
-def beside_boundary(store: Store, sweep: Sweep) -> list[Point]:
-    """Pending points to compute next for the boundary of each variant; none once it is known.
-
-    At each load the velocities are bisected until neighbours are mild and severe. The first ones
-    tried are those beside the boundary of the nearest load that is known.
-    """
-    lines: dict[tuple[object, float], list[Point]] = {}
-    for point in points(sweep):
-        if point.velocity > 0:
-            lines.setdefault((point.variant, point.load), []).append(point)
-    severe = _outcomes(store, sweep)
-    ends = {key: _ends(line, severe) for key, line in lines.items()}
-    found = {key: high for key, (low, high) in ends.items() if high - low == 1}
-    wanted = list[Point]()
-    for (variant, load), line in lines.items():
-        low, high = ends[variant, load]
-        hint = None
-        if found and not any(point in severe for point in line):
-            nearest = min(found, key=lambda key: (key[0] != variant, abs(np.log(key[1] / load))))
-            hint = found[nearest]
-        wanted += [line[place] for place in _next(low, high, len(line), hint)]
-    return [point for point in wanted if point not in severe]
-
-
-def _next(low: int, high: int, count: int, hint: int | None) -> Iterator[int]:
-    """Places to try, given the highest mild place, the lowest severe one, and a first guess."""
-    if high - low == 1:
-        yield from range(max(0, low - _BESIDE), min(count, high + _BESIDE + 1))
-    elif hint is None:
-        yield (low + high) // 2
-    else:
-        yield from {min(max(place, 0), count - 1) for place in (hint - 1, hint)}
-
-
-def _ends(line: Sequence[Point], severe: Mapping[Point, bool | None]) -> tuple[int, int]:
-    """Highest place known to be mild below the lowest one known to be severe; −1 or n without."""
-    states = [severe.get(point) for point in line]
-    high = states.index(True) if True in states else len(line)
-    mild = [place for place in range(high) if states[place] is False]
-    low = mild[-1] if mild else -1
-    while low + 1 < high and severe.get(line[low + 1], False) is None:  # failed: as if mild
-        low += 1
-    return low, high
-
-
-def _outcomes(store: Store, sweep: Sweep) -> dict[Point, bool | None]:
-    """Whether wear is severe at each computed point of a store; None where it failed."""
-    conditions = {name: sweep.variant(name).conditions for name in sweep.variants.names}
-    limits = {name: rise_limit(one) for name, one in conditions.items()}
-    if not all(map(np.isfinite, limits.values())):
+def require_boundary(sweep: Sweep, tolerance: float) -> None:
+    """Raise an `InputError` unless a sweep has a boundary that can be searched."""
+    if isinstance(tolerance, bool) or not 0 < tolerance < 1:
+        raise InputError(
+            f"boundary_only is {tolerance!r}, the boundary's relative error by points left out; "
+            "give a share between 0 and 1, such as 0.01"
+        )
+    if any({"load", "velocity"} & row.labels.keys() for row in sweep.rows):
+        raise InputError(
+            "each row of the sweep has its own load and velocity, so there is no boundary in a "
+            "plane of them; run without --boundary-only"
+        )
+    if not any(velocity > 0 for velocity in sweep.plane.velocities):
+        raise InputError(
+            "sweep.velocities has none above 0, so there is no boundary; give others, or run "
+            "without --boundary-only"
+        )
+    limits = [rise_limit(sweep.variant(name).conditions) for name in sweep.variants.names]
+    if not np.isfinite(limits).all():
         raise InputError("there is no boundary without friction: set friction.coefficient")
+
+
+def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]:
+    """Points to compute next for the boundary of each variant; none once it is known.
+
+    `tolerance` is the relative error of the boundary's velocity by points left out.
+    """
     rises, failed = results_of(store, sweep)
-    severe = {point: rise > limits[point.variant] for point, rise in rises.items()}
-    return severe | dict.fromkeys(failed)
+    planes = defaultdict[Any, dict[float, list[Point]]](lambda: defaultdict(list))
+    for point in points(sweep):
+        if point.velocity > 0 and point not in failed:
+            planes[point.variant][point.load].append(point)
+    wanted = list[Point]()
+    for variant, plane in planes.items():
+        conditions, loads = sweep.variant(variant).conditions, sorted(plane)
+        rows = [sorted(plane[load]) for load in loads]
+        lines = [_line(row, rises, conditions) for row in rows]
+        steps = next_points(np.log(loads), lines, tolerance)
+        wanted += [rows[load][velocity] for load, velocity in steps]
+    return wanted
+
+
+def _line(row: list[Point], rises: Mapping[Point, float], conditions: Conditions) -> Line:
+    """ln(rise/limit) along a row of points at one load."""
+    x = np.log([point.velocity for point in row])
+    limit = max(rise_limit(conditions), _COLDEST)
+    known = [max(rises[point], _COLDEST) if point in rises else np.nan for point in row]
+    friction = np.maximum(conditions.friction_factor(np.exp(places_along(x))), _LEAST_FACTOR)
+    return Line(x, np.log(np.array(known) / limit), np.log(friction))
 
 
 def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
@@ -78,7 +82,7 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
 
     Only points at the loads and in the variants of `sweep` are returned. A rise is the temperature
     rise per unit friction coefficient that the criterion compares with its limit, at the worst step
-    of the point.
+    of the point. A done point without a rise counts as failed.
     """
     columns = store.read_steps()
     (along,) = store.root.variables["load"].dims
@@ -95,4 +99,6 @@ def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Poin
                 yield point, store.index(point)
 
     done = {point: float(rises[variants[point.variant]][index]) for point, index in swept(DONE)}
-    return done, {point for point, _ in swept(FAILED)}
+    without = {point for point, rise in done.items() if np.isnan(rise)}
+    done = {point: rise for point, rise in done.items() if point not in without}
+    return done, without | {point for point, _ in swept(FAILED)}

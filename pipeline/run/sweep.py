@@ -10,7 +10,7 @@ import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
-from pipeline.run.boundary_search import beside_boundary
+from pipeline.run.boundary_search import beside_boundary, require_boundary
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.forkserver import end_if_imported
 from pipeline.run.schedule import compute
@@ -22,7 +22,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, summary_of
 from pipeline.store.root import find_sweep
-from pipeline.store.schema import FAILED, require_free_names
+from pipeline.store.schema import ASKED, FAILED, require_free_names
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
@@ -57,7 +57,7 @@ def run_sweep(
     client: Client | None = None,
     progress: Report | None = None,
     retry_failed: bool = False,
-    boundary_only: bool = False,
+    boundary_only: float | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
     source: PathLike | None = None,
@@ -85,8 +85,11 @@ def run_sweep(
         of progress.
     retry_failed : bool, optional
         True to compute points again that failed in an earlier run.
-    boundary_only : bool, optional
-        True to compute only the points beside the boundary; the rest stays pending.
+    boundary_only : float, optional
+        Compute only the points that the boundary needs, so that the points left out move its
+        velocity by about this share at most, such as 0.01. The rest stays pending, which answers
+        do not report as missing; a later run without this argument computes it. By default all
+        points are computed.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
         it long if workers wait in a queue.
@@ -99,7 +102,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        If `workers`, `client` or `patience` cannot be used.
+        If `workers`, `client`, `patience` or `boundary_only` cannot be used; with
+        `boundary_only` also if the sweep has no boundary, such as without friction.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -120,6 +124,8 @@ def run_sweep(
     _require_cluster(client)
     sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
+    if boundary_only is not None:
+        require_boundary(sweep, boundary_only)
     began = time.monotonic()
     report = progress or silent
     if damaged := mend_store(out, sweep):
@@ -129,25 +135,29 @@ def run_sweep(
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         if retry_failed:
-            store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
+            store.forget(store.points_at(np.nonzero((store.asked == ASKED) & (store.flags == FAILED))))
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
-        tally = Tally(store, shown_progress(progress))
+        if boundary_only is not None:
+            store.leave_out_pending()
 
         def waiting() -> TaskQueue:
-            wanted = beside_boundary(store, sweep) if boundary_only else store.pending()
-            return TaskQueue(tasks(wanted, sweep))
+            if boundary_only is not None:
+                store.ask_for(beside_boundary(store, sweep, boundary_only))
+            return TaskQueue(tasks(store.pending(), sweep))
 
-        if queue := waiting():
-            most = cores() if boundary_only else len(queue)
+        queue = waiting()
+        tally = Tally(store, shown_progress(progress))
+        if queue:
+            most = len(queue) if boundary_only is None else cores()
             with connected(
                 client, min(workers or cores(), most), patience, report, dashboard
             ) as link:
                 while queue:
                     with Writer(store) as writer:
                         compute(link, sweep, writer, queue, tally)
-                    queue = waiting() if boundary_only else TaskQueue(())
+                    queue = waiting()  # the next points of a search; none without one
         summary = summary_of(store)
     counts = summary.total, summary.done, tally.computed
     return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.schema import DONE, FAILED, PENDING
+from pipeline.store.schema import ASKED, DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import Progress, Report, silent
@@ -19,7 +19,7 @@ class Tally:
     """Counts points as they are written; estimates the time left from the mean time of a point."""
 
     def __init__(self, store: Store, progress: Report) -> None:
-        self.store = store  # replaced where a search of the boundary makes it grow
+        self.store = store
         self._progress, self._began = progress, time.monotonic()
         self._seconds = 0.0
         self.computed = 0
@@ -30,7 +30,7 @@ class Tally:
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
-        asked = self.store.flags[self.store.asked == 1]
+        asked = self.store.flags[self.store.asked == ASKED]
         done, failed, pending = (int(np.sum(asked == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None
         if self.computed:

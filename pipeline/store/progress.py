@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.store.lock import holder_of
 from pipeline.store.place import PathLike
-from pipeline.store.schema import DONE, FAILED, PENDING
+from pipeline.store.schema import DONE, FAILED, LEFT_OUT, NOT_ASKED, PENDING
 from pipeline.store.write import Store, opened
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
@@ -45,6 +45,8 @@ class Summary:
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
+    #: Number of pending points that a search of the boundary has left out.
+    left_out: int = 0
     earlier: int = 0  #: Number of further done points, for which only an earlier run asked.
     #: Number of done points with a warning, also those for which only an earlier run asked.
     warned: int = 0
@@ -53,7 +55,7 @@ class Summary:
 
 def summary_of(store: Store) -> Summary:
     """Count the points of an open store by state, and the points with a warning."""
-    asked, flags = store.asked == 1, store.flags
+    asked, flags = store.asked != NOT_ASKED, store.flags
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
@@ -62,6 +64,7 @@ def summary_of(store: Store) -> Summary:
         total=int(np.count_nonzero(asked)),
         done=int(np.count_nonzero(asked & (flags == DONE))),
         pending=int(np.count_nonzero(asked & (flags == PENDING))),
+        left_out=int(np.count_nonzero((store.asked == LEFT_OUT) & (flags == PENDING))),
         failed=tuple(
             FailedPoint(*point[:2], str(message), point.variant, store.in_words(point))
             for point, message in zip(store.points_at(failed), messages, strict=True)

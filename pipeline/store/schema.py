@@ -94,6 +94,12 @@ BULK_COLUMNS = {
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {"bulk_response": _field("1", "pin rise per kelvin by which the disk is warmer")}
 """Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
+NOT_ASKED, ASKED, LEFT_OUT = 0, 1, 2
+"""Whether the last run was to compute a point; left out are those that a search did not need."""
+_ASKED = {
+    "flag_values": [NOT_ASKED, ASKED, LEFT_OUT],
+    "flag_meanings": "not_asked asked left_out_by_search",
+}
 _STATES = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
 _KINDS = {
     "flag_masks": [int(kind) for kind in WarningKind],
@@ -104,7 +110,7 @@ RECORDS = {
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
     "message": Variable(PLANE, None, "reason for a failure, or warnings", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
-    "asked": Variable(PLANE, None, "1 if the last run asked for the point, else 0", "int8"),
+    "asked": Variable(PLANE, None, "whether the last run was to compute the point", "int8", _ASKED),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
     "checksum": Variable(PLANE, None, "BLAKE2b-64 of scene, place, data and warnings", "str"),
 }

@@ -33,9 +33,12 @@ from pipeline.store.place import (
 )
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import (
+    ASKED,
     DONE,
     FAILED,
+    LEFT_OUT,
     MADE,
+    NOT_ASKED,
     PENDING,
     STEPPED,
     path_of,
@@ -53,8 +56,7 @@ class Store:
     """An open store; it may be written if this process holds its lock.
 
     `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
-    `flags` has the status of each point, and `asked` is 1 for each point that the last run was to
-    compute. With `is_damaged`, these two are not read, since their chunks may be damaged; they are
+    `flags` has the status of each point, and `asked` whether the last run was to compute it. With `is_damaged`, these two are not read, since their chunks may be damaged; they are
     0 then.
     """
 
@@ -128,7 +130,7 @@ class Store:
 
     def pending(self) -> list[Point]:
         """Points that the last run was to compute, and that are neither done nor failed."""
-        return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
+        return self.points_at(np.nonzero((self.asked == ASKED) & (self.flags == PENDING)))
 
     # Writing: every method raises a `StoreError` if it fails, or the lock was lost
 
@@ -151,11 +153,27 @@ class Store:
 
     def mark_asked(self, points: Iterable[Point]) -> None:
         """Mark `points` in the store as those that the present run is to compute."""
-        wanted = np.zeros_like(self.asked)
+        wanted = np.full_like(self.asked, NOT_ASKED)
         for point in points:
-            wanted[self.index(point)] = 1
+            wanted[self.index(point)] = ASKED
+        # Written together, so that a lost chunk of statuses is noticed.
+        self._write_flags("status", self.flags, self.asked != wanted)
+        self._write_asked(wanted)
+
+    def leave_out_pending(self) -> None:
+        """Mark pending points of the present run as left out, until `ask_for` asks for them."""
+        is_left_out = (self.asked == ASKED) & (self.flags == PENDING)
+        self._write_asked(np.where(is_left_out, LEFT_OUT, self.asked).astype(np.int8))
+
+    def ask_for(self, points: Iterable[Point]) -> None:
+        """Mark points as those that the present run is to compute, too."""
+        wanted = self.asked.copy()
+        for point in points:
+            wanted[self.index(point)] = ASKED
+        self._write_asked(wanted)
+
+    def _write_asked(self, wanted: NDArray[np.int8]) -> None:
         changed, self.asked = self.asked != wanted, wanted
-        self._write_flags("status", self.flags, changed)  # always, so that a lost chunk is noticed
         self._write_flags("asked", wanted, changed)
 
     def write(

@@ -18,6 +18,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.run.cluster import Client
+from pipeline.run.boundary_search import USUAL_TOLERANCE
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import load_scene
@@ -120,7 +121,7 @@ def vary(
     scenes = [sweep, *others.values()]
     varied = _combine(sweep.variant(), variations, scenes)
     with store_path(out) as path:
-        run_sweep(varied, path, workers, client, progress, boundary_only=True)
+        run_sweep(varied, path, workers, client, progress, boundary_only=USUAL_TOLERANCE)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {

@@ -1,0 +1,176 @@
+"""Where wear turns severe along the velocities of one load, from as few points as possible.
+
+y = ln(rise/limit) is known at the computed points. Between and beyond them y − ln(µ) rises with
+ln(velocity), with slopes in `_SLOPES`: this bounds y, so that its sign is known or open.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from tribo.types import Array, Indices, Mask
+
+# d(y − ln µ)/d ln(velocity): 0.5 to 1 by theory. Smooth, heavily worn contacts have less than 0.25,
+# which moves the search to other points, but hides no crossing if friction is constant.
+_SLOPES = 0.25, 1.2
+_STEEPEST = 3.0  # slope beyond which a computed one is no evidence: a rise may begin at 0
+_CURVATURE = 0.3  # bound of d²(y − ln µ)/d ln(velocity)²
+_ROUGH = 0.003  # the rise of a rough contact differs by 0.2 % from a smooth curve at each velocity
+# Curvature that a crossing's neighbours do not show, with 0, 1 or 2 further points beside them.
+_UNSEEN = 0.3, 0.1, 0.0
+_PARTS = 64  # parts of an interval of velocities at which the sign is looked at
+_FLATTEST = 0.1  # least slope for the error of a crossing: beside a turn of y it is not known
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """ln(rise/limit) at the velocities of one load.
+
+    `x` (n,) is ln(velocity), ascending, of the points that can be computed; `y` (n,) is NaN where
+    they are not computed. `friction` is ln(µ) relative to the nominal coefficient, at `places`.
+    """
+
+    x: Array
+    y: Array
+    friction: Array
+
+    @functools.cached_property
+    def known(self) -> Indices:
+        return np.flatnonzero(np.isfinite(self.y))
+
+    @functools.cached_property
+    def _places(self) -> Array:
+        return places_along(self.x)
+
+    @property
+    def _bends(self) -> bool:
+        """True if friction varies with velocity, so that the sign may change several times."""
+        return bool(np.ptp(self.friction) > 0)
+
+    @functools.cached_property
+    def _curve(self) -> tuple[Array, Array, Array]:
+        """Lower bound, estimate and upper bound of y at all places."""
+        at, x, heat = self._places, self.x[self.known], self._heat
+        slopes = np.diff(heat) / np.diff(x)
+        gentle, steep = self._slopes(slopes)
+        away = at - x[:, None]
+        ends = [
+            np.where(away > 0, one, other) * away + heat[:, None]
+            for one, other in ((gentle, steep), (steep, gentle))
+        ]
+        low, high = np.sort([ends[0].max(axis=0), ends[1].min(axis=0)], axis=0)
+        middle = (low + high) / 2
+        if len(x) > 1:
+            middle = np.clip(_interpolated(x, heat, at), low, high)
+            off = _ROUGH + _CURVATURE * _bow(x, at)
+            low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
+        return low + self.friction, middle + self.friction, high + self.friction
+
+    @functools.cached_property
+    def _heat(self) -> Array:
+        """y − ln(µ) at the computed points."""
+        return np.asarray((self.y - self.friction[:: _PARTS])[self.known])
+
+    @staticmethod
+    def _slopes(found: Array) -> tuple[float, float]:
+        """Least and largest slope, wider than `_SLOPES` if computed points have shown others."""
+        gentle, steep = _SLOPES
+        found = found[np.abs(found) < _STEEPEST]
+        return min(gentle, found.min(initial=gentle)), max(steep, found.max(initial=steep))
+
+    def crossings(self) -> Array:
+        """ln(velocity) at which wear changes, ascending."""
+        if not self.known.size:
+            return np.empty(0)
+        x, y = self._places, self._curve[1]
+        (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
+        return np.asarray(x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k]))
+
+    @property
+    def is_severe(self) -> bool:
+        """True if wear is severe at the lowest velocity, by the estimate."""
+        return bool(self.known.size and self._curve[1][0] > 0)
+
+    def wanted(self, guess: float, tolerance: float) -> int | None:
+        """Index of the velocity to compute next; None if none is needed.
+
+        `guess` is ln(velocity) at which to begin, `tolerance` the error of a crossing in
+        ln(velocity).
+        """
+        is_open = np.isnan(self.y)
+        if not is_open.any():
+            return None
+        if not self.known.size:
+            return int(np.argmin(np.abs(self.x - guess)))
+        for index in (self._doubtful(is_open), self._unsure(is_open, tolerance), self._end(is_open)):
+            if index is not None:
+                return index
+        return None
+
+    def _doubtful(self, is_open: Mask) -> int | None:
+        """The velocity not computed next to which the sign is most in doubt."""
+        low, _, high = self._curve
+        depth = np.minimum(high, -low)
+        # Each place belongs to the nearer of the two velocities about it that is not computed.
+        cell = np.minimum(np.arange(len(depth)) // _PARTS, len(self.x) - 1)
+        above = np.minimum(cell + (np.arange(len(depth)) % _PARTS > 0), len(self.x) - 1)
+        depth = np.where(is_open[cell] | is_open[above], depth, -math.inf)
+        place = int(np.argmax(depth))
+        if depth[place] <= 0:
+            return None
+        sides = [side for side in (int(cell[place]), int(above[place])) if is_open[side]]
+        return min(sides, key=lambda side: abs(self.x[side] - self._places[place]))
+
+    def _unsure(self, is_open: Mask, tolerance: float) -> int | None:
+        """A velocity of the two about a crossing; or one beside them, if its error is too large."""
+        low = np.clip(np.searchsorted(self.x, self.crossings()) - 1, 0, max(len(self.x) - 2, 0))
+        for first in low.tolist():
+            if is_open[first : first + 2].any():
+                return first + int(np.argmax(is_open[first : first + 2]))
+            further = [one for one in (first - 1, first + 2) if 0 <= one < len(self.x)]
+            wanted = [one for one in further if is_open[one]]
+            gap = self.x[first + 1] - self.x[first]
+            slope = abs(self.y[first + 1] - self.y[first]) / gap
+            unseen = _UNSEEN[len(further) - len(wanted)]
+            if wanted and unseen * gap**2 / 8 > tolerance * max(slope, _FLATTEST):
+                return wanted[0]
+        return None
+
+    def _end(self, is_open: Mask) -> int | None:
+        """A velocity at an end, if wear does not change: an answer then says "throughout"."""
+        if self.crossings().size:
+            return None
+        # With constant friction one end decides: the highest if wear is mild, else the lowest.
+        # The point beside it shows how the rise goes on.
+        last = len(self.x) - 1
+        highest_first = (last, 0) if not self.is_severe else (0, last)
+        first, other = highest_first
+        beside = abs(first - 1)
+        ends = (first, other) if self._bends else (first, min(beside, last))
+        return next((end for end in ends if is_open[end]), None)
+
+
+def places_along(x: Array) -> Array:
+    """ln(velocity) at which the sign is looked at: each of `x`, and 63 places in each interval."""
+    return np.interp(np.arange(_PARTS * (len(x) - 1) + 1) / _PARTS, np.arange(len(x)), x)
+
+
+def _interpolated(x: Array, heat: Array, at: Array) -> Array:
+    """Monotone cubic through points, with the mean slope beyond them."""
+    from scipy.interpolate import PchipInterpolator  # 0.2 s, which runs of whole planes save
+
+    inner = np.clip(at, x[0], x[-1])
+    mean = (heat[-1] - heat[0]) / (x[-1] - x[0])
+    return np.asarray(PchipInterpolator(x, heat)(inner) + mean * (at - inner))
+
+
+def _bow(x: Array, at: Array) -> Array:
+    """Distance of a curve with second derivative 1 from its chord, or beyond from its tangent."""
+    last = np.searchsorted(x, at).clip(1, len(x) - 1)
+    within = (at - x[last - 1]) * (x[last] - at) / 2
+    beyond = np.maximum(x[0] - at, at - x[-1])
+    return np.where(beyond > 0, beyond, within)
