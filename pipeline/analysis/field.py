@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.analysis.curve import Curve, filled
+from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.model_error import ModelError
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RisePlane, planes_of, rise_errors, totals
@@ -202,9 +203,12 @@ class PointField:
     def _rises(self) -> Array:
         """Rises [K] on m surfaces (m, n_load, n_velocity); NaN at points that are not done.
 
-        They leave out the effect of velocity on friction.
+        They leave out the effect of velocity on friction. At loads that a search of the boundary
+        has left out, they are estimated near the boundary.
         """
-        return np.array([plane.rises for plane in self.planes])
+        rises = np.array([plane.rises for plane in self.planes])
+        is_left_out = np.array([plane.is_left_out for plane in self.planes]).all(axis=-1)
+        return fill_left_out(self.loads, self.velocities, rises, is_left_out)
 
     @functools.cached_property
     def _filled(self) -> Array:

@@ -146,8 +146,8 @@ class RisePlane:
     """Temperature rises [K] at the points of one surface, and the warnings of these points.
 
     Rises are per unit friction coefficient, without the effect of velocity on friction. `flags` are
-    sums of `WarningKind` codes, and `durations` the times of loading [s], both
-    (n_load, n_velocity).
+    sums of `WarningKind` codes, `durations` the times of loading [s], and `is_left_out` is True for
+    points that a search of the boundary did not need, all (n_load, n_velocity).
     """
 
     loads: Array
@@ -155,6 +155,7 @@ class RisePlane:
     rises: Array
     flags: Indices
     durations: Array
+    is_left_out: Mask
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """Mask (k,) of k pairs of load and velocity: True for computed points."""
@@ -221,7 +222,8 @@ def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
     rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
     times = np.nan_to_num(scene.columns["time"], nan=-np.inf).max(axis=-1)
     shape = -1, *rises.shape[-2:]
-    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times))
+    left_out = ~scene.asked & ~scene.done
+    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times, left_out))
     axes = scene.loads, scene.velocities
     return tuple(RisePlane(*axes, *values) for values in zip(*parts, strict=True))
 

@@ -1,0 +1,104 @@
+"""Rises at loads that a search of the boundary has left out, from the loads computed beside them.
+
+Computed points lie along the boundary, so that neighbouring loads have few velocities in common.
+Rises are therefore interpolated along lines of equal rise, not at equal velocity.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.analysis.curve import Curve
+from tribo.types import Array, Indices, Mask
+
+_SLOPES = 0.25, 1.2  # of ln(rise) over ln(velocity), as the search assumes
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """Velocities of equal rise at the computed loads of one surface.
+
+    `rows` (r,) are the indices of these loads, with two or more points each. `centres` (r,) are
+    ln(velocity) of the common rise.
+    """
+
+    loads: Array
+    velocities: Array
+    rises: Array  # (load, velocity); NaN where not computed
+    rows: Indices
+    centres: Array
+
+    @classmethod
+    def of(cls, loads: Array, velocities: Array, rises: Array) -> Alignment:
+        """Align the loads of a plane of rises (load, velocity)."""
+        is_known = np.isfinite(rises) & (rises > 0) & (velocities > 0)
+        rows = np.flatnonzero(is_known.sum(axis=1) >= 2)
+        known = is_known[rows]
+        x = np.broadcast_to(np.log(np.where(velocities > 0, velocities, 1.0)), known.shape)
+        y = np.log(np.where(known, rises[rows], 1.0))
+        if not rows.size:
+            return cls(loads, velocities, rises, rows, np.empty(0))
+        means = [np.mean(part, axis=1, where=known) for part in (x, y)]
+        ways = x - means[0][:, None]
+        slopes = np.sum(ways * y, axis=1, where=known) / np.sum(ways**2, axis=1, where=known)
+        level = np.median(y[known])
+        return cls(
+            loads, velocities, rises, rows,
+            means[0] + (level - means[1]) / np.clip(slopes, *_SLOPES),
+        )  # fmt: skip
+
+    def shifts(self, loads: Array) -> Array:
+        """ln(velocity) at each computed load minus that at each of k `loads` (r, k)."""
+        here = Curve(self.loads[self.rows], np.exp(self.centres))(loads)
+        return np.asarray(self.centres[:, None] - np.log(here))
+
+    def without(self, row: int) -> Alignment:
+        """The alignment without the computed load at this place in `rows`."""
+        others = np.delete(np.arange(len(self.rows)), row)
+        return Alignment(
+            self.loads, self.velocities, self.rises, self.rows[others], self.centres[others]
+        )
+
+    def at(self, load: float, velocities: Array) -> Array:
+        """Rises at one load and k velocities, interpolated along lines of equal rise."""
+        places = velocities * np.exp(self.shifts(np.array([load])))
+        along = Curve(self.velocities, self.rises[self.rows])(places, continued=True)
+        return Curve(self.loads[self.rows], along.T)(np.array([load]))[:, 0]
+
+    def is_near(self, load: float) -> Mask:
+        """Mask of the velocities between the computed points beside a load, and one on each side.
+
+        The points are those of the loads below and above, shifted along lines of equal rise.
+        """
+        above = int(np.searchsorted(self.loads[self.rows], load).clip(1, len(self.rows) - 1))
+        ends = []
+        for row in (above - 1, above):
+            known = self.velocities[np.isfinite(self.rises[self.rows[row]])]
+            ends.append(known[[0, -1]] * np.exp(-self.shifts(np.array([load]))[row]))
+        (low, *_), (*_, high) = np.sort(np.transpose(ends), axis=1)[:, ::-1].tolist()
+        first, last = np.searchsorted(self.velocities, sorted([low, high]))
+        number = np.arange(len(self.velocities))
+        return np.asarray((number >= first - 1) & (number <= last))
+
+
+def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Mask) -> Array:
+    """Estimate rises at loads that were left out, in planes (..., load, velocity).
+
+    `is_left_out` (..., load) is True for loads without a point that was to be computed. Rises are
+    estimated near the computed points of the loads beside.
+    """
+    if not is_left_out.any():
+        return rises
+    filled = rises.copy()
+    for place in np.ndindex(rises.shape[:-2]):
+        aligned = Alignment.of(loads, velocities, rises[place])
+        if len(aligned.rows) < 2:
+            continue
+        first, last = aligned.rows[[0, -1]]
+        for load in np.flatnonzero(is_left_out[place]):
+            if first < load < last:
+                near = aligned.is_near(loads[load])
+                filled[(*place, load, near)] = aligned.at(loads[load], velocities[near])
+    return filled
