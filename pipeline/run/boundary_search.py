@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import bisect
+import math
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +16,12 @@ from pipeline.run.plane_search import next_points
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement, own_tests
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.severity import rise_limit, worst_rises
 from tribo import InputError
+from tribo.types import Array, Mask
 
 USUAL_TOLERANCE = 0.01
 """Relative error of the boundary's velocity by points left out, if none is given."""
@@ -51,54 +56,92 @@ def require_boundary(sweep: Sweep, tolerance: float) -> None:
 def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]:
     """Points to compute next for the boundary of each variant; none once it is known.
 
-    `tolerance` is the relative error of the boundary's velocity by points left out.
+    `tolerance` is the relative error of the boundary's velocity by points left out. Once the
+    boundary is known, the points follow that the scene's tests need for their comparison with it.
     """
-    rises, failed = results_of(store, sweep)
+    reader = RiseReader(store)
+    failed = reader.failed
     planes = defaultdict[Any, dict[float, list[Point]]](lambda: defaultdict(list))
     for point in points(sweep):
         if point.velocity > 0 and point not in failed:
             planes[point.variant][point.load].append(point)
-    wanted = list[Point]()
+    wanted = dict[Point, None]()
     for variant, plane in planes.items():
-        conditions, loads = sweep.variant(variant).conditions, sorted(plane)
-        rows = [sorted(plane[load]) for load in loads]
-        lines = [_line(row, rises, conditions) for row in rows]
-        steps = next_points(np.log(loads), lines, tolerance)
-        wanted += [rows[load][velocity] for load, velocity in steps]
-    return wanted
+        one = sweep.variant(variant)
+        rows = [sorted(plane[load]) for load in sorted(plane)]
+        lines = [_line(row, reader, one.conditions) for row in rows]
+        steps = next_points(np.log(sorted(plane)), lines, tolerance)
+        found = [rows[load][velocity] for load, velocity in steps]
+        wanted |= dict.fromkeys(found or _beside_tests(one, rows, reader, tolerance))
+    return [*wanted]
 
 
-def _line(row: list[Point], rises: Mapping[Point, float], conditions: Conditions) -> Line:
+def _beside_tests(
+    sweep: Sweep, rows: Sequence[list[Point]], reader: RiseReader, tolerance: float
+) -> Iterator[Point]:
+    """Points that show at the loads about each test where wear turns severe in the test.
+
+    A test has its own friction and bulk temperature, so that it may turn severe elsewhere.
+    """
+    loads = [row[0].load for row in rows]
+    for test in own_tests(sweep.tests):
+        conditions = _conditions_of(test, sweep.conditions)
+        if conditions is None or not loads[0] <= test.normal_load <= loads[-1]:
+            continue
+        above = bisect.bisect_left(loads, test.normal_load)
+        for row in rows[above - (loads[above] != test.normal_load) : above + 1]:
+            line = _line(row, reader, conditions)
+            step = line.wanted(math.log(test.velocity), tolerance)
+            if step is not None:
+                yield row[step]
+
+
+def _conditions_of(test: Measurement, scene: Conditions) -> Conditions | None:
+    """Conditions of a test; None if its bulk is above the critical temperature or friction 0."""
+    own = scene.replace_friction(test.friction)
+    if test.bulk_temperature is not None:
+        try:
+            own = replace(own, bulk_temperature=test.bulk_temperature, disk_temperature=None)
+        except InputError:
+            return None
+    return own if math.isfinite(rise_limit(own)) else None
+
+
+def _line(row: Sequence[Point], reader: RiseReader, conditions: Conditions) -> Line:
     """ln(rise/limit) along a row of points at one load."""
     x = np.log([point.velocity for point in row])
+    rises = np.fmax(reader.rises(row, conditions), _COLDEST)
+    is_known = reader.is_done(row)
     limit = max(rise_limit(conditions), _COLDEST)
-    known = [max(rises[point], _COLDEST) if point in rises else np.nan for point in row]
     friction = np.maximum(conditions.friction_factor(np.exp(places_along(x))), _LEAST_FACTOR)
-    return Line(x, np.log(np.array(known) / limit), np.log(friction))
+    return Line(x, np.where(is_known, np.log(rises / limit), np.nan), np.log(friction))
 
 
-def results_of(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
-    """Rises of the done points of a store by point [K], and the set of its failed points.
+class RiseReader:
+    """Rises at the worst step of the points of a store, under any conditions."""
 
-    Only points at the loads and in the variants of `sweep` are returned. A rise is the temperature
-    rise per unit friction coefficient that the criterion compares with its limit, at the worst step
-    of the point. A done point without a rise counts as failed.
-    """
-    columns = store.read_steps()
-    (along,) = store.root.variables["load"].dims
-    inner = len(store.dims) - store.dims.index(along)  # dimensions after that of loads, and steps
-    loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
-    variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants.names}
-    rises = {
-        conditions: worst_rises(columns, loads, conditions) for conditions in set(variants.values())
-    }
+    def __init__(self, store: Store) -> None:
+        self._store, self._columns = store, store.read_steps()
+        (along,) = store.root.variables["load"].dims
+        inner = len(store.dims) - store.dims.index(along)  # dimensions after loads, and steps
+        self._loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
+        self._rises = dict[Conditions, Array]()
 
-    def swept(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
-        for point in store.points_at(np.nonzero(store.flags == flag)):
-            if point.load in sweep.plane.loads and point.variant in variants:
-                yield point, store.index(point)
+    @property
+    def failed(self) -> set[Point]:
+        """Points that failed."""
+        return {*self._store.points_at(np.nonzero(self._store.flags == FAILED))}
 
-    done = {point: float(rises[variants[point.variant]][index]) for point, index in swept(DONE)}
-    without = {point for point, rise in done.items() if np.isnan(rise)}
-    done = {point: rise for point, rise in done.items() if point not in without}
-    return done, without | {point for point, _ in swept(FAILED)}
+    def is_done(self, row: Sequence[Point]) -> Mask:
+        """Mask of the points that are done."""
+        return np.array([self._store.flags[self._store.index(point)] == DONE for point in row])
+
+    def rises(self, row: Sequence[Point], conditions: Conditions) -> Array:
+        """Rise per unit friction coefficient that the criterion compares with its limit [K].
+
+        It is NaN at points that are not done, and at points without a contact.
+        """
+        if conditions not in self._rises:
+            self._rises[conditions] = worst_rises(self._columns, self._loads, conditions)
+        found = self._rises[conditions]
+        return np.array([found[self._store.index(point)] for point in row])

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.run.boundary_search import results_of
+from pipeline.run.boundary_search import RiseReader
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError
@@ -15,6 +15,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, store_path
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import points
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Report
 from pipeline.sweep.tables import CURVE, replace_values
@@ -150,15 +151,16 @@ def critical_temperatures(
     asked = _transition_rows(sweep.variant(), surfaces(seeds))
     with store_path(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True)
-        rises, failed = results_of(opened(path), asked)
-    if failed:
+        reader, todo = RiseReader(opened(path)), points(asked)
+    if failed := reader.failed.intersection(todo):
         raise ExecutionError(
             f"{min(failed)} could not be computed; see irg check of the scene, or give another "
             "fidelity"
         )
     by_row: dict[Label, list[float]] = {number: [] for number in range(len(transitions))}
-    for point, rise in sorted(rises.items(), key=lambda item: item[0].variant):
+    for point in sorted(todo, key=lambda point: point.variant):
         conditions = asked.variant(point.variant).conditions
+        (rise,) = reader.rises([point], conditions).tolist()
         by_row[point.variant[0][1]].append(conditions.contact_temperature(rise))
     temperatures = tuple(tuple(values) for values in by_row.values())
     return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
