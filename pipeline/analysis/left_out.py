@@ -68,19 +68,21 @@ class Alignment:
         return Curve(self.loads[self.rows], along.T)(np.array([load]))[:, 0]
 
     def is_near(self, load: float) -> Mask:
-        """Mask of the velocities between the computed points beside a load, and one on each side.
+        """Mask of the velocities between the computed points beside a load, and two on each side.
 
-        The points are those of the loads below and above, shifted along lines of equal rise.
+        The points are those of the loads below and above, shifted along lines of equal rise. If
+        both loads have an end of the velocities, all velocities up to this end are near.
         """
         above = int(np.searchsorted(self.loads[self.rows], load).clip(1, len(self.rows) - 1))
-        ends = []
-        for row in (above - 1, above):
-            known = self.velocities[np.isfinite(self.rises[self.rows[row]])]
-            ends.append(known[[0, -1]] * np.exp(-self.shifts(np.array([load]))[row]))
-        (low, *_), (*_, high) = np.sort(np.transpose(ends), axis=1)[:, ::-1].tolist()
+        beside = [above - 1, above]
+        known = np.isfinite(self.rises[self.rows[beside]])
+        shifts = self.shifts(np.array([load]))[beside]
+        places = np.where(known, self.velocities * np.exp(-shifts), np.nan)
+        low, high = np.nanmin(places, axis=1).max(), np.nanmax(places, axis=1).min()
         first, last = np.searchsorted(self.velocities, sorted([low, high]))
+        at_first, at_last = known[:, [0, -1]].all(axis=0)
         number = np.arange(len(self.velocities))
-        return np.asarray((number >= first - 1) & (number <= last))
+        return np.asarray(((number >= first - 2) | at_first) & ((number <= last + 1) | at_last))
 
 
 def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Mask) -> Array:

@@ -10,7 +10,9 @@ from pipeline.run.line_search import Line
 from tribo.types import Array
 
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
-_SHARE = 1 / 3  # of the tolerance: of a crossing at a load, and of the prediction of a load
+# Shares of the tolerance. That of a load's prediction is small: loads differ by chance, so that one
+# may be predicted well while the next is not.
+_OF_CROSSING, _OF_PREDICTION = 1 / 3, 1 / 6
 _FEWEST = 3  # loads that a prediction rests on before it may end the search
 
 
@@ -28,7 +30,7 @@ def next_points(
         steps = [
             (number, step)
             for number, guess in guesses.items()
-            if (step := lines[number].wanted(guess, _SHARE * tolerance)) is not None
+            if (step := lines[number].wanted(guess, _OF_CROSSING * tolerance)) is not None
         ]
         if steps:
             return steps
@@ -57,7 +59,7 @@ def _levels(
         for (first, end), middle in zip(spans, middles, strict=True):
             is_alike = len({_pattern(lines[one]) for one in (first, middle, end)}) == 1
             told = _predicted(loads, before, middle, len(found[middle]))
-            if told is None or not is_alike or _off(told, found[middle]) > _SHARE * tolerance:
+            if told is None or not is_alike or _off(told, found[middle]) > _OF_PREDICTION * tolerance:
                 halves += [(first, middle), (middle, end)]
         spans = halves
 
