@@ -80,12 +80,12 @@ class Alignment:
         places = np.where(known, self.velocities * np.exp(-shifts), np.nan)
         low, high = np.nanmin(places, axis=1).max(), np.nanmax(places, axis=1).min()
         first, last = np.searchsorted(self.velocities, sorted([low, high]))
-        at_first, at_last = known[:, [0, -1]].all(axis=0)
         number = np.arange(len(self.velocities))
-        return np.asarray(((number >= first - 2) | at_first) & ((number <= last + 1) | at_last))
+        is_above = (number >= first - 2) | known[:, 0].all()
+        return np.asarray(is_above & ((number <= last + 1) | known[:, -1].all()))
 
 
-def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Mask) -> Array:
+def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Array) -> Array:
     """Estimate rises at loads that were left out, in planes (..., load, velocity).
 
     `is_left_out` (..., load) is True for loads without a point that was to be computed. Rises are

@@ -52,7 +52,9 @@ def _counts(state: Summary) -> str:
     failed, pending = len(state.failed), state.pending - state.left_out
     if not state.left_out:
         return f"{state.done} done, {failed} failed, {pending} pending"
-    others = [f"{count} {kind}" for count, kind in ((failed, "failed"), (pending, "pending")) if count]
+    others = [
+        f"{count} {kind}" for count, kind in ((failed, "failed"), (pending, "pending")) if count
+    ]
     return ", ".join([f"{state.done} of {state.total} points, boundary only", *others])
 
 

@@ -40,6 +40,7 @@ class Line:
 
     @functools.cached_property
     def known(self) -> Indices:
+        """Indices of the computed points."""
         return np.flatnonzero(np.isfinite(self.y))
 
     @functools.cached_property
@@ -72,8 +73,8 @@ class Line:
 
     @functools.cached_property
     def _heat(self) -> Array:
-        """y − ln(µ) at the computed points."""
-        return np.asarray((self.y - self.friction[:: _PARTS])[self.known])
+        """Values y − ln(µ) of the computed points."""
+        return np.asarray((self.y - self.friction[::_PARTS])[self.known])
 
     @staticmethod
     def _slopes(found: Array) -> tuple[float, float]:
@@ -106,7 +107,11 @@ class Line:
             return None
         if not self.known.size:
             return int(np.argmin(np.abs(self.x - guess)))
-        for index in (self._doubtful(is_open), self._unsure(is_open, tolerance), self._end(is_open)):
+        for index in (
+            self._doubtful(is_open),
+            self._unsure(is_open, tolerance),
+            self._end(is_open),
+        ):
             if index is not None:
                 return index
         return None
@@ -123,16 +128,16 @@ class Line:
         if depth[place] <= 0:
             return None
         sides = [side for side in (int(cell[place]), int(above[place])) if is_open[side]]
-        return min(sides, key=lambda side: abs(self.x[side] - self._places[place]))
+        return min(sides, key=lambda side: float(abs(self.x[side] - self._places[place])))
 
     def _unsure(self, is_open: Mask, tolerance: float) -> int | None:
         """A velocity of the two about a crossing; or one beside them, if its error is too large."""
         low = np.clip(np.searchsorted(self.x, self.crossings()) - 1, 0, max(len(self.x) - 2, 0))
         for first in low.tolist():
             if is_open[first : first + 2].any():
-                return first + int(np.argmax(is_open[first : first + 2]))
+                return int(first + np.argmax(is_open[first : first + 2]))
             further = [one for one in (first - 1, first + 2) if 0 <= one < len(self.x)]
-            wanted = [one for one in further if is_open[one]]
+            wanted: list[int] = [one for one in further if is_open[one]]
             gap = self.x[first + 1] - self.x[first]
             slope = abs(self.y[first + 1] - self.y[first]) / gap
             unseen = _UNSEEN[len(further) - len(wanted)]
@@ -147,11 +152,9 @@ class Line:
         # With constant friction one end decides: the highest if wear is mild, else the lowest.
         # The point beside it shows how the rise goes on.
         last = len(self.x) - 1
-        highest_first = (last, 0) if not self.is_severe else (0, last)
-        first, other = highest_first
-        beside = abs(first - 1)
-        ends = (first, other) if self._bends else (first, min(beside, last))
-        return next((end for end in ends if is_open[end]), None)
+        end, beside, other = (0, 1, last) if self.is_severe else (last, last - 1, 0)
+        wanted = (end, other) if self._bends else (end, beside)
+        return next((one for one in wanted if 0 <= one <= last and is_open[one]), None)
 
 
 def places_along(x: Array) -> Array:
@@ -173,4 +176,4 @@ def _bow(x: Array, at: Array) -> Array:
     last = np.searchsorted(x, at).clip(1, len(x) - 1)
     within = (at - x[last - 1]) * (x[last] - at) / 2
     beyond = np.maximum(x[0] - at, at - x[-1])
-    return np.where(beyond > 0, beyond, within)
+    return np.asarray(np.where(beyond > 0, beyond, within))

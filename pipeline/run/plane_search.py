@@ -16,9 +16,7 @@ _OF_CROSSING, _OF_PREDICTION = 1 / 3, 1 / 6
 _FEWEST = 3  # loads that a prediction rests on before it may end the search
 
 
-def next_points(
-    loads: Array, lines: Sequence[Line], tolerance: float
-) -> list[tuple[int, int]]:
+def next_points(loads: Array, lines: Sequence[Line], tolerance: float) -> list[tuple[int, int]]:
     """Indices of load and velocity of the points to compute next; empty once the boundary is known.
 
     `loads` are logarithms, ascending. It depends on computed points alone, and each load on those
@@ -59,7 +57,11 @@ def _levels(
         for (first, end), middle in zip(spans, middles, strict=True):
             is_alike = len({_pattern(lines[one]) for one in (first, middle, end)}) == 1
             told = _predicted(loads, before, middle, len(found[middle]))
-            if told is None or not is_alike or _off(told, found[middle]) > _OF_PREDICTION * tolerance:
+            if (
+                told is None
+                or not is_alike
+                or _off(told, found[middle]) > _OF_PREDICTION * tolerance
+            ):
                 halves += [(first, middle), (middle, end)]
         spans = halves
 
@@ -77,9 +79,7 @@ def _off(told: Array, found: Array) -> float:
     return float(np.max(np.abs(told - found), initial=0.0))
 
 
-def _predicted(
-    loads: Array, found: Mapping[int, Array], number: int, count: int
-) -> Array | None:
+def _predicted(loads: Array, found: Mapping[int, Array], number: int, count: int) -> Array | None:
     """Crossings at a load from the loads `found` that have as many; None if these are too few."""
     from scipy.interpolate import PchipInterpolator
 
@@ -92,9 +92,7 @@ def _predicted(
     return np.asarray(curves(loads[number]))
 
 
-def _guess(
-    loads: Array, lines: Sequence[Line], found: Mapping[int, Array], number: int
-) -> float:
+def _guess(loads: Array, lines: Sequence[Line], found: Mapping[int, Array], number: int) -> float:
     """ln(velocity) at which to begin the search of a load: near the boundary of the loads found."""
     known = sorted(one for one in found if found[one].size)
     if not known:

@@ -135,7 +135,9 @@ def run_sweep(
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         if retry_failed:
-            store.forget(store.points_at(np.nonzero((store.asked == ASKED) & (store.flags == FAILED))))
+            store.forget(
+                store.points_at(np.nonzero((store.asked == ASKED) & (store.flags == FAILED)))
+            )
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))

@@ -56,8 +56,8 @@ class Store:
     """An open store; it may be written if this process holds its lock.
 
     `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
-    `flags` has the status of each point, and `asked` whether the last run was to compute it. With `is_damaged`, these two are not read, since their chunks may be damaged; they are
-    0 then.
+    `flags` has the status of each point, and `asked` whether the last run was to compute it. With
+    `is_damaged`, these two are not read, since their chunks may be damaged; they are 0 then.
     """
 
     def __init__(

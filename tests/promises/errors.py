@@ -196,6 +196,7 @@ def plane_of(row, preset, share):
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
+        is_left_out=np.zeros(rises.shape, bool),
     )
 
 
