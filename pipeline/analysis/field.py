@@ -207,7 +207,7 @@ class PointField:
         has left out, they are estimated near the boundary.
         """
         rises = np.array([plane.rises for plane in self.planes])
-        is_left_out = np.array([plane.is_left_out for plane in self.planes]).all(axis=-1)
+        is_left_out = np.array([plane.is_left_out.all(axis=-1) for plane in self.planes])
         return fill_left_out(self.loads, self.velocities, rises, is_left_out)
 
     @functools.cached_property

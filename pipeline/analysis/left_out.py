@@ -85,7 +85,7 @@ class Alignment:
         return np.asarray(is_above & ((number <= last + 1) | known[:, -1].all()))
 
 
-def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Array) -> Array:
+def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Mask) -> Array:
     """Estimate rises at loads that were left out, in planes (..., load, velocity).
 
     `is_left_out` (..., load) is True for loads without a point that was to be computed. Rises are

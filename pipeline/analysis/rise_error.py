@@ -343,8 +343,8 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
     """Root mean square of error of ln(rise) over gap, over points that are left out in turn.
 
     The gap is taken to its `_power`. A left-out point is interpolated from the others along `axis`,
-    load or velocity. The gap is the difference of ln(load) or ln(velocity) between the neighbours of the point. The result is NaN if
-    no point can be interpolated.
+    load or velocity. The gap is the difference of ln(load) or ln(velocity) between the neighbours
+    of the point. The result is NaN if no point can be interpolated.
     """
     if axis == "load" and grid.is_left_out.any():
         every = _left_out_loads(grid)

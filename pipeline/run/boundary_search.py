@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,7 @@ USUAL_TOLERANCE = 0.01
 # In place of 0, which has no logarithm.
 _COLDEST = 1e-9  # rise [K]
 _LEAST_FACTOR = 1e-6  # of friction
+_GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
 
 
 def require_boundary(sweep: Sweep, tolerance: float) -> None:
@@ -60,17 +62,18 @@ def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]
     boundary is known, the points follow that the scene's tests need for their comparison with it.
     """
     reader = RiseReader(store)
-    failed = reader.failed
     planes = defaultdict[Any, dict[float, list[Point]]](lambda: defaultdict(list))
     for point in points(sweep):
-        if point.velocity > 0 and point not in failed:
+        if point.velocity > 0:
             planes[point.variant][point.load].append(point)
     wanted = dict[Point, None]()
     for variant, plane in planes.items():
         one = sweep.variant(variant)
-        rows = [sorted(plane[load]) for load in sorted(plane)]
+        rows = [row for load in sorted(plane) if (row := reader.computable(sorted(plane[load])))]
+        if not rows:
+            continue
         lines = [_line(row, reader, one.conditions) for row in rows]
-        steps = next_points(np.log(sorted(plane)), lines, tolerance)
+        steps = next_points(np.log([row[0].load for row in rows]), lines, tolerance)
         found = [rows[load][velocity] for load, velocity in steps]
         wanted |= dict.fromkeys(found or _beside_tests(one, rows, reader, tolerance))
     return [*wanted]
@@ -127,14 +130,22 @@ class RiseReader:
         self._loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
         self._rises = dict[Conditions, Array]()
 
-    @property
-    def failed(self) -> set[Point]:
-        """Points that failed."""
-        return {*self._store.points_at(np.nonzero(self._store.flags == FAILED))}
-
     def is_done(self, row: Sequence[Point]) -> Mask:
         """Mask of the points that are done."""
-        return np.array([self._store.flags[self._store.index(point)] == DONE for point in row])
+        return self._has(row, DONE)
+
+    def failed(self, row: Sequence[Point]) -> list[Point]:
+        """Those of some points that failed."""
+        return [*itertools.compress(row, self._has(row, FAILED))]
+
+    def computable(self, row: Sequence[Point]) -> list[Point]:
+        """Those of the points of one load that did not fail; none if this load is given up."""
+        failed = self.failed(row)
+        is_given_up = len(failed) >= _GIVEN_UP and not self.is_done(row).any()
+        return [] if is_given_up else [point for point in row if point not in failed]
+
+    def _has(self, row: Sequence[Point], flag: int) -> Mask:
+        return np.array([self._store.flags[self._store.index(point)] == flag for point in row])
 
     def rises(self, row: Sequence[Point], conditions: Conditions) -> Array:
         """Rise per unit friction coefficient that the criterion compares with its limit [K].

@@ -152,7 +152,7 @@ def critical_temperatures(
     with store_path(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True)
         reader, todo = RiseReader(opened(path)), points(asked)
-    if failed := reader.failed.intersection(todo):
+    if failed := reader.failed(todo):
         raise ExecutionError(
             f"{min(failed)} could not be computed; see irg check of the scene, or give another "
             "fidelity"

@@ -1,0 +1,157 @@
+"""The search of the boundary: few points, all crossings, and the same points after a kill."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.store.schema import DONE, LEFT_OUT, PENDING
+from pipeline.sweep.variants import surfaces
+from tests.helpers import tiny
+from tribo import InputError
+
+LOADS = tuple(np.geomspace(100.0, 800.0, 9).round(1).tolist())
+VELOCITIES = tuple(np.geomspace(0.25, 8.0, 21).round(3).tolist())
+COARSE = 0.3  # leaves loads out, although the small contact differs by chance from load to load
+
+
+def plane(**changes):
+    return tiny.sweep(**{"loads": LOADS, "velocities": VELOCITIES} | changes)
+
+
+def searched(sweep, path, tolerance=0.01, **more):
+    return pipeline.run_sweep(sweep, path, workers=1, boundary_only=tolerance, **more)
+
+
+def done(path):
+    return pipeline.open_sweep(path)["status"].values == DONE
+
+
+def off(path, whole):
+    """Largest relative difference of the critical velocities of two stores."""
+    here, there = (pipeline.boundary(one)["critical_velocity"].values for one in (path, whole))
+    assert np.array_equal(np.isnan(here), np.isnan(there))
+    return np.nanmax(np.abs(here / there - 1))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    path = tmp_path_factory.mktemp("whole") / "whole.zarr"
+    pipeline.run_sweep(plane(), path, workers=2)
+    return path
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    path = tmp_path_factory.mktemp("small") / "small.zarr"
+    outcome = searched(plane(), path)
+    assert outcome.total == len(LOADS) * len(VELOCITIES)
+    assert outcome.computed == outcome.done <= 30
+    return path
+
+
+def test_the_boundary_is_that_of_the_whole_plane_within_the_tolerance(small, whole):
+    assert off(small, whole) < 0.01
+
+
+def test_a_larger_tolerance_takes_fewer_points(small, tmp_path, whole):
+    outcome = searched(plane(), tmp_path / "coarse.zarr", COARSE)
+    assert outcome.done < done(small).sum()
+    assert off(tmp_path / "coarse.zarr", whole) < COARSE
+
+
+def test_no_answer_complains_of_points_left_out(small):
+    ds = pipeline.open_sweep(small)
+    assert pipeline.boundary(ds).attrs["missing_points"] == 0
+    assert np.isfinite(pipeline.boundary(ds)["critical_velocity"]).all()
+    assert np.array_equal(ds["asked"] == LEFT_OUT, ds["status"] == PENDING)
+    state = pipeline.summary(small)
+    assert state.left_out == state.pending == state.total - state.done
+
+
+def test_the_stated_error_covers_loads_left_out(tmp_path, whole):
+    path = tmp_path / "coarse.zarr"
+    searched(plane(), path, COARSE)
+    critical = pipeline.boundary(whole)["critical_velocity"]
+    left_out = [load for load, row in zip(LOADS, done(path), strict=True) if not row.any()]
+    assert left_out
+    for load in left_out:
+        here = pipeline.margin(path, load, critical.sel(load=load).item())
+        assert abs(here.distance) < here.error.interpolation
+
+
+def test_a_second_search_computes_nothing(small):
+    assert searched(plane(), small).computed == 0
+
+
+def test_a_run_without_the_option_completes_the_plane(tmp_path, whole):
+    path = tmp_path / "plane.zarr"
+    found = searched(plane(), path).computed
+    outcome = pipeline.run_sweep(plane(), path, workers=2)
+    assert outcome.computed == outcome.total - found
+    assert off(path, whole) == 0
+    assert pipeline.summary(path).left_out == 0
+    assert searched(plane(), path).computed == 0
+    assert pipeline.summary(path).left_out == 0  # all are done
+
+
+def test_a_load_whose_points_fail_is_given_up_and_the_search_goes_round_it(tmp_path, whole):
+    path, ramp = tmp_path / "failed.zarr", plane().scene.loading
+    diverging = tiny.DivergingRamp(ramp.rate, ramp.reference_load, faulty_load=LOADS[4])
+    outcome = searched(plane(loading=diverging), path)
+    assert [point.load for point in outcome.failed] == [LOADS[4]] * 3
+    again = searched(plane(loading=diverging), path)
+    assert (again.computed, len(again.failed)) == (0, 3)
+    critical = pipeline.boundary(path)["critical_velocity"]
+    assert np.isfinite(critical).sum() == len(LOADS) - 1
+    assert searched(plane(), path, retry_failed=True).failed == ()
+    assert off(path, whole) < 0.01
+
+
+class KilledError(Exception):
+    """Stands for a kill, which leaves the store as it is."""
+
+
+@pytest.mark.parametrize("count", [1, 3, 7, 12])
+def test_a_search_that_was_stopped_ends_with_the_same_points(tmp_path, small, count):
+    def stop(progress):
+        if progress.done >= count:
+            raise KilledError
+
+    path = tmp_path / "stopped.zarr"
+    with pytest.raises(KilledError):
+        searched(plane(), path, progress=stop)
+    assert count <= done(path).sum() < done(small).sum()
+    searched(plane(), path)
+    assert np.array_equal(done(path), done(small))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_planes_of_few_loads_and_velocities(tmp_path, count):
+    sweep = plane(loads=LOADS[:count], velocities=VELOCITIES[:: 20 // count][:count])
+    outcome = searched(sweep, tmp_path / "few.zarr")
+    assert 0 < outcome.done <= count**2
+    pipeline.boundary(tmp_path / "few.zarr")
+
+
+def test_velocity_0_is_left_out(tmp_path):
+    searched(plane(velocities=(0.0, 0.5, 1.0, 2.0)), tmp_path / "rest.zarr")
+    assert not done(tmp_path / "rest.zarr")[:, 0].any()
+
+
+def test_each_surface_has_its_own_boundary(tmp_path):
+    sweep = plane(variants=surfaces((1, 2)), loads=LOADS[:5])
+    for name, options in (("searched", {"boundary_only": 0.01}), ("whole", {})):
+        pipeline.run_sweep(sweep, tmp_path / name, workers=2, **options)
+    assert off(tmp_path / "searched", tmp_path / "whole") < 0.01
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1, float("nan"), True])
+def test_a_tolerance_is_a_share(tmp_path, tolerance):
+    with pytest.raises(InputError, match=r"boundary_only is .* between 0 and 1"):
+        searched(plane(), tmp_path / "none.zarr", tolerance)
+    assert not (tmp_path / "none.zarr").exists()
+
+
+def test_a_search_needs_a_velocity(tmp_path):
+    with pytest.raises(InputError, match="velocities has none above 0"):
+        searched(plane(velocities=(0.0,)), tmp_path / "none.zarr")
