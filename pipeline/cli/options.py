@@ -110,7 +110,7 @@ ACCURACY = value(
 BOUNDARY_ONLY = value(
     "--boundary-only TOL", "compute only the points that the boundary needs: the others move its "
     "velocity by about TOL at most, such as 0.5%%; default: 1%%. They stay pending, and the same "
-    "command without this option computes them", values.tolerance, nargs="?", const=0.01,
+    "command without this option computes them", values.share, nargs="?", const=0.01,
 )  # fmt: skip
 
 STORE = value("store OUT.zarr", "store that irg run has made", values.store)

@@ -79,17 +79,6 @@ def share(text: str) -> float:
     raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
 
 
-def tolerance(text: str) -> float:
-    """Read the value of ``--boundary-only``, a share between 0 and 1."""
-    try:
-        return share(text)
-    except Refused:
-        raise Refused(
-            f'"{text}": give a share between 0 and 1, such as 1%, or none, with the scene before '
-            "this option"
-        ) from None
-
-
 def settings(text: str) -> tuple[str, list[Any]]:
     """Split ``KEY=VALUE,VALUE`` into the key and the list of values.
 

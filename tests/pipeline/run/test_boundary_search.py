@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.run.line_search import Line, places_along
+from pipeline.run.plane_search import next_points
 from pipeline.store.schema import DONE, LEFT_OUT, PENDING
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
-from tribo import InputError
 
 LOADS = tuple(np.geomspace(100.0, 800.0, 9).round(1).tolist())
 VELOCITIES = tuple(np.geomspace(0.25, 8.0, 21).round(3).tolist())
@@ -145,13 +146,56 @@ def test_each_surface_has_its_own_boundary(tmp_path):
     assert off(tmp_path / "searched", tmp_path / "whole") < 0.01
 
 
-@pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1, float("nan"), True])
-def test_a_tolerance_is_a_share(tmp_path, tolerance):
-    with pytest.raises(InputError, match=r"boundary_only is .* between 0 and 1"):
-        searched(plane(), tmp_path / "none.zarr", tolerance)
-    assert not (tmp_path / "none.zarr").exists()
+# Every crossing, on closed forms of ln(rise/limit) at ten loads
 
 
-def test_a_search_needs_a_velocity(tmp_path):
-    with pytest.raises(InputError, match="velocities has none above 0"):
-        searched(plane(velocities=(0.0,)), tmp_path / "none.zarr")
+X = np.log(np.linspace(0.25, 6.0, 40))
+
+
+def heat(load, x, generator):
+    """Return ln(rise/limit) at friction 1: rising, bent, and a little rough, as a contact's."""
+    slope, bend, level = generator.uniform([0.4, -0.06, -0.6], [0.9, 0.06, 0.6])
+    middle = np.log(1.5)
+    waves = sum(0.001 * np.sin(k * 9.0 * x + generator.uniform(0, 7)) for k in (1, 2))
+    return level + 0.58 * load + slope * (x - middle) + bend * (x - middle) ** 2 + waves
+
+
+def friction(generator, turns):
+    """Return ln(µ) over ln(velocity), with bends at random velocities; 0 without turns."""
+    if not turns:
+        return lambda x: np.zeros_like(x)
+    nodes = np.sort(generator.uniform(X[0], X[-1], turns + 1))
+    values = np.cumsum(generator.uniform(0.4, 1.5, turns + 1) * (-1.0) ** np.arange(turns + 1))
+    return lambda x: np.interp(x, nodes, values - values.mean())
+
+
+def touches(y):
+    """Return True if a turn of y is so near to 0 that roughness decides about two crossings."""
+    is_turn = np.diff(np.sign(np.diff(y))) != 0
+    return bool(np.any(np.abs(y[1:-1][is_turn]) < 0.005))
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_every_crossing_is_found(turns):
+    loads, count, asked = np.log(np.geomspace(0.5, 2.0, 10)), 0, 0
+    fine = places_along(X)
+    for seed in range(25):
+        mu = friction(generator := np.random.default_rng([turns, seed]), turns)
+        shape = generator.integers(2**31)
+        truth = [heat(load, X, np.random.default_rng(shape)) + mu(X) for load in loads]
+        y = np.full((len(loads), len(X)), np.nan)
+        while todo := next_points(loads, [Line(X, row, mu(fine)) for row in y], 0.01):
+            for load, velocity in todo:
+                assert np.isnan(y[load, velocity])  # nothing is computed twice
+                y[load, velocity] = truth[load][velocity]
+        asked += np.isfinite(y).sum()
+        for number in np.flatnonzero(np.isfinite(y).any(axis=1)):
+            if touches(heat(loads[number], fine, np.random.default_rng(shape)) + mu(fine)):
+                continue
+            whole = Line(X, truth[number], mu(fine)).crossings()
+            found = Line(X, y[number], mu(fine)).crossings()
+            assert len(found) == len(whole)
+            np.testing.assert_allclose(found, whole, atol=0.005)
+            count += len(whole)
+    assert count > 100
+    assert asked < 25 * y.size * (0.1 + 0.1 * turns)

@@ -7,6 +7,7 @@ from distributed import Client
 
 import pipeline
 from pipeline.run.cluster import client_of
+from pipeline.sweep.variants import labelled_rows
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.refusals import refusal_tests
@@ -32,9 +33,20 @@ def no_file():
     return client_of(file=Path("scheduler.json"))
 
 
+def searched(sweep, tolerance=0.01):
+    return lambda: pipeline.run_sweep(sweep, "a.zarr", boundary_only=tolerance)
+
+
+ROWS = tiny.sweep(
+    variants=labelled_rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
+)
+
 REFUSALS = {
-    "no friction": (lambda: pipeline.run_sweep(COLD, "cold.zarr", boundary_only=True),
-                    "no boundary without friction"),
+    "tolerance": (searched(SWEEP, 1.0), "boundary_only is 1.0, the boundary's relative error"),
+    "bool": (searched(SWEEP, True), "boundary_only is True"),
+    "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
+    "at rest": (searched(tiny.sweep(velocities=(0.0,))), "sweep.velocities has none above 0"),
+    "frictionless": (searched(COLD), "there is no boundary without friction"),
     "client": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client="tcp://a:1"), "is 'tcp://a:1'"),
     "closed": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", client=Closed()), "client is closed"),
     "patience": (lambda: pipeline.run_sweep(SWEEP, "a.zarr", patience=-1.0), "patience is -1.0"),
