@@ -21,6 +21,7 @@ from pipeline.analysis.laboratory import (
     own_conditions,
     untested_error,
 )
+from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.margin import DECIDED
 from pipeline.analysis.model_error import AGREED, WORTH, ModelError
 from pipeline.analysis.results import Results, results
@@ -240,7 +241,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     interpolated from the other points at this velocity. On this curve the page finds the critical
     load.
     """
-    loads, velocities, done = data.loads, data.velocities, data.done
+    loads, velocities = data.loads, data.velocities
+    rises, done = _with_left_out(rises, data, conditions)
     by_velocity, by_load = pieces_of(len(loads), len(velocities), rises[..., 0, 0, :, :].size)
     fine_loads = divided(loads, by_load)
     heat, nodes = rises_on_finer_grid(rises, loads, velocities, by_velocity, conditions)
@@ -271,8 +273,24 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "columns": _offsets(own_columns, own_nodes, state.size, fine_loads.size),
         "errors": packed_array(node_errors(point_field(data), fine_loads, nodes), "<f4"),
         "state": "".join(map(digit_string, (state, within))),
-        "missing": (data.asked.reshape(done.shape) & ~done).sum(axis=(1, 2)).tolist(),
+        "missing": (data.asked & ~data.done).reshape(done.shape).sum(axis=(1, 2)).tolist(),
     }
+
+
+def _with_left_out(rises: Array, data: Results, conditions: Conditions) -> tuple[Array, Mask]:
+    """Add rises at loads that a search of the boundary has left out, as the answers have them.
+
+    Returns rises and the mask of points that have one, computed or estimated.
+    """
+    is_left_out = ~(data.asked | data.done).any(axis=-1)
+    if not is_left_out.any():
+        return rises, data.done
+    factor = conditions.friction_factor(data.velocities)[:, None, None]
+    planes = np.moveaxis(rises / factor, (-2, -1), (0, 1))
+    left_out = np.broadcast_to(is_left_out, planes.shape[:-1])
+    filled = fill_left_out(data.loads, data.velocities, planes, left_out)
+    filled = np.moveaxis(filled, (0, 1), (-2, -1)) * factor
+    return filled, np.asarray(np.isfinite(filled).all(axis=(-2, -1)))
 
 
 def _offsets(lines: Indices, nodes: Indices, begin: int, width: int) -> dict[str, int]:

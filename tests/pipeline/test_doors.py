@@ -62,6 +62,7 @@ STORES = {
     "a slice": lambda: synthetic.sweep().isel(load=slice(2, 9, 2), velocity=slice(1, 12, 3)),
     "surfaces": lambda: surfaces(0.9, 1.0, 1.1),
     "the boundary alone": page_sweeps.along_boundary,
+    "loads left out": page_sweeps.with_loads_left_out,
 }
 
 
