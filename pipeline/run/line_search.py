@@ -107,14 +107,13 @@ class Line:
             return None
         if not self.known.size:
             return int(np.argmin(np.abs(self.x - guess)))
-        for index in (
+        steps = (
             self._doubtful(is_open),
             self._unsure(is_open, tolerance),
+            self._touching(is_open),
             self._end(is_open),
-        ):
-            if index is not None:
-                return index
-        return None
+        )
+        return next((step for step in steps if step is not None), None)
 
     def _doubtful(self, is_open: Mask) -> int | None:
         """The velocity not computed next to which the sign is most in doubt."""
@@ -143,6 +142,21 @@ class Line:
             unseen = _UNSEEN[len(further) - len(wanted)]
             if wanted and unseen * gap**2 / 8 > tolerance * max(slope, _FLATTEST):
                 return wanted[0]
+        return None
+
+    def _touching(self, is_open: Mask) -> int | None:
+        """A velocity beside two of one sign, between which y comes so near to 0 that it may turn.
+
+        Only friction that varies turns y. Points beside the two show the curve in between.
+        """
+        low, _, high = self._curve
+        for first in np.flatnonzero(~is_open[:-1] & ~is_open[1:]).tolist():
+            inside = slice(_PARTS * first + 1, _PARTS * (first + 1))
+            may_turn = self._bends and np.any((low[inside] < 0) & (high[inside] > 0))
+            if may_turn and (self.y[first] > 0) == (self.y[first + 1] > 0):
+                for beside in (first - 1, first + 2):
+                    if 0 <= beside < len(self.x) and is_open[beside]:
+                        return int(beside)
         return None
 
     def _end(self, is_open: Mask) -> int | None:
