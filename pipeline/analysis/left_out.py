@@ -68,21 +68,21 @@ class Alignment:
         return Curve(self.loads[self.rows], along.T)(np.array([load]))[:, 0]
 
     def is_near(self, load: float) -> Mask:
-        """Mask of the velocities between the computed points beside a load, and two on each side.
+        """Mask of the velocities about those computed at the loads beside, and one on each side.
 
-        The points are those of the loads below and above, shifted along lines of equal rise. If
-        both loads have an end of the velocities, all velocities up to this end are near.
+        The computed ones count as they are, as wear may turn by friction there, and shifted along
+        lines of equal rise. If both loads have an end of the velocities, all up to this end are
+        near.
         """
         above = int(np.searchsorted(self.loads[self.rows], load).clip(1, len(self.rows) - 1))
         beside = [above - 1, above]
         known = np.isfinite(self.rises[self.rows[beside]])
-        shifts = self.shifts(np.array([load]))[beside]
-        places = np.where(known, self.velocities * np.exp(-shifts), np.nan)
-        low, high = np.nanmin(places, axis=1).max(), np.nanmax(places, axis=1).min()
-        first, last = np.searchsorted(self.velocities, sorted([low, high]))
+        shifted = self.velocities * np.exp(-self.shifts(np.array([load]))[beside])
+        places = np.concatenate([shifted[known], self.velocities[known.any(axis=0)]])
+        first, last = np.searchsorted(self.velocities, [places.min(), places.max()])
         number = np.arange(len(self.velocities))
-        is_above = (number >= first - 2) | known[:, 0].all()
-        return np.asarray(is_above & ((number <= last + 1) | known[:, -1].all()))
+        is_above = (number >= first - 1) | known[:, 0].all()
+        return np.asarray(is_above & ((number <= last) | known[:, -1].all()))
 
 
 def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Mask) -> Array:

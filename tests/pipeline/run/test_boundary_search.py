@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.laboratory import compared
 from pipeline.run.line_search import Line, places_along
 from pipeline.run.plane_search import next_points
 from pipeline.store.schema import DONE, LEFT_OUT, PENDING
@@ -199,3 +200,16 @@ def test_every_crossing_is_found(turns):
             count += len(whole)
     assert count > 100
     assert asked < 25 * y.size * (0.1 + 0.1 * turns)
+
+
+@pytest.mark.slow
+def test_of_the_shipped_diagram_few_points_give_the_boundary_and_the_agreement(tmp_path):
+    sweep = pipeline.load_scene("irg_transition", "draft", {"sweep.fields": False})
+    outcome = pipeline.run_sweep(sweep, tmp_path / "small.zarr", boundary_only=0.01)
+    assert (outcome.total, outcome.done <= 32) == (228, True)
+    pipeline.run_sweep(sweep, tmp_path / "whole.zarr", source=tmp_path / "small.zarr")
+    assert off(tmp_path / "small.zarr", tmp_path / "whole.zarr") < 0.005
+    small, whole = (
+        compared(pipeline.results(tmp_path / f"{name}.zarr")) for name in ("small", "whole")
+    )
+    assert small["agrees"].tolist() == whole["agrees"].tolist()
