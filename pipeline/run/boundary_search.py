@@ -17,7 +17,7 @@ from pipeline.run.plane_search import next_points
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.measurement import Measurement, own_tests
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.severity import rise_limit, worst_rises
@@ -87,7 +87,7 @@ def _beside_tests(
     A test has its own friction and bulk temperature, so that it may turn severe elsewhere.
     """
     loads = [row[0].load for row in rows]
-    for test in own_tests(sweep.tests):
+    for test in sweep.tests:
         conditions = _conditions_of(test, sweep.conditions)
         if conditions is None or not loads[0] <= test.normal_load <= loads[-1]:
             continue
