@@ -30,7 +30,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     sweep, critical = scene.sweep, conditions.critical_temperature
     exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
-        sweep.declared.caveat,
+        sweep.caveat,
         unmodelled_rise_words(conditions),
         note_on_ends(sweep),
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,

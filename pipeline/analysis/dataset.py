@@ -74,8 +74,7 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     if variant:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{path} {one}" for path, one in whole.variants.written(variant).items())
-        title = f"{whole.declared.title or whole.name}, {words}"
-        return whole.surfaces_of(variant).changed("title", title)
+        return replace(whole.take(variant), title=f"{whole.title}, {words}")
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)
@@ -85,8 +84,7 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     rule = RULES.get(origin.rule)
     if rule and name_of(rule) == given.get("criterion"):
         given["criterion"] = rule
-    judged = {**sweep.judged, **changes_of(**given)}
-    return replace(sweep, judged=judged)
+    return sweep.judge(changes_of(**given))
 
 
 def scene_sweep(ds: xr.Dataset) -> Sweep:

@@ -63,9 +63,8 @@ def model_error(data: Results, field: PointField) -> ModelError:
 
 def untested_error(sweep: Sweep) -> ModelError:
     """Distribution of the model's own error if the scene's tests are not used: the prior."""
-    model = sweep.declared.model
-    is_stated = model is not None and model.scatter is not None  # a row of a store may lack it
-    return ModelError(usual=model.scatter if is_stated else USUAL)
+    stated = sweep.model_scatter
+    return ModelError(usual=USUAL if stated is None else stated)
 
 
 def _known_comparison(data: Results, field: PointField, test: Measurement) -> Comparison | None:

@@ -243,8 +243,7 @@ def severe_ranges(turns: Iterable[float], begins_severe: bool, along: str) -> st
 def range_of(data: Results, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] (`axis`) of a scene, without 0."""
     present = (data.loads if axis == "load" else data.velocities).tolist()
-    plane = data.sweep.plane
-    of_scene = plane.loads if axis == "load" else plane.velocities
+    of_scene = data.sweep.loads if axis == "load" else data.sweep.velocities
     moving = [value for value in of_scene if value > 0] or present
     return float(min(moving)), float(max(moving))
 

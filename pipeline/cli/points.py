@@ -56,7 +56,7 @@ def _simulate(sweep: Sweep, points: Sequence[Point], progress: Report) -> Iterat
     """
     for point in points:
         try:
-            yield run_point(sweep, point, progress=progress).record(sweep.plane.fields)
+            yield run_point(sweep, point, progress=progress).record(sweep.fields)
         except TriboError as error:
             if point == points[0]:
                 raise

@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> Result:
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
     tell(*map(str, sweep.notes))
-    require_bearable_load(sweep, min(sweep.plane.loads), "sweep.loads")
+    require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
     choices = values_in(options, "workers", "dashboard", "retry_failed", "boundary_only", "source")
     is_elsewhere = options.scheduler or options.scheduler_file
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> Result:
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
-    require_bearable_load(sweep, max(sweep.plane.loads), "sweep.loads")
+    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
     require_free_names(sweep)
     facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
     needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
@@ -146,8 +146,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield "oil", f"{viscosity}; its film is not known without {missing}"
         return
-    plane = sweep.plane
-    loads, velocities = (np.array(axis)[[0, -1]] for axis in (plane.loads, plane.velocities))
+    loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
     span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
@@ -170,9 +169,9 @@ def _text(span: Span, unit: str = "") -> str:
 
 def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     """Yield rows on the cost of a sweep: points, steps, time and disk."""
-    velocities = sweep.variants.labels("velocity") or sweep.plane.velocities
+    velocities = sweep.variants.labels("velocity") or sweep.velocities
     counts = [
-        counted(len(sweep.plane.loads), "load", "loads"),
+        counted(len(sweep.loads), "load", "loads"),
         counted(len(velocities), "velocity", "velocities"),
     ]
     names = {"realization": "surfaces", VARIANT: "rows"}

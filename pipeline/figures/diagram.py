@@ -191,7 +191,7 @@ def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artis
 
 def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
     """Draw boundaries at the lowest and highest measured friction, at velocities x, loads y."""
-    band = field.source.sweep.declared.friction.band
+    band = field.source.sweep.friction_band
     if not band or min(band) == max(band):
         return []
     look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}

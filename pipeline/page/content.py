@@ -106,7 +106,7 @@ def _page_facts(data: Results) -> dict[str, Any]:
         "name": sweep.name,
         "outside": _range_hint(data.loads, data.velocities),
         "origins": _ORIGINS,
-        "friction_band": sweep.declared.friction.band,
+        "friction_band": sweep.friction_band,
         "range": {name: range_of(data, name) for name in ("load", "velocity")},
         "codes": {code.name: code for code in Outcome},
         "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},

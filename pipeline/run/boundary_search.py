@@ -45,12 +45,12 @@ def require_boundary(sweep: Sweep, tolerance: float) -> None:
             "each row of the sweep has its own load and velocity, so there is no boundary in a "
             "plane of them; run without --boundary-only"
         )
-    if not any(velocity > 0 for velocity in sweep.plane.velocities):
+    if not any(velocity > 0 for velocity in sweep.velocities):
         raise InputError(
             "sweep.velocities has none above 0, so there is no boundary; give others, or run "
             "without --boundary-only"
         )
-    limits = [rise_limit(sweep.variant(name).conditions) for name in sweep.variants.names]
+    limits = [rise_limit(case.conditions) for case in sweep.cases]
     if not np.isfinite(limits).all():
         raise InputError("there is no boundary without friction: set friction.coefficient")
 
@@ -68,27 +68,31 @@ def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]
             planes[point.variant][point.load].append(point)
     wanted = dict[Point, None]()
     for variant, plane in planes.items():
-        one = sweep.variant(variant)
+        conditions = sweep.case(variant).conditions
         rows = [row for load in sorted(plane) if (row := reader.computable(sorted(plane[load])))]
         if not rows:
             continue
-        lines = [_line(row, reader, one.conditions) for row in rows]
+        lines = [_line(row, reader, conditions) for row in rows]
         steps = next_points(np.log([row[0].load for row in rows]), lines, tolerance)
         found = [rows[load][velocity] for load, velocity in steps]
-        wanted |= dict.fromkeys(found or _beside_tests(one, rows, reader, tolerance))
+        wanted |= dict.fromkeys(found or _beside_tests(sweep.tests, conditions, rows, reader, tolerance))
     return [*wanted]
 
 
 def _beside_tests(
-    sweep: Sweep, rows: Sequence[list[Point]], reader: RiseReader, tolerance: float
+    tests: Sequence[Measurement],
+    scene: Conditions,
+    rows: Sequence[list[Point]],
+    reader: RiseReader,
+    tolerance: float,
 ) -> Iterator[Point]:
     """Points that show at the loads about each test where wear turns severe in the test.
 
     A test has its own friction and bulk temperature, so that it may turn severe elsewhere.
     """
     loads = [row[0].load for row in rows]
-    for test in sweep.tests:
-        conditions = _conditions_of(test, sweep.conditions)
+    for test in tests:
+        conditions = _conditions_of(test, scene)
         if conditions is None or not loads[0] <= test.normal_load <= loads[-1]:
             continue
         above = bisect.bisect_left(loads, test.normal_load)

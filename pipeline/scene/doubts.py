@@ -44,10 +44,10 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Warnings of values outside their usual range, where several entries determine the value."""
-    for name, material in (sweep.parts.declared.materials or {}).items():
+    for name, material in (sweep.source.parts.declared.materials or {}).items():
         yield key_path(key_path("materials", name), "hardness"), soft_or_hard(material)
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
-    loading, highest = sweep.scene.loading, max(sweep.plane.loads)
+    loading, highest = sweep.scene.loading, max(sweep.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps
         usual = highest / 100, highest * 100
         yield "loading.reference_load", unusual(loading.reference_load, usual, "N")
@@ -90,7 +90,7 @@ def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
 
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
     """Warning of the first test that is so far outside the sweep that its units may be wrong."""
-    loads, velocities = Span.of(sweep.plane.loads), Span.of(sweep.plane.velocities)
+    loads, velocities = Span.of(sweep.loads), Span.of(sweep.velocities)
     for test in sweep.tests:
         places = (test.normal_load, loads), (test.velocity, velocities)
         if any(not low / _REACH <= value <= high * _REACH for value, (low, high) in places):

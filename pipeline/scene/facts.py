@@ -10,7 +10,8 @@ import numpy as np
 
 from pipeline.quantities import display, display_sides
 from pipeline.scene.expected import expect_contacts
-from pipeline.sweep.model import Parts, Sweep
+from pipeline.scene.parts import Parts
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts
 from tribo import Corrections, InputError
 from tribo.types import Array
@@ -52,9 +53,9 @@ class Facts:
 def facts_of(sweep: Sweep) -> Facts:
     """Calculate numbers that describe a scene, in closed form: contact, wear, Péclet number."""
     scene, surface = sweep.scene, surface_facts(sweep)
-    velocities, diffusivity = sweep.plane.velocities, scene.disk.thermal_diffusivity
+    velocities, diffusivity = sweep.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
-    expected = expect_contacts(scene, sweep.plane.loads, velocities, surface.rq if surface else 0.0)
+    expected = expect_contacts(scene, sweep.loads, velocities, surface.rq if surface else 0.0)
     peclet = np.outer(expected["hertz_half_width"], np.abs(disk)) / (2 * diffusivity)
     return Facts(
         **{name: Span.of(values) for name, values in expected.items()},

@@ -10,8 +10,8 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.parts import Parts
 from pipeline.sweep.laws import ASKED, Law, is_user_law, law_record, name_of
-from pipeline.sweep.model import Parts
 from pipeline.sweep.tables import entry_at, replace_value
 from tribo.errors import law_errors
 from tribo.simulation.pins import sizes_of

@@ -15,9 +15,12 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import Oil
+from pipeline.scene.parts import Parts
+from pipeline.scene.source import Source
 from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.sweep.digest import digest
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Parts, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
@@ -44,7 +47,8 @@ def _extend(sweep: Sweep) -> Sweep:
 
     Raises an `InputError` for the first fault.
     """
-    over = sweep.plane.over
+    source: Source = sweep.source
+    over = source.parts.declared.sweep.over
     if not over:
         return sweep
     if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
@@ -53,8 +57,8 @@ def _extend(sweep: Sweep) -> Sweep:
     for path, values in over.items():
         table *= _axis(path, values)
     made = with_rows(sweep, table, "sweep.over")
-    first, *others = map(made.variant, made.variants.given)
-    if others and all(one == first for one in others):
+    bases = [digest(made.take(name).base) for name in made.variants.given]
+    if len({*bases}) == 1 < len(bases):
         raise InputError(f"sweep.over: {' and '.join(over)} changes nothing here; leave it out")
     return made
 
@@ -121,27 +125,26 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
                 f"{key}.{quoted(path)}: this cannot take several values; give an entry of the "
                 'scene, such as "pin.radius"'
             )
-    rows, reader, base, read = [], sweep.reader, sweep.parts, []
+    source: Source = sweep.source
+    base = source.parts
+    rows = list[Row]()
     for row in table.rows:
-        written = replace_values(sweep.written, row.values)
+        written = replace_values(source.written, row.values)
         given = {path: one for path, one in row.values.items() if one is not None}
         try:
-            parts = reader.read(written)
+            parts = source.reader.read(written)
             _require_alike(parts, base)
         except InputError as error:
             words = ", ".join(f"{path} = {quoted(value)}" for path, value in given.items())
             raise InputError(f"{key}: {words}: {error}") from error
-        full = reader.complete(written, parts, base)
+        full = source.reader.complete(written, parts, base)
         before = {path: sweep.entries.get(path) for path in full}
         added = {path: one for path, one in changes(before, full) if path not in given}
         # SHA-256 of the files that this row names.
         files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
         rows.append(row._replace(values=given | added | files))
-        read.append(parts)
-    made = replace(sweep, variants=replace(table, rows=tuple(rows)) * sweep.variants)
-    if not sweep.variants.columns:
-        made.cache_parts(read)
-    return made
+    variants = replace(table, rows=tuple(rows)) * sweep.variants
+    return source.read_again(sweep, source.written, variants)
 
 
 def _require_alike(row: Parts, base: Parts) -> None:

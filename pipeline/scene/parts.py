@@ -26,7 +26,10 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
+from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.sources import FromLibrary
 from tribo.loading.record import fault as record_fault
 from tribo.surface import array_digest
 from tribo.types import Array
@@ -40,6 +43,20 @@ _WRONG_SIZE = (
     "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
 )
 _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """Scene, conditions, tests and oil, made from the entries of a scene file."""
+
+    declared: Any  # the file, read into its declared classes
+    scene: tribo.Scene
+    conditions: Conditions
+    tests: tuple[Measurement, ...]  # transitions first
+    oil: tribo.Oil | None  # tells the regime of lubrication; enters no simulation
+    preset: str | None  # preset that the fidelity equals
+    contents: Mapping[str, str]  # digests of the contents of files, by the paths of their entries
+    sources: tuple[FromLibrary, ...]  # numbers from the library
 
 
 def material_of(table: Material) -> tribo.Material:

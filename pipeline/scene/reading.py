@@ -17,6 +17,7 @@ from pipeline.scene.laws import add_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     Contents,
+    Parts,
     corrections_of,
     disc_of,
     grid_of,
@@ -32,7 +33,6 @@ from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.model import Parts
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation.pins import sizes_of

@@ -21,21 +21,22 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     Which steps and fields are stored stays as in the sweep `before`.
     """
     first = before or sweep
-    written, reader = dict(sweep.written), sweep.reader
-    if before:  # materials and surfaces that variants of the first run need
-        written["materials"] = before.entries["materials"] | sweep.entries["materials"]
-        both = reader.contents.arrays | before.reader.contents.arrays
-        reader = replace(reader, contents=replace(reader.contents, arrays=both))
-    joined = replace(
-        sweep,
-        written=written,
-        reader=reader,
-        variants=first.variants.union(sweep.variants),
-        stations=choose_stations(first),
+    joined = replace(sweep, stations=choose_stations(first), fields=first.fields)
+    if before is None or before.variants == sweep.variants:
+        return joined
+    # Materials and surfaces that variants of the first run need.
+    materials = {**before.entries["materials"], **sweep.entries["materials"]}
+    arrays = sweep.source.reader.contents.arrays | before.source.reader.contents.arrays
+    contents = replace(sweep.source.reader.contents, arrays=arrays)
+    return replace(
+        joined,
+        entries={**sweep.entries, "materials": materials},
+        variants=(union := before.variants.union(sweep.variants)),
+        cases=tuple(
+            (sweep if name in sweep.variants.by_name else before).case(name) for name in union.names
+        ),
+        source=replace(sweep.source, reader=replace(sweep.source.reader, contents=contents)),
     )
-    if before and before.plane.fields != sweep.plane.fields:
-        joined = joined.changed("sweep.fields", before.plane.fields)
-    return joined
 
 
 def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
@@ -53,9 +54,9 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         for label, value in values.items():
             if present.get(label, value) != value:
                 yield _differs(f"{column.name}.{label}", present[label], value)
-    if (steps := sweep.plane.steps) not in (None, choose_stations(stored).steps):
+    if (steps := sweep.steps) not in (None, choose_stations(stored).steps):
         yield _differs("sweep.steps", choose_stations(stored).steps, steps)
-    if sweep.plane.fields and not stored.plane.fields:
+    if sweep.fields and not stored.fields:
         yield _differs("sweep.fields", "false", "true")
     try:
         old.union(new)
@@ -74,7 +75,7 @@ def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
     reported.
     """
     for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
-        old, new = stored.variant(name), sweep.variant(name)
+        old, new = (one.take_case(name) for one in (stored, sweep))
         if different := [*effective_changes(old, new, lambda one: one.scene)]:
             row = f"scene with {', '.join(variant_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)

@@ -19,6 +19,7 @@ from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.reference import FILES, all_keys
 from pipeline.scene.shipped import scene_path
+from pipeline.scene.source import Source, read_sweep
 from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.limits import MOST_POINTS
@@ -64,7 +65,7 @@ def load_scene(
     --------
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml", preset="standard")
-    >>> scene.preset, scene.plane.loads
+    >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, faults, laws = scene_path(path), Faults(), laws or {}
@@ -86,13 +87,12 @@ def load_scene(
             if seeds and seeds[0] != first:
                 entries = replace_value(entries, SEED, seeds[0])
                 parts = reader.read(entries)
-            sweep = Sweep(
-                name=path.stem,
-                written=replace_values(entries, parts.contents),
-                reader=reader,
-                variants=surfaces(seeds),
-                sources=parts.sources,
+            sweep = read_sweep(
+                path.stem,
+                Source(replace_values(entries, parts.contents), reader),
+                surfaces(seeds),
                 notes=faults.notes,
+                sources=parts.sources,
             )
             for extend in extensions:
                 sweep = extend(sweep)
@@ -116,9 +116,9 @@ def _with_path(words: str, entries: Entries) -> str:
 
 def _require_few_points(sweep: Sweep) -> None:
     """Raise an `InputError` if a sweep has too many points, before they are made."""
-    rows, plane = sweep.variants, sweep.plane
-    loads = len(plane.loads) if rows.labels("load") is None else 1
-    velocities = len(plane.velocities) if rows.labels("velocity") is None else 1
+    rows = sweep.variants
+    loads = len(sweep.loads) if rows.labels("load") is None else 1
+    velocities = len(sweep.velocities) if rows.labels("velocity") is None else 1
     if (count := len(rows) * loads * velocities) > MOST_POINTS:
         raise tribo.InputError(
             f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "

@@ -13,6 +13,7 @@ from typing import Any
 
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
+from pipeline.scene.source import Source, read_sweep
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sources import FromLibrary
@@ -44,7 +45,7 @@ def sweep_text(sweep: Sweep) -> str:
 
 def file_contents(sweep: Sweep) -> dict[str, Array]:
     """Contents of the files that a scene names, as arrays by their SHA-256."""
-    return dict(sweep.reader.contents.arrays)
+    return dict(sweep.source.reader.contents.arrays)
 
 
 def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
@@ -58,16 +59,14 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
     try:
         read = json.loads(text)
-        sweep = Sweep(
-            name=str(read["name"]),
-            written=read["entries"],
-            reader=SceneReader(Contents(dict(arrays)), is_stored=True),
-            variants=_variants(read),
+        sweep = read_sweep(
+            str(read["name"]),
+            Source(read["entries"], SceneReader(Contents(dict(arrays)), is_stored=True)),
+            _variants(read),
             notes=tuple(Remark(*one) for one in read.get("notes", ())),
             sources=tuple(FromLibrary(*one) for one in read.get("sources", ())),
             stations=_stations(read.get("stations")),
         )
-        _ = sweep.parts  # reads the entries: an error for a fault
     except Exception as error:  # a forged text may raise anything
         raise SweepTextError(f"the attribute sweep is not the text of a sweep: {error}") from error
     return sweep

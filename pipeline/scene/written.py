@@ -90,7 +90,7 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
     """Yield path and both values, in words, of each entry whose meaning differs between sweeps."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
-    plain = [scene_entries(sweep, sweep.reader.complete({}, sweep.parts)) for sweep in sweeps]
+    plain = [scene_entries(sweep, sweep.source.plain_entries) for sweep in sweeps]
     for path in {**words[0], **words[1]}:
         if plain[0].get(path) != plain[1].get(path):
             yield path, words[0].get(path, ""), words[1].get(path, "")

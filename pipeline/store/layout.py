@@ -59,8 +59,8 @@ def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep:
     `kept` is the sweep in the store joined with `sweep`, so that it has old and new variants.
     `wanted` has the store's variables by name.
     """
-    inner = _inner_axes(before, kept, sweep.plane.loads)
-    values = {"load": sweep.plane.loads, "velocity": sweep.plane.velocities}
+    inner = _inner_axes(before, kept, sweep.loads)
+    values = {"load": sweep.loads, "velocity": sweep.velocities}
     plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
     return {**plane, **row_axes(kept), **inner}
 
@@ -85,7 +85,7 @@ def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
     There are enough steps for points of the sweep `kept` at the `loads`, and at least as many as in
     `before`, the axes of the store so far.
     """
-    scenes = [kept.variant(name).scene for name in kept.variants.given]
+    scenes = [case.scene for case in kept.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
     steps = max(len(stations.kept(scene, load)) for scene in ramps for load in loads)
@@ -144,7 +144,7 @@ def made_coordinates(
 
     @functools.cache
     def known(name: Variant, load: float) -> list[tuple[float, float]]:
-        kept = stations.kept(sweep.variant(name).scene, load)
+        kept = stations.kept(sweep.case(name).scene, load)
         lacking = [(math.nan, math.nan)] * (len(axes["step"]) - len(kept))
         return lacking + [(step.time, step.normal_load) for step in kept]
 

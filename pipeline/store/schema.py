@@ -181,10 +181,9 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     front = tuple(sweep.variants.axes)
     absent = {*ROWS}  # the table of variants adds its own
     placed = frozenset(table)
-    if not sweep.plane.fields:
+    if not sweep.fields:
         absent |= {"x", "y", *AT_END}
-    of_given = [sweep.variant(name).scene for name in sweep.variants.given]
-    if not any(scene.unequal_bulks for scene in of_given):
+    if not any(case.scene.unequal_bulks for case in sweep.given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     for name, variable in (VARIABLES | IDS).items():
         if name in absent or name in table:
@@ -208,5 +207,5 @@ def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):
         return tuple(table.axes)
-    ramps = {ramp_of(sweep.variant(one).scene) for one in table.given}
+    ramps = {ramp_of(case.scene) for case in sweep.given}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()

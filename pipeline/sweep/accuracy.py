@@ -32,7 +32,7 @@ def has_unknown_error(sweep: Sweep) -> bool:
     The error is known for a preset.
     """
     is_judged = sweep.conditions.friction > 0 and sweep.conditions.critical_temperature is not None
-    return is_judged and any(sweep.plane.velocities) and velocity_error(sweep) is None
+    return is_judged and any(sweep.velocities) and velocity_error(sweep) is None
 
 
 def error_in_words(sweep: Sweep) -> str:

@@ -9,6 +9,8 @@ from pipeline.sweep.digest import digest
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import Variant
 
+_NAMED = ("name", "scene")
+
 
 def scene_ids(sweep: Sweep) -> list[int]:
     """Scene id of each variant: an int32 hash of everything that affects simulation and verdict."""
@@ -17,9 +19,10 @@ def scene_ids(sweep: Sweep) -> list[int]:
 
     @functools.cache
     def of_scene(name: Variant) -> str:
-        row = sweep.variant(name)
-        parts = [of_part(getattr(row.scene, one.name)) for one in fields(row.scene)]
-        return digest((*parts, row.conditions, row.verdict_inputs))
+        case = sweep.case(name)
+        parts = [of_part(getattr(case.scene, one.name)) for one in fields(case.scene)]
+        rest = [getattr(case, one.name) for one in fields(case) if one.name not in _NAMED]
+        return digest((*parts, rest, sweep.tests))
 
     for name in table.names:
         ids.append(int.from_bytes(bytes.fromhex(of_scene(name)[:8]), signed=True))

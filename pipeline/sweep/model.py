@@ -1,9 +1,9 @@
-"""A scene, the points to simulate it at, and the conditions of severe wear."""
+"""A sweep: the scenes to simulate, each with the conditions to judge it by, and its points."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
@@ -13,8 +13,7 @@ from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.sources import FromLibrary
-from pipeline.sweep.stations import Stations
-from pipeline.sweep.tables import Entries, replace_value, replace_values
+from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import SEED, Row, Variant, Variants
 from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
@@ -40,37 +39,64 @@ def variant_words(variant: Variant) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
-    """Scene, conditions, tests and oil, made from the entries of a scene file."""
+class Case:
+    """One scene to simulate, and the conditions by which its points are judged.
 
-    declared: Any  # the file, read into its declared classes
+    Attributes
+    ----------
+    name : tuple
+        Labels along the dimensions of the sweep, as pairs (dimension, label); empty for the scene
+        itself.
+    scene : Scene
+        The scene to simulate, with its numerical choices.
+    conditions : Conditions
+        Friction, temperatures and criterion.
+    friction_band : pair of float or None
+        Lowest and highest friction that the diagram shows.
+    model_scatter : float or None
+        Stated relative scatter of the model; None if not stated.
+    lubricant : Oil or None
+        The oil between the bodies, which does not affect simulations.
+    preset : str or None
+        Name of the preset that has the scene's numerical choices; None if there is none.
+    """
+
+    name: Variant
     scene: Scene
     conditions: Conditions
-    tests: tuple[Measurement, ...]  # transitions first
-    oil: Oil | None  # tells the regime of lubrication; enters no simulation
-    preset: str | None  # preset that the fidelity equals
-    contents: Mapping[str, str]  # digests of the contents of files, by the paths of their entries
-    sources: tuple[FromLibrary, ...]  # numbers from the library
+    friction_band: tuple[float, float] | None
+    model_scatter: float | None
+    lubricant: Oil | None
+    preset: str | None
 
 
 @shown
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
-    """A scene, its loads, velocities and variants to simulate, and how to judge the results.
+    """Scenes, loads and velocities to simulate, and how to judge the results.
 
-    It has the entries of a scene file, and variants, which replace some entries. Objects such as
-    `scene` are made from the entries when they are first needed, and cached.
+    A sweep is read once, from a scene file or a store; after that it is plain data. Copies by
+    `dataclasses.replace` change what is an object here; `changed` reads the scene again with
+    another value of an entry.
 
     Attributes
     ----------
-    name : str
-        Name of the file, without its ending.
-    written : mapping
-        Entries as in the file, in tables.
-    reader : SceneReader
-        Reader of the entries, `pipeline.scene.reading.SceneReader`.
+    name, title, caveat : str
+        Name of the file without its ending, title, and what readers of answers must know or None.
+    base : Case
+        The scene itself, without the entries that cases replace.
+    cases : tuple of Case
+        One for each row of `variants`, in its order.
     variants : Variants
-        Table of variants, each with the entries that it replaces.
+        Table of the labels of the cases, and of the entries that each replaces.
+    loads, velocities : tuple of float
+        Ascending loads [N] and velocities [m/s] of the plane.
+    fields : bool
+        True to store fields of the contact.
+    steps : {"course", "end"} or None
+        Steps to store; None for the default.
+    tests : tuple of Measurement
+        Tests of the scene; those that measured a transition come first.
     notes : sequence of Remark
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
@@ -78,36 +104,41 @@ class Sweep:
     stations : Stations or None
         Times of the loading whose results an existing store has; None without a store.
     judged : mapping
-        Conditions that replace the conditions of all variants, by field of `Conditions`.
+        Conditions that replace those of all cases, by field of `Conditions`; see `judge`.
+    entries : mapping
+        All entries of the scene, for people: completed by defaults, values of the library and
+        choices of the preset, in the units of the file.
 
     Examples
     --------
     >>> import pipeline
     >>> sweep = pipeline.load_scene("workflows/first_try.toml")
-    >>> sweep.plane.loads, sweep.scene.pin.radius
+    >>> sweep.loads, sweep.scene.pin.radius
     ((200.0, 400.0, 600.0, 750.0), 0.002)
     >>> sweep.changed("pin.radius", "1 mm").scene.pin.radius, sweep.entries["pin"]["radius"]
     (0.001, '2 mm')
     """
 
     name: str
-    written: Entries = field(repr=False)
-    reader: Any = field(repr=False)
-    variants: Variants = field(default_factory=Variants)
+    title: str
+    caveat: str | None
+    base: Case
+    cases: tuple[Case, ...]
+    variants: Variants = field(repr=False)
+    loads: tuple[float, ...]
+    velocities: tuple[float, ...]
+    fields: bool
+    steps: Steps | None
+    tests: tuple[Measurement, ...]
     notes: Sequence[Remark] = ()
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None
     judged: Mapping[str, Any] = field(default_factory=dict)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """State to pickle: only the fields; another process reads the entries again."""
-        return {one.name: getattr(self, one.name) for one in fields(self)}
+    entries: Mapping[str, Any] = field(repr=False)
+    source: Any = field(repr=False)  # `pipeline.scene.source.Source`, for `changed`
 
     def __eq__(self, other: object) -> bool:
-        """True if the entries of both sweeps have the same meaning, in each variant.
-
-        Conditions that were chosen must be the same, too.
-        """
+        """True if both sweeps have the same meaning, however their entries are written."""
         return isinstance(other, Sweep) and self._meaning == other._meaning
 
     def __hash__(self) -> int:
@@ -115,49 +146,40 @@ class Sweep:
 
     @cached_property
     def _meaning(self) -> str:
-        rows = [(row.scene, row.conditions) for row in map(self.variant, self.variants.names)]
         labels = self.variants.columns, [row.labels for row in self.rows]
-        plane = self.plane.loads, self.plane.velocities, self.plane.fields, self.plane.steps
-        own = self.scene, self.conditions, *plane
-        words = self.declared.title, self.declared.caveat
-        return digest((own, words, self.verdict_inputs, labels, rows))
+        plane = self.loads, self.velocities, self.fields, self.steps
+        words = self.title, self.caveat
+        return digest(((self.base, *self.cases), plane, words, self.tests, labels))
 
-    @cached_property
-    def parts(self) -> Parts:
-        """Scene, conditions, tests and oil, made from the entries."""
-        parts: Parts = self.reader.read(self.written)
-        return parts
-
-    @cached_property
-    def conditions(self) -> Conditions:
-        """Friction, temperatures and criterion by which the simulated points are judged."""
-        parts = self.parts
-        return replace(parts.conditions, **self.judged).under(parts.scene.loading)
-
-    @cached_property
+    @property
     def scene(self) -> Scene:
-        """The scene to simulate, with its numerical choices."""
-        return self.parts.scene
+        """The scene itself, to simulate."""
+        return self.base.scene
 
     @property
-    def plane(self) -> Any:
-        """Table `[sweep]`: loads [N] and velocities [m/s], and what is stored of each point."""
-        return self.parts.declared.sweep
+    def conditions(self) -> Conditions:
+        """Friction, temperatures and criterion of the scene itself."""
+        return self.base.conditions
 
     @property
-    def declared(self) -> Any:
-        """Tables of the scene file as objects, with values in SI."""
-        return self.parts.declared
+    def friction_band(self) -> tuple[float, float] | None:
+        """Lowest and highest friction that the diagram shows; None without `friction.band`."""
+        return self.base.friction_band
 
     @property
-    def title(self) -> str:
-        """Title of the scene, or the name of its file if it has no title."""
-        return str(self.declared.title or self.name)
+    def model_scatter(self) -> float | None:
+        """Stated relative scatter of the model; None if it is not stated."""
+        return self.base.model_scatter
 
     @property
-    def tests(self) -> tuple[Measurement, ...]:
-        """Tests of the scene; those that measured a transition come first."""
-        return self.parts.tests
+    def lubricant(self) -> Oil | None:
+        """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
+        return self.base.lubricant
+
+    @property
+    def preset(self) -> str | None:
+        """Name of the preset that has the scene's numerical choices; None if there is none."""
+        return self.base.preset
 
     @property
     def measured(self) -> tuple[Measurement, ...]:
@@ -170,34 +192,53 @@ class Sweep:
         return tuple(test for test in self.tests if test.outcome)
 
     @property
-    def lubricant(self) -> Oil | None:
-        """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
-        return self.parts.oil
-
-    @property
-    def preset(self) -> str | None:
-        """Name of the preset that has the scene's numerical choices; None if there is none."""
-        return self.parts.preset
-
-    @property
-    def verdict_inputs(self) -> tuple[Any, ...]:
-        """Data, besides simulation and conditions, that affect verdicts.
-
-        They are tests, measured friction, the stated model error, oil and preset.
-        """
-        friction, own = self.declared.friction, (self.lubricant, self.preset)
-        return (self.tests, friction.band, self.declared.model, *own)
-
-    @cached_property
-    def entries(self) -> dict[str, Any]:
-        """All entries, completed by defaults, values of the library and choices of the preset."""
-        entries: dict[str, Any] = self.reader.complete(self.written, self.parts)
-        return entries
-
-    @property
     def rows(self) -> tuple[Row, ...]:
         """Rows of the table of variants: values that identify a row, and entries it replaces."""
         return self.variants.rows
+
+    @cached_property
+    def _by_name(self) -> dict[Variant, Case]:
+        return {case.name: case for case in self.cases}
+
+    def case(self, name: Variant = ()) -> Case:
+        """The case of a variant; by default the scene itself.
+
+        Raises an `InputError` if the sweep has no such variant.
+        """
+        if not name:
+            return self.base
+        if name not in self._by_name:
+            self.variants.values(name)  # raises, and says what there is
+        return self._by_name[name]
+
+    @cached_property
+    def given(self) -> tuple[Case, ...]:
+        """Cases that the user chose: of each, the one on the first random surface."""
+        if not self.variants.chosen:
+            return (self.base,)
+        chosen = {one.name for one in self.variants.chosen}
+        first: dict[Variant, Case] = {}
+        for case in self.cases:
+            first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
+        return tuple(first.values())
+
+    def take_case(self, name: Variant) -> Self:
+        """The sweep of one case alone, without variants."""
+        if not name:
+            return self.alone()
+        made: Self = self.source.take_case(self, name)
+        return made
+
+    def scene_hash(self, point: Point) -> str:
+        """SHA-256 of the scene that is simulated at a point."""
+        scene = self.case(point.variant).scene
+        if scene not in self._hashes:
+            self._hashes[scene] = digest(scene)
+        return self._hashes[scene]
+
+    @cached_property
+    def _hashes(self) -> dict[Scene, str]:
+        return {}
 
     def changed(self, path: str, value: Any) -> Self:
         """The sweep with another value of an entry, as in a scene file; None removes the entry.
@@ -210,52 +251,32 @@ class Sweep:
         InputError
             If the scene has a fault with this value.
         """
-        written = dict(self.written)
-        if path == "fidelity.preset":  # the preset replaces all other choices
-            written.pop("fidelity", None)
-        elif path.startswith("fidelity.") and self.reader.is_stored:
-            written = replace_value(written, "fidelity.preset", None)  # no longer its choices
-        changed = replace(self, written=replace_values(written, {path: value}))
-        _ = changed.parts  # reads the entries: an `InputError` for a fault
-        return changed
+        made: Self = self.source.changed(self, path, value)
+        return made
 
     def description(self) -> tuple[str, dict[str, Any]]:
         """Title, and a dictionary of the entries and the number of variants, for printing."""
-        return f"{self.name}: {self.title}", self.entries | {"rows": str(len(self.rows))}
+        return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self.rows))}
 
-    @cached_property
-    def _alone(self) -> dict[Variant, Self]:
-        return {}
-
-    def variant(self, name: Variant = ()) -> Self:
-        """The sweep of one variant alone; by default of the scene itself, without variants."""
-        if not name and not self.variants.columns:
+    def judge(self, changes: Mapping[str, Any]) -> Self:
+        """The sweep with some fields of the conditions of all cases replaced by `changes`."""
+        if not changes:
             return self
-        if name not in self._alone:
-            values = self.variants.values(name) if name else {}
-            written = replace_values(self.written, values)
-            self._alone[name] = replace(self, written=written, variants=Variants())
-        return self._alone[name]
+        base, *cases = (
+            replace(case, conditions=replace(case.conditions, **changes))
+            for case in (self.base, *self.cases)
+        )
+        judged = {**self.judged, **changes}
+        return replace(self, base=base, cases=tuple(cases), judged=judged)
 
-    def cache_parts(self, parts: Iterable[Parts]) -> None:
-        """Cache `parts` that were already made, so that variants do not read their entries again.
+    def alone(self) -> Self:
+        """The sweep of the scene itself, without variants."""
+        return replace(self, variants=Variants(), cases=(self.base,))
 
-        There is one `Parts` (scene, conditions, tests and oil) for each variant, in their order.
-        """
-        for name, one in zip(self.variants.names, parts, strict=True):
-            vars(self.variant(name))["parts"] = one
-
-    @cached_property
-    def _scene_hash(self) -> str:
-        return digest(self.scene)
-
-    def scene_hash(self, point: Point) -> str:
-        """SHA-256 of the scene that is simulated at a point."""
-        return self.variant(point.variant)._scene_hash
-
-    def surfaces_of(self, name: Variant) -> Self:
-        """The sweep of the random surfaces of one variant."""
-        return replace(self.variant(name), variants=self.variants.surfaces_of(name))
+    def take(self, name: Variant) -> Self:
+        """The sweep of the random surfaces of one variant, named without them."""
+        made: Self = self.source.take(self, name)
+        return made
 
     def with_hold(self, duration: float) -> Self:
         """The sweep with another `duration` for which the full load is held after the ramp [s].
@@ -281,7 +302,7 @@ class Sweep:
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return replace(self.changed(SEED, seed), variants=Variants())
+        return self.alone().changed(SEED, seed)
 
     def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
         """The sweep at one load [N] and velocity [m/s], without variants.
@@ -292,5 +313,4 @@ class Sweep:
         tests = () if alone else self.tests
         loads = sorted({load, *(test.normal_load for test in tests)})
         velocities = sorted({velocity, *(test.velocity for test in tests)})
-        at = self.variant().changed("sweep.loads", [f"{one!r} N" for one in loads])
-        return at.changed("sweep.velocities", [f"{one!r} m/s" for one in velocities])
+        return replace(self.alone(), loads=tuple(loads), velocities=tuple(velocities))

@@ -19,7 +19,7 @@ def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     """
     motion, pin = sweep.scene.motion, sweep.scene.pin
     is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
-    if not (is_rolling and any(sweep.plane.velocities)):
+    if not (is_rolling and any(sweep.velocities)):
         return {}
     present = sweep.conditions.corrections or Corrections()
     around = (motion and motion.track_length) or 2 * math.pi * pin.radius
@@ -59,7 +59,7 @@ def note_on_ends(sweep: Sweep) -> str | None:
 
     None for other pins, and for a pin that turns.
     """
-    pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.plane.velocities)
+    pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.velocities)
     if sweep.scene.pin.length is None or pin_turns:
         return None
     return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"

@@ -121,12 +121,11 @@ class PointRecord:
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
     """All points of a sweep, by variant, then by velocity, then by load."""
-    plane = sweep.plane
     return tuple(
         Point(load, velocity, name)
         for name, row in sweep.variants.by_name.items()
-        for velocity in _places(row, "velocity", plane.velocities)
-        for load in _places(row, "load", plane.loads)
+        for velocity in _places(row, "velocity", sweep.velocities)
+        for load in _places(row, "load", sweep.loads)
     )
 
 
@@ -151,7 +150,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
 
     @functools.cache
     def ramp(name: Variant, velocity: float, load: float) -> tuple[Any, ...]:
-        scene = sweep.variant(name).scene
+        scene = sweep.case(name).scene
         number = numbers.setdefault(mechanics(scene), len(numbers))
         return number, velocity, scene.ramp_increment(load)
 
@@ -176,7 +175,7 @@ def run_point(
     """
     began = time.perf_counter()
     (load, velocity, name), stations = point, choose_stations(sweep)
-    scene, trunks = sweep.variant(name).scene, trunks or Trunks()
+    scene, trunks = sweep.case(name).scene, trunks or Trunks()
     fitted = fit_elements(scene, load)
     heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load)
     note, own = None, {station.index for station in kept}

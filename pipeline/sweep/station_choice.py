@@ -12,7 +12,7 @@ def choose_stations(sweep: Sweep) -> Stations:
     """Stations (times of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
-    steps = sweep.plane.steps or _default_steps(sweep)
+    steps = sweep.steps or _default_steps(sweep)
     return Stations(steps, _warms_in_hold(sweep))
 
 
@@ -23,13 +23,13 @@ def _default_steps(sweep: Sweep) -> Steps:
     without a hold in all of them, and no variant reuses the contact solutions of another variant.
     Otherwise it is "end", for only the steps that verdicts use.
     """
-    scenes = [sweep.variant(name).scene for name in sweep.variants.given]
+    scenes = [case.scene for case in sweep.given]
     are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
     wears = any(scene.wears for scene in scenes)
     # With temperatures at all steps, variants that share contacts would take 2.9 to 4.4 times as
     # long.
     rows = [
-        (mechanics(sweep.variant(name).scene), row.labels.get("velocity"))
+        (mechanics(sweep.case(name).scene), row.labels.get("velocity"))
         for name, row in sweep.variants.by_name.items()
     ]
     are_alone = len({*rows}) == len(rows)
@@ -41,6 +41,5 @@ def _warms_in_hold(sweep: Sweep) -> bool:
     loading = sweep.scene.loading
     if not isinstance(loading, Ramp) or not loading.hold:
         return False
-    several = (sweep.variant(name) for name in sweep.variants.given)
-    kept = (one.conditions.corrections for one in several)
+    kept = (case.conditions.corrections for case in sweep.given)
     return any(corrections.keeps_heat for corrections in kept if corrections)

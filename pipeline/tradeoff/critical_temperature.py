@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import ExecutionError
 from pipeline.scene.scenefile import SceneLike, sweep_of
+from pipeline.scene.source import Source
 from pipeline.store.place import PathLike
 from pipeline.store.write import opened, store_path
 from pipeline.sweep.model import Sweep
@@ -148,7 +149,7 @@ def critical_temperatures(
     on: tuple[int | None, ...] = seeds or (getattr(sweep.scene.roughness, "seed", None),)
     for crossing in transitions:
         require_positive(friction=crossing.friction)
-    asked = _transition_rows(sweep.variant(), surfaces(seeds))
+    asked = _transition_rows(sweep, surfaces(seeds))
     with store_path(out) as path:
         run_sweep(asked, path, workers, client, progress, retry_failed=True)
         reader, todo = RiseReader(opened(path)), points(asked)
@@ -159,7 +160,7 @@ def critical_temperatures(
         )
     by_row: dict[Label, list[float]] = {number: [] for number in range(len(transitions))}
     for point in sorted(todo, key=lambda point: point.variant):
-        conditions = asked.variant(point.variant).conditions
+        conditions = asked.case(point.variant).conditions
         (rise,) = reader.rises([point], conditions).tolist()
         by_row[point.variant[0][1]].append(conditions.contact_temperature(rise))
     temperatures = tuple(tuple(values) for values in by_row.values())
@@ -195,8 +196,8 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     entries: dict[str, Any] = {"sweep.fields": False}
     for name, values, unit in (("loads", loads, "N"), ("velocities", velocities, "m/s")):
         entries[f"sweep.{name}"] = [f"{value!r} {unit}" for value in sorted({*values})]
-    written = replace_values(sweep.written, entries)
-    return replace(sweep, written=written, variants=table)
+    source: Source = sweep.source
+    return source.read_again(sweep, replace_values(source.written, entries), table)
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -81,7 +81,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     workers = workers or available
     every = [*tasks(points_of(sweep), sweep)]
     given = list(sweep.variants.given)
-    scene = sweep.surfaces_of(given[len(given) // 2])
+    scene = sweep.take(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
     work = _TaskTimes(scene, contact_time, heat_time, is_course)
@@ -157,7 +157,7 @@ def as_computed(sweep: Sweep) -> Scene:
     """
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
-        return fit_elements(scene, min(sweep.plane.loads))
+        return fit_elements(scene, min(sweep.loads))
     finest = replace(scene.fidelity, pixels_per_element=1, elements_per_summit=0.0)
     return replace(scene, fidelity=finest)
 
@@ -168,10 +168,10 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
     Returns the mean time of a contact solution [s], that of a heat solution [s], and the last state
     that was computed.
     """
-    moving = [velocity for velocity in sweep.plane.velocities if velocity] or [0.0]
+    moving = [velocity for velocity in sweep.velocities if velocity] or [0.0]
     velocity = moving[len(moving) // 2]
     of_contacts, of_heat, trunks = list[float](), list[float](), Trunks()
-    ramps = (contacts(sweep.scene, load, velocity, trunks) for load in sweep.plane.loads)
+    ramps = (contacts(sweep.scene, load, velocity, trunks) for load in sweep.loads)
     began = time.process_time()
     for state in itertools.chain.from_iterable(ramps):
         if not state.pressure.any():
@@ -211,7 +211,7 @@ def _point_bytes(sweep: Sweep, state: State) -> float:
     """Compressed size of a point in the store [B]."""
     stations = choose_stations(sweep)
     numbers = sum(np.size(value) for value in record_at(sweep.scene, state).values())
-    fields = 3 + sweep.scene.unequal_bulks if sweep.plane.fields else 0
+    fields = 3 + sweep.scene.unequal_bulks if sweep.fields else 0
     field = 4.0 * _PACKED * math.prod(sweep.scene.grid.shape) + _HALF_BLOCK
-    stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.plane.loads)
+    stored = 8.0 * numbers * max(len(stations.kept(sweep.scene, n)) for n in sweep.loads)
     return stored + fields * field

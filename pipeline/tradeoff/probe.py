@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.scene.written import with_fidelity
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Case, Point, Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.selection import with_dividing_elements
 from pipeline.sweep.severity import momentary_rise, rise_limit
@@ -46,16 +46,16 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 
     Points at one velocity share the load steps of one ramp.
     """
-    scene = with_fidelity(sweep, fidelity).changed("sweep.steps", "end")
+    scene = replace(with_fidelity(sweep, fidelity), steps="end")
     # Make surface and kernels before timing: a whole sweep makes them once.
     first = min(points, key=lambda point: (point.load, point.velocity))
-    _simulated_rise(scene.variant(first.variant), first.load / 2, first.velocity * 0.9)
+    _simulated_rise(scene.case(first.variant), first.load / 2, first.velocity * 0.9)
     forget_contacts()
     began = time.process_time()
     runs, trunks = dict[Point, tuple[float, State]](), Trunks()
     for point in (task.point for task in tasks(points, scene)):
-        variant = scene.variant(point.variant)
-        runs[point] = _simulated_rise(variant, point.load, point.velocity, trunks)
+        case = scene.case(point.variant)
+        runs[point] = _simulated_rise(case, point.load, point.velocity, trunks)
     seconds = time.process_time() - began
     rises = tuple(runs[point][0] for point in points)
     fewest = min(int(np.count_nonzero(state.pressure)) for _, state in runs.values())
@@ -63,7 +63,7 @@ def probe(sweep: Sweep, fidelity: Fidelity, points: Sequence[Point]) -> Probe:
 
 
 def _simulated_rise(
-    sweep: Sweep, load: float, velocity: float, trunks: Trunks | None = None
+    case: Case, load: float, velocity: float, trunks: Trunks | None = None
 ) -> tuple[float, State]:
     """Simulate a point; return its highest rise at full load, and the state with this rise.
 
@@ -72,8 +72,8 @@ def _simulated_rise(
     and those of this point are added.
     """
     under_load = (
-        (momentary_rise(sweep.scene, state, sweep.conditions), state)
-        for state in simulate(sweep.scene, load, velocity, trunks)
+        (momentary_rise(case.scene, state, case.conditions), state)
+        for state in simulate(case.scene, load, velocity, trunks)
         if state.heat is not None and state.normal_load >= load
     )
     return max(under_load, key=lambda reading: reading[0])
@@ -84,7 +84,7 @@ def spread_places(sweep: Sweep, number: int) -> tuple[Target, ...]:
 
     The loads are spread evenly over the sweep, and the variants take turns.
     """
-    loads, variants = sweep.plane.loads, sweep.variants.names
+    loads, variants = sweep.loads, sweep.variants.names
     chosen = sorted({round((len(loads) - 1) * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
     places = (Target(loads[chosen[k]], variants[(k + turn) % len(variants)]) for turn, k in turns)
@@ -103,13 +103,13 @@ def points_near_boundary(
     """
     scene = with_fidelity(sweep, with_dividing_elements(sweep.scene, PRESETS["standard"]))
     points, exponents = [], []
-    moving = [abs(velocity) for velocity in sweep.plane.velocities if velocity]
+    moving = [abs(velocity) for velocity in sweep.velocities if velocity]
     if not moving:
         raise InputError("the sweep has no velocity above 0, and so no friction heat; give one")
     limit = rise_limit(sweep.conditions)
 
     def rise_at(place: Target, velocity: float) -> float:
-        return _simulated_rise(scene.variant(place.variant), place.load, velocity)[0]
+        return _simulated_rise(scene.case(place.variant), place.load, velocity)[0]
 
     for place in places:
         rise = partial(rise_at, place)

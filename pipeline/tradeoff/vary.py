@@ -119,13 +119,13 @@ def vary(
     }
     variations = [(_UNCHANGED, ""), *others]
     scenes = [sweep, *others.values()]
-    varied = _combine(sweep.variant(), variations, scenes)
+    varied = _combine(sweep, variations, scenes)
     with store_path(out) as path:
         run_sweep(varied, path, workers, client, progress, boundary_only=USUAL_TOLERANCE)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {
-            (mechanics(varied.variant(one.variant).scene), one.velocity, one.load) for one in done
+            (mechanics(varied.case(one.variant).scene), one.velocity, one.load) for one in done
         }
         ds = at(path, criterion=laws.get("criterion"))
         table, carried = _table(boundary_frame(boundary(ds)), variations), warned(ds)
@@ -156,9 +156,8 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
     Each variant has the entries in which its scene differs from the scene of `sweep`.
     """
     words = (" = ".join(filter(None, variation)) for variation in variations)
-    reader: Any = sweep.reader
-    arrays = [one.reader.contents.arrays for one in (sweep, *scenes)]
-    contents = replace(reader.contents, arrays=dict(ChainMap(*arrays)))
+    arrays = [one.source.reader.contents.arrays for one in (sweep, *scenes)]
+    contents = replace(sweep.source.reader.contents, arrays=dict(ChainMap(*arrays)))
     rows: dict[Label, Any] = {
         label: {
             path: value
@@ -167,8 +166,14 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
         }
         for label, scene in zip(words, scenes, strict=True)
     }
-    reader = replace(reader, contents=contents)
-    return replace(sweep, reader=reader, variants=labelled_rows(_ROW, rows))
+    table = labelled_rows(_ROW, rows)
+    bases = zip(table.names, scenes, strict=True)
+    return replace(
+        sweep,
+        cases=tuple(replace(scene.base, name=name) for name, scene in bases),
+        variants=table,
+        source=replace(sweep.source, reader=replace(sweep.source.reader, contents=contents)),
+    )
 
 
 def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:

@@ -107,7 +107,7 @@ def simulate(sweep, velocities, core):
     began = time.perf_counter()
     trunks = Trunks()
     for velocity in velocities:
-        for load in sweep.plane.loads:
+        for load in sweep.loads:
             run_point(sweep, Point(load, velocity), trunks)
     return time.perf_counter() - began
 
@@ -117,7 +117,7 @@ def time_of_bare(processes, sweep):
     forkserver.start()
     cores = sorted(os.sched_getaffinity(0))[:processes]
     with multiprocessing.get_context("forkserver").Pool(processes) as pool:
-        work = [(sweep, sweep.plane.velocities[i::processes], core) for i, core in enumerate(cores)]
+        work = [(sweep, sweep.velocities[i::processes], core) for i, core in enumerate(cores)]
         return max(pool.starmap(simulate, work, chunksize=1))
 
 

@@ -36,11 +36,11 @@ def timed(sweep, point, trunks):
 
 def costs_at(sweep, velocity):
     """CPU time [s] of an increment, and of the end of each load, at a velocity [m/s]."""
-    *_, highest = sweep.plane.loads
+    *_, highest = sweep.loads
     trunks = Trunks()
     whole = timed(sweep, Point(highest, velocity), trunks)
     ends = {}
-    for load in sweep.plane.loads:
+    for load in sweep.loads:
         timed(sweep, Point(load, velocity), trunks)  # on the load's own ramp, if it has one
         ends[load] = timed(sweep, Point(load, velocity), trunks)
     increments, *_ = _count_steps(sweep, highest)
@@ -49,7 +49,7 @@ def costs_at(sweep, velocity):
 
 def main():
     sweep = pipeline.load_scene(*sys.argv[1:])
-    axis, loads = np.array(sweep.plane.velocities), sweep.plane.loads
+    axis, loads = np.array(sweep.velocities), sweep.loads
     run_point(sweep, Point(loads[0], float(axis[0])))  # makes kernels and surfaces
     places = np.linspace(0, len(axis) - 1, _MEASURED).round().astype(int)
     known = {float(axis[place]): costs_at(sweep, float(axis[place])) for place in places}

@@ -57,7 +57,7 @@ def campaign(run):
                     trial.fault(fault)
                 failed = int((ds["status"] == 2).sum())
                 pending = int((ds["status"] == 0).sum())
-            if failed != len(sweep.plane.velocities) or pending:
+            if failed != len(sweep.velocities) or pending:
                 trial.fault(f"{failed} points failed, {pending} are pending")
             run.report.counts["trials"] += 1
             run.report.counts["points that kill"] += failed

@@ -13,7 +13,7 @@ _FIRST = tiny.full(
     velocities=tuple(np.linspace(0.5, 1.5, 6).tolist()),
 )
 _LONGER = changed(_FIRST, loads=(150.0, 600.0, 900.0))  # has some more load steps
-_WIDER = changed(_LONGER, velocities=(*_FIRST.plane.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
+_WIDER = changed(_LONGER, velocities=(*_FIRST.velocities, 1.7, 1.9, 2.1, 2.3, 2.5))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, with more and more points."""
 FAILING = Point(600.0, 1.5)
@@ -41,7 +41,7 @@ class Expected:
 
     def records(self, sweep):
         """Records of all points of a sweep, as its workers return them, by point."""
-        return {point: self(point).record(sweep.plane.fields) for point in points(sweep)}
+        return {point: self(point).record(sweep.fields) for point in points(sweep)}
 
 
 EXPECTED = Expected(STAGES[-1])
@@ -50,6 +50,6 @@ EXPECTED = Expected(STAGES[-1])
 
 def record_of(records, sweep, point):
     """Record of a point; a failure if it is `FAILING` in the first stage."""
-    if point == FAILING and sweep.plane.loads == STAGES[0].plane.loads:
+    if point == FAILING and sweep.loads == STAGES[0].loads:
         return PointRecord(point, None, REASON)
     return records[point]

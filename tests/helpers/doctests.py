@@ -63,5 +63,5 @@ def _compute(scene, path):
         trunks = Trunks()
         for task in tasks(points(sweep), sweep):
             results = [run_point(sweep, task.point, trunks)]
-            records += [result.record(sweep.plane.fields) for result in results]
+            records += [result.record(sweep.fields) for result in results]
         store.commit(records)

@@ -1,8 +1,7 @@
 """Entries of a scene for objects of the physics, so that tests may give either."""
 
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
@@ -19,49 +18,13 @@ from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
 from tribo.simulation.pins import sizes_of
 
-_OF_SWEEP = {"name", "variants", "notes", "sources", "stations", "judged"}
+_OF_SWEEP = {"name", "variants", "notes", "sources", "stations"}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
 _DECLARED = ("title", "caveat", "friction_band", "model_scatter")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
 FIELDS = {*PART_OF, *_DECLARED, *_OF_SWEEP, "conditions"}
-
-
-@dataclass(eq=False)
-class Given:
-    """A scene reader that replaces some of the parts that it reads by given objects."""
-
-    reader: Any
-    values: dict[str, Any]
-    contents: Any = None
-
-    def __post_init__(self):
-        if self.contents is None:
-            self.contents = self.reader.contents
-        self.reader = replace(self.reader, contents=self.contents)
-
-    def read(self, entries):
-        parts = self.reader.read(entries)
-        for name, value in self.values.items():
-            if name == "conditions":
-                parts = replace(parts, conditions=value)
-            elif name in _TESTS:
-                others = (one for one in parts.tests if bool(one.outcome) != _TESTS[name])
-                tests = sorted((*others, *value), key=lambda one: bool(one.outcome))
-                parts = replace(parts, tests=tuple(tests))
-            elif PART_OF[name] == "parts":
-                parts = replace(parts, **{name: value})
-            elif PART_OF[name] == "plane":
-                plane = replace(parts.declared.sweep, **{name: value})
-                parts = replace(parts, declared=replace(parts.declared, sweep=plane))
-            else:
-                part = PART_OF[name]
-                parts = replace(parts, **{part: replace(getattr(parts, part), **{name: value})})
-        return parts
-
-    def complete(self, *args):
-        return self.reader.complete(*args)
 
 
 def changed(sweep, **values):
@@ -72,39 +35,69 @@ def changed(sweep, **values):
         values["measured"] = tuple(test for test in tests if not test.outcome)
         values["tested"] = tuple(test for test in tests if test.outcome)
     own = {name: value for name, value in values.items() if name in _OF_SWEEP}
-    rest = {name: value for name, value in values.items() if name not in own}
-    written = sweep.written
+    variants = own.pop("variants", sweep.variants)
+    rest = {k: v for k, v in values.items() if k not in {*own, "variants"}}
+    written = sweep.source.written
     for name, value in rest.items():
         for path, entry in _entries(name, value, sweep).items():
             written = replace_value(written, path, entry)
-    reader = sweep.reader
-    if isinstance(reader, Given):
-        kept = {name: value for name, value in reader.values.items() if name not in rest}
-        reader = Given(reader.reader, kept) if kept else reader.reader
-    made = replace(sweep, written=written, reader=reader, **own)
     try:
-        _ = made.parts
+        made = sweep.source.read_again(sweep, written, variants)
     except tribo.TriboError:
         assert not {*_DECLARED} & rest.keys(), "these are entries alone, and some entry is unfit"
-        made = replace(sweep, **own)
-    other = {name: value for name, value in rest.items() if not _has(made, name, value)}
-    return replace(made, reader=Given(reader, other)) if other else made
+        made = sweep.source.read_again(sweep, sweep.source.written, variants)
+    made = replace(made, **own)
+    for name, value in (_objects(sweep) | rest).items():
+        if not _has(made, name, value):
+            made = _with_object(made, name, value)
+    return made
+
+
+def _objects(sweep):
+    """Objects of a sweep, by field, that its entries do not describe."""
+    read = sweep.source.read_again(sweep, sweep.source.written, sweep.variants)
+    names = FIELDS - {*_DECLARED, *_OF_SWEEP}
+    pairs = ((name, _present(sweep, name), _present(read, name)) for name in names)
+    return {name: own for name, own, other in pairs if own is not other and own != other}
+
+
+def _present(sweep, name):
+    held = sweep.scene if PART_OF.get(name) == "scene" else sweep
+    return getattr(held, "lubricant" if name == "oil" else name)
 
 
 def _has(sweep, name, value):
-    if name == "conditions":
-        return sweep.parts.conditions == value
     if name in _DECLARED:  # no object holds it, so it is as written
         return True
-    part = PART_OF[name]
-    held = sweep if name in _TESTS or part == "plane" else sweep.parts
-    present = getattr(held if part == "parts" else getattr(held, part), name)
+    present = _present(sweep, name)
+    if name == "conditions":
+        return present == value.under(sweep.scene.loading)
     if name in _TESTS:  # each test has its own number, or the next one
         return len(present) == len(value) and all(
             test == replace(asked, number=asked.number or test.number)
             for test, asked in zip(present, value, strict=True)
         )
     return present == value
+
+
+def _with_object(sweep, name, value):
+    """Copy of a sweep with an object that no entry describes."""
+    if name in _TESTS:
+        others = (one for one in sweep.tests if bool(one.outcome) != _TESTS[name])
+        return replace(sweep, tests=tuple(sorted((*others, *value), key=lambda t: bool(t.outcome))))
+    if PART_OF.get(name) == "plane":
+        return replace(sweep, **{name: value})
+    if name == "preset":  # stored with the choices, whichever these are
+        sweep = replace(sweep, entries=replace_value(sweep.entries, "fidelity.preset", value))
+
+    def of(case):
+        if PART_OF.get(name) == "scene":
+            return replace(case, scene=replace(case.scene, **{name: value}))
+        if name == "conditions":
+            return replace(case, conditions=value.under(case.scene.loading))
+        return replace(case, **{"lubricant" if name == "oil" else name: value})
+
+    return replace(sweep, base=of(sweep.base), cases=tuple(map(of, sweep.cases)))
 
 
 def _quantities(values, example):
@@ -136,12 +129,12 @@ def _entries(name, value, sweep):
         case "roughness", tribo.SelfAffineRoughness():
             return {"disk.roughness": _table(RandomSurface, value)}
         case "roughness", tribo.MeasuredRoughness():
-            sweep.reader.contents.arrays[value.digest] = value.array
+            sweep.source.reader.contents.arrays[value.digest] = value.array
             return {"disk.roughness": {"file": "surface.npy", "content": value.digest}}
         case "loading", tribo.Ramp():
             return {"loading": _table(Ramp, value)}
         case "loading", tribo.MeasuredLoad():
-            digest = sweep.reader.contents.keep(np.array([value.times, value.loads]))
+            digest = sweep.source.reader.contents.keep(np.array([value.times, value.loads]))
             record = {"file": "load.csv", "content": digest}
             if value.reference_load is not None:
                 record["reference_load"] = f"{value.reference_load!r} N"

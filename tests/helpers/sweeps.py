@@ -5,10 +5,11 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline.scene.reading import SceneReader
+from pipeline.scene.source import Source, read_sweep
 from pipeline.scene.stored_text import file_contents, sweep_text
 from pipeline.store.inputs import split_arrays
 from pipeline.store.schema import INPUTS, PLANE
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.variants import Variants
 from tests.helpers.entries import FIELDS, changed
 
 _BASE = {
@@ -32,7 +33,7 @@ _BASE = {
 def sweep_of_fields(**values):
     """Sweep with these values of fields of its parts; other fields have usual values."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
-    sweep = Sweep(name="scene", written=_BASE, reader=SceneReader())
+    sweep = read_sweep("scene", Source(_BASE, SceneReader()), Variants())
     usual = {"fidelity": tribo.Fidelity(), "title": "A scene"}
     return changed(sweep, **usual | values)
 

@@ -17,7 +17,7 @@ def commit_all(path, sweep, skip=()):
     """Create the store of a sweep, and compute its points in this process."""
     with writing(path, sweep) as store:
         wanted = [point for point in points(sweep) if point not in skip]
-        store.commit(run_point(sweep, point).record(sweep.plane.fields) for point in wanted)
+        store.commit(run_point(sweep, point).record(sweep.fields) for point in wanted)
 
 
 @pytest.fixture(scope="session")

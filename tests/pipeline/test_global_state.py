@@ -30,7 +30,7 @@ def answers():
         (
             scene.scene.pin.radius,
             scene.conditions.bulk_temperature,
-            scene.plane.loads,
+            scene.loads,
             {name: values.tolist() for name, values in point.columns.items()},
             pipeline.boundary(ds)["critical_velocity"].values.tolist(),
             asdict(pipeline.margin(ds, "400.0001 N", "1.4 m/s")),

@@ -123,11 +123,11 @@ def computed(family, number):
     rng = np.random.default_rng([seed, 161])
     try:
         sweep = changed(FAMILIES[family](seed), fields=False, steps="end", variants=Variants())
-        velocities = [velocity for velocity in sweep.plane.velocities if velocity]
+        velocities = [velocity for velocity in sweep.velocities if velocity]
         low, high = min(velocities), max(velocities)
         if family != "shipped":  # shipped scenes have distant velocities
             low, high = (math.sqrt(low * high) * rng.uniform(2, 5) ** sign for sign in (-1, 1))
-        ends = min(sweep.plane.loads), max(sweep.plane.loads)
+        ends = min(sweep.loads), max(sweep.loads)
         loads, all_loads = axis(rng, *ends, int(rng.integers(4, 6)), 1, np.linspace)
         spaced = np.linspace if rng.uniform() < 1 / 3 else np.geomspace
         velocities, all_velocities = axis(rng, low, high, int(rng.integers(5, 8)), 2, spaced)

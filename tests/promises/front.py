@@ -75,7 +75,7 @@ def errors(case, fidelity):
     true = known(case)
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))
-    velocities = sweep.plane.velocities
+    velocities = sweep.velocities
     if any(f"{one:g}" not in true for one in velocities):
         return None
     true = np.array([true[f"{one:g}"] for one in velocities])
@@ -93,7 +93,7 @@ def errors(case, fidelity):
 
 def warned(sweep, velocity, trunks):
     """Yield, for each load, True if the point carries a warning."""
-    for load in sweep.plane.loads:
+    for load in sweep.loads:
         *_, state = simulate(sweep.scene, load, velocity, trunks)
         yield bool(warnings(sweep.scene, state))
 

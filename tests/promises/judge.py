@@ -23,12 +23,12 @@ _SMALL_STEP = 5e-3  # step of ln(velocity) over which a known exponent is exact 
 
 def places(sweep):
     """Loads and variants of a sweep at which its boundary is judged."""
-    return [Target(load, variant) for variant in sweep.variants.names for load in sweep.plane.loads]
+    return [Target(load, variant) for variant in sweep.variants.names for load in sweep.loads]
 
 
 def rise_at(sweep, fidelity, place, velocity):
     """Deciding rise [K] at a place and velocity, and the point's warnings."""
-    scene = changed(sweep.variant(place.variant), fidelity=fidelity).scene
+    scene = changed(sweep.take_case(place.variant), fidelity=fidelity).scene
     state = state_at(scene, place.load, velocity)
     return momentary_rise(scene, state, sweep.conditions), warnings(scene, state)
 
@@ -68,7 +68,7 @@ def true_boundary(sweep):
 
     The search begins with an eighth of the steps, so that few full simulations are needed.
     """
-    middle, found = math.sqrt(sweep.plane.velocities[0] * sweep.plane.velocities[-1]), {}
+    middle, found = math.sqrt(sweep.velocities[0] * sweep.velocities[-1]), {}
     for place in places(sweep):
         start, _ = boundary_velocity(sweep, PRESETS["standard"], place, middle)
         start, _ = boundary_velocity(sweep, _NEARLY, place, start)

@@ -83,7 +83,7 @@ def window_guess(sweep, lengths, velocity):
             sweep = changed(
                 sweep, roughness=replace(sweep.scene.roughness, correlation_length=along)
             )
-        ends = (sweep.plane.loads[-1], velocity), (sweep.plane.loads[0], 4 * velocity)
+        ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
         warnings = [
             warning
             for end in ends
@@ -98,7 +98,7 @@ def window_guess(sweep, lengths, velocity):
 
 def _with_boundary(sweep, velocity):
     """Copy of a sweep with a critical temperature that puts the boundary in its middle."""
-    state = state_at(sweep.scene, sweep.plane.loads[2], velocity)
+    state = state_at(sweep.scene, sweep.loads[2], velocity)
     rise = momentary_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))

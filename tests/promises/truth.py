@@ -25,7 +25,7 @@ TRUTH = Path(__file__).with_name("truth.json")
 def deciding_rises(sweep, velocity, trunks):
     """Yield the deciding rise [K] at friction 1 at each load of a sweep, at one velocity."""
     conditions = sweep.conditions
-    for load in sweep.plane.loads:
+    for load in sweep.loads:
         verdict = judge(sweep.scene, load, velocity, conditions, trunks)
         rise = verdict.decisive_temperature - verdict.bulk_temperature
         yield rise / conditions.friction
@@ -52,7 +52,7 @@ def compute(case, ends):
     rises = known(case)
     with tempfile.TemporaryDirectory() as folder:
         sweep = case.sweep(Path(folder))
-    for velocity in sweep.plane.velocities:
+    for velocity in sweep.velocities:
         key = f"{velocity:g}"
         if key in rises or time.monotonic() > ends:
             continue

@@ -148,9 +148,9 @@ def hertz(pin, disk, pressure):
 
 def _with_boundary(sweep, velocity, bulks):
     """Copy of a sweep with bulk and critical temperatures that put the boundary inside it."""
-    scene = sweep.variant(sweep.variants.names[0])
+    scene = sweep.take_case(sweep.variants.names[0])
     warm = changed(scene, unequal_bulks=bulks != 0).scene
-    state = state_at(warm, sweep.plane.loads[_MIDDLE], velocity)
+    state = state_at(warm, sweep.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
         rise = float(conditions.decisive.rise(state.heat.columns))

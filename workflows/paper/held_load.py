@@ -37,7 +37,7 @@ def fig5(study: Study) -> Report:
     sweep = study.scene("fig5")
     if not isinstance(sweep.scene.loading, Ramp):
         raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
-    load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
+    load, velocity = sweep.loads[-1], sweep.velocities[-1]
     curves = {
         name: history(worn(sweep, _LOOKS[name][0]), load, velocity, HIGHEST)[:2]
         for name in study.stages(_LOOKS)

@@ -32,7 +32,7 @@ def fig4(study: Study) -> Report:
     pin = sweep.scene.pin
     if not isinstance(pin, Cylinder):
         raise InputError(f'the scene {sweep.name} must have a pin of shape "cylinder"')
-    load_per_length = sweep.plane.loads[-1] / pin.length
+    load_per_length = sweep.loads[-1] / pin.length
     hertz = load_per_length, pin.radius, contact_modulus(pin.material, sweep.scene.disk)
     peak, half_width = hertz_line_peak_pressure(*hertz), hertz_line_half_width(*hertz)
     fields = {
@@ -45,7 +45,7 @@ def fig4(study: Study) -> Report:
     over = {name: highest[name] / peak - 1 for name in ("nearest_image", "periodic")}
     end = float(fields["free"][:, 0].max())
     values = {
-        "load": sweep.plane.loads[-1],
+        "load": sweep.loads[-1],
         "length": 1e3 * pin.length,
         "printed_peak": CYLINDER_PEAK_PRESSURE / 1e9,
         "printed_half_width": CYLINDER_HALF_WIDTH * 1e3,
@@ -97,7 +97,7 @@ def _pressure(sweep: Sweep, periodic: bool, as_published: bool = False) -> Array
         pixels=replace(sweep.scene.pixels, periodic=(False, periodic)),
         fidelity=replace(sweep.scene.fidelity, as_published=as_published),
     )
-    *_, state = simulate(scene, sweep.plane.loads[-1], sweep.plane.velocities[-1])
+    *_, state = simulate(scene, sweep.loads[-1], sweep.velocities[-1])
     rows = sweep.scene.pixels.shape[1] // sweep.scene.fidelity.pixels_per_element
     return np.broadcast_to(state.pressure, (len(state.pressure), rows))
 

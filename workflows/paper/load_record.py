@@ -32,7 +32,7 @@ def fig8(study: Study) -> Report:
     record = sweep.scene.loading
     if not isinstance(record, MeasuredLoad):
         raise InputError(f"the scene {sweep.name} must have a record, `file` under [loading]")
-    load, velocity = sweep.plane.loads[-1], sweep.plane.velocities[-1]
+    load, velocity = sweep.loads[-1], sweep.velocities[-1]
     rate, onset = record.linear_fit()
     ramp = {"rate": f"{LOADING_RATE!r} N/s", "reference_load": f"{load!r} N"}
     loadings = {
@@ -89,7 +89,7 @@ def _share(sweep: Sweep) -> str:
 def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     figure = Figure(figsize=(7.4, 6.0))
     upper, lower = figure.subplots(2, 1, sharex=True)
-    (rate, onset), load, last = record.linear_fit(), sweep.plane.loads[-1], float(record.times[-1])
+    (rate, onset), load, last = record.linear_fit(), sweep.loads[-1], float(record.times[-1])
     upper.plot(record.times, record.loads, color=BLACK, lw=1.2, label="record (synthetic)")
     upper.plot(
         [onset, onset + load / rate, last], [0, load, load], color=VERMILION, ls="--",

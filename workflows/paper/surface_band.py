@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from pipeline import at, boundary, results
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.variants import surfaces
@@ -22,13 +20,14 @@ _SMALL = 0.05  # largest relative spread of critical velocities between surfaces
 def band(study: Study) -> Report:
     """Report on the boundary on several surfaces, and at the lowest and highest friction."""
     scene = study.scene("irg_transition")
-    if scene.declared.friction.band is None:
+    if scene.friction_band is None:
         raise InputError(f"the scene {scene.name} must have a friction band")
-    least, most = scene.declared.friction.band
+    least, most = scene.friction_band
     seeds = tuple(study.seeds(_SURFACES))
     sweep = scene.changed("sweep.loads", [f"{load} N" for load in _LOADS])
     sweep = sweep.changed("sweep.velocities", [f"{velocity} m/s" for velocity in _VELOCITIES])
-    sweep = replace(sweep.changed("sweep.fields", False), variants=surfaces(seeds))
+    sweep = sweep.changed("sweep.fields", False)
+    sweep = sweep.source.read_again(sweep, sweep.source.written, surfaces(seeds))
     _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{study.preset or sweep.preset}")
     ds = ds.sel(realization=list(seeds))
 

@@ -274,7 +274,7 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(tmp_path / "out.zarr") == content(alone)
     named = {key.rsplit("-", 2)[0]: below for key, below in given.items()}
-    places = itertools.product(SWEEP.plane.loads, SWEEP.plane.velocities)
+    places = itertools.product(SWEEP.loads, SWEEP.velocities)
     assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
     assert sum(map(len, named.values())) == 0
 

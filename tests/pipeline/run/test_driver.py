@@ -81,7 +81,7 @@ def test_a_cluster_or_a_client_that_is_closed_ends_a_run_with_one_error(threads,
     lost = pytest.raises(pipeline.ExecutionError, match="scheduler is lost; finished points are")
     with lost:
         pipeline.run_sweep(MANY, path, client=threads[1], progress=close, patience=5.0)
-    assert 0 < pipeline.summary(path).done < len(MANY.plane.loads) * 60
+    assert 0 < pipeline.summary(path).done < len(MANY.loads) * 60
 
 
 def test_a_run_goes_on_with_a_scheduler_that_was_started_again(path):

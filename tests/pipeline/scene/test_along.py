@@ -36,7 +36,7 @@ def faults(path):
 def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     sweep = pipeline.load_scene(scene(tmp_path, along))
     assert [(point.load, point.velocity) for point in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
-    first, second = (sweep.variant(name) for name in sweep.variants.names)
+    first, second = (sweep.case(name) for name in sweep.variants.names)
     assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
 

@@ -20,7 +20,7 @@ from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
 
 def with_test(load):
-    velocity = max(SMOOTH.plane.velocities)
+    velocity = max(SMOOTH.velocities)
     return changed(SMOOTH, loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
 
 

@@ -40,7 +40,7 @@ def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
 
 def test_what_an_inherited_entry_excludes_is_replaced_or_named(write):
     counted = EXTENDS + '[sweep]\nvelocities = { to = "4 m/s", count = 3 }'
-    assert load_scene(write(own=counted)).plane.velocities == (1.0, 2.5, 4.0)
+    assert load_scene(write(own=counted)).velocities == (1.0, 2.5, 4.0)
     fault, *_ = faults_of(write(own=EXTENDS + '[disk.roughness]\nfile = "scan.npy"'))
     assert fault.startswith("disk.roughness.ra (in ")
     assert fault.endswith('leave it out here: without = ["disk.roughness.ra"]')
@@ -78,7 +78,7 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
 def test_entries_may_be_left_out(write):
     keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
-    assert sweep.scene.wear is sweep.declared.friction.band is None
+    assert sweep.scene.wear is sweep.friction_band is None
     assert sweep.measured == ()
     assert sweep.scene.hardness == np.inf
     assert sweep.scene.disk.elastic_modulus == 210e9
@@ -115,7 +115,7 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     shipped = load_scene("first_try")
     (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
-    assert load_scene("mine.toml").plane.loads == shipped.plane.loads
+    assert load_scene("mine.toml").loads == shipped.loads
     (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # files precede shipped scenes
     assert load_scene("first_try").scene.motion is not None
 

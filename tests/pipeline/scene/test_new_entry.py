@@ -47,7 +47,7 @@ print(json.dumps({
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
     "is another scene": scene_ids(one) != scene_ids(other),
     "misfits": [*misfits(one, other)],
-    "rows": [over.variant(name).scene.roughness.waviness for name in over.variants.names],
+    "rows": [over.case(name).scene.roughness.waviness for name in over.variants.names],
 }))
 """
 

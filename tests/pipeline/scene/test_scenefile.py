@@ -78,13 +78,13 @@ def test_every_shipped_scene_loads_and_says_what_it_shows(path):
 def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
     sweep = read((written, 'from = "0 m/s", to = "2 m/s", step = "0.1 m/s"'))
-    assert sweep.plane.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
-    assert 0.3 in sweep.plane.velocities
-    assert 0.7 in sweep.plane.velocities
+    assert sweep.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
+    assert 0.3 in sweep.velocities
+    assert 0.7 in sweep.velocities
     sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
-    assert sweep.plane.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
+    assert sweep.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
     sweep = read((written, 'from = "1 m/s", to = "4 m/s", count = 3'))
-    assert sweep.plane.velocities == (1.0, 2.5, 4.0)
+    assert sweep.velocities == (1.0, 2.5, 4.0)
 
 
 def test_what_may_be_left_out_takes_its_default(read):
@@ -101,10 +101,10 @@ def test_what_may_be_left_out_takes_its_default(read):
     )
     assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
-    assert sweep.scene.roughness is sweep.scene.wear is sweep.declared.friction.band is None
+    assert sweep.scene.roughness is sweep.scene.wear is sweep.friction_band is None
     assert sweep.conditions.failing_share == 0.1
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
-    assert not sweep.plane.fields
+    assert not sweep.fields
     assert sweep.measured == ()
 
 

@@ -205,8 +205,8 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     ds = pipeline.open_sweep(tmp_path / "scans.zarr")
     copy = pipeline.results(ds.drop_vars("inputs")).stored  # enough where no surface is needed
     assert copy.conditions == pipeline.results(ds).stored.conditions
-    assert all("are missing;" in str(copy.variant(n).scene.roughness) for n in copy.variants.names)
+    assert all("are missing;" in str(copy.case(n).scene.roughness) for n in copy.variants.names)
     sweep = pipeline.results(ds).stored
-    rows = [sweep.variant(name).scene.roughness.digest for name in sweep.variants.names]
+    rows = [sweep.case(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
     assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows

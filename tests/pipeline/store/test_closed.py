@@ -150,7 +150,7 @@ def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
     monkeypatch.chdir(tmp_path)
     (scene,) = pipeline.new_scene("~/mine.toml", like="first_try")
     assert scene == tmp_path / "home" / "mine.toml"
-    assert pipeline.load_scene("~/mine.toml").plane.loads
+    assert pipeline.load_scene("~/mine.toml").loads
     commit("~/a.zarr", SWEEP)
     assert pipeline.summary("~/a.zarr").done == len(opened("~/a.zarr").flags.flat)
     irg("boundary", "~/a.zarr", "-o", "~/table.csv")

@@ -33,7 +33,7 @@ POINT, NEXT = Point(250.0, 1.0), Point(600.0, 1.0)
 ALL = set(points(SWEEP))
 OTHER = "the data are not those that were computed"
 SHORT = tiny.full(loads=(250.0,), velocities=tuple(np.linspace(0.5, 1.5, 16).tolist()))
-LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.plane.velocities, 2.0))
+LONG = tiny.full(loads=(250.0,), velocities=(*SHORT.velocities, 2.0))
 
 
 def chunks(path, name):

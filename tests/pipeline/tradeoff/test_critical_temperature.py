@@ -24,8 +24,7 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
     critical = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
     assert critical.notnull().all()
     measured = tuple(
-        Measurement(load, critical.sel(realization=2, load=load).item())
-        for load in sweep.plane.loads
+        Measurement(load, critical.sel(realization=2, load=load).item()) for load in sweep.loads
     )
     result = critical_temperatures(changed(sweep.take_surface(2), measured=measured))
     assert result.surfaces == (2,)

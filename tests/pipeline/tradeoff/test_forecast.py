@@ -46,7 +46,7 @@ def counted(sweep, monkeypatch):
         [run_point(sweep, task.point, trunks)]
     temperatures += heats
     if not sweep.scene.remembers_steps:  # one worker solves each contact once, for all velocities
-        steps //= len(sweep.plane.velocities)
+        steps //= len(sweep.velocities)
     return steps, temperatures
 
 

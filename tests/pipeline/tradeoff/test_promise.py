@@ -71,7 +71,7 @@ def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin)
     assert isinstance(sweep.scene.pin, pin)
     place, middle = (
         places(sweep)[1],
-        (sweep.plane.velocities[0] * sweep.plane.velocities[-1]) ** 0.5,
+        (sweep.velocities[0] * sweep.velocities[-1]) ** 0.5,
     )
     velocity, _ = boundary_velocity(sweep, sweep.scene.fidelity, place, middle)
-    assert sweep.plane.velocities[0] < velocity < sweep.plane.velocities[-1]
+    assert sweep.velocities[0] < velocity < sweep.velocities[-1]

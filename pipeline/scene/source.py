@@ -1,0 +1,140 @@
+"""Entries that a sweep was read from: it is read from them again when an entry changes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from pipeline.scene.parts import Parts
+from pipeline.scene.reading import SceneReader
+from pipeline.sweep.model import Case, Sweep
+from pipeline.sweep.remarks import Remark
+from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.stations import Stations
+from pipeline.sweep.tables import Entries, replace_value, replace_values
+from pipeline.sweep.variants import SEED, Variant, Variants
+
+
+@dataclass(frozen=True)
+class Source:
+    """Entries of a scene as written, in tables, and the reader that makes objects of them."""
+
+    written: Entries
+    reader: SceneReader
+
+    def changed(self, sweep: Sweep, path: str, value: Any) -> Sweep:
+        """`sweep`, read again with another value of the entry at `path`."""
+        written = dict(self.written)
+        if path == "fidelity.preset":  # the preset replaces all other choices
+            written.pop("fidelity", None)
+        elif path.startswith("fidelity.") and self.reader.is_stored:
+            written = replace_value(written, "fidelity.preset", None)  # no longer its choices
+        return self.read_again(sweep, replace_values(written, {path: value}), sweep.variants)
+
+    def read_again(self, sweep: Sweep, written: Entries, variants: Variants) -> Sweep:
+        """`sweep`, read again from entries `written`, with a table of `variants`."""
+        made = read_sweep(
+            sweep.name,
+            replace(self, written=written),
+            variants,
+            notes=sweep.notes,
+            sources=sweep.sources,
+            stations=sweep.stations,
+        )
+        return made.judge(sweep.judged)
+
+    @cached_property
+    def parts(self) -> Parts:
+        """Objects of the scene itself, with the tables that they were made from."""
+        return self.reader.read(self.written)
+
+    @property
+    def plain_entries(self) -> dict[str, Any]:
+        """All entries in their usual units, instead of as written."""
+        return self.reader.complete({}, self.parts)
+
+    def take_case(self, sweep: Sweep, name: Variant) -> Sweep:
+        """The sweep of the case of `sweep` called `name`, without variants."""
+        return self._take(sweep, name, Variants(), [replace(sweep.case(name), name=())])
+
+    def take(self, sweep: Sweep, name: Variant) -> Sweep:
+        """The sweep of the random surfaces of one variant of `sweep`, named without them."""
+        table, wanted = sweep.variants.surfaces_of(name), {*name}
+        own = [case for case in sweep.cases if wanted <= {*case.name}]
+        cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
+        return self._take(sweep, name, table, cases)
+
+    def _take(self, sweep: Sweep, name: Variant, table: Variants, cases: Sequence[Case]) -> Sweep:
+        values = sweep.variants.values(name) if name else {}
+        return replace(
+            sweep,
+            base=replace(cases[0], name=()),
+            cases=tuple(cases),
+            variants=table,
+            entries=replace_values(sweep.entries, values),
+            source=replace(self, written=replace_values(self.written, values)),
+        )
+
+
+def read_sweep(
+    name: str,
+    source: Source,
+    variants: Variants,
+    notes: Sequence[Remark] = (),
+    sources: tuple[FromLibrary, ...] = (),
+    stations: Stations | None = None,
+) -> Sweep:
+    """Read the scene of a `source` and the cases of `variants`; `InputError` for a fault."""
+    parts = source.parts
+    declared = parts.declared
+    return Sweep(
+        name=name,
+        title=declared.title or name,
+        caveat=declared.caveat,
+        base=_case_of((), parts),
+        cases=_cases(source, variants),
+        variants=variants,
+        loads=declared.sweep.loads,
+        velocities=declared.sweep.velocities,
+        fields=declared.sweep.fields,
+        steps=declared.sweep.steps,
+        tests=parts.tests,
+        notes=notes,
+        sources=sources,
+        stations=stations,
+        entries=source.reader.complete(source.written, parts),
+        source=source,
+    )
+
+
+def _cases(source: Source, variants: Variants) -> tuple[Case, ...]:
+    """A case for each row; rows that differ in the seed of the surface alone are read once."""
+    known: dict[str, Parts] = {}
+    cases = []
+    for name in variants.names:
+        values = dict(variants.values(name)) if name else {}
+        seed = values.pop(SEED, None)
+        key = repr(values)
+        if key not in known:
+            known[key] = source.reader.read(replace_values(source.written, values))
+        case = _case_of(name, known[key])
+        if seed is not None:
+            rough: Any = replace(case.scene.roughness, seed=seed)  # type: ignore[type-var]
+            case = replace(case, scene=replace(case.scene, roughness=rough))
+        cases.append(case)
+    return tuple(cases)
+
+
+def _case_of(name: Variant, parts: Parts) -> Case:
+    friction, model = parts.declared.friction, parts.declared.model
+    return Case(
+        name=name,
+        scene=parts.scene,
+        conditions=parts.conditions.under(parts.scene.loading),
+        friction_band=friction.band,
+        model_scatter=model.scatter if model else None,
+        lubricant=parts.oil,
+        preset=parts.preset,
+    )
