@@ -23,6 +23,7 @@ from pipeline.store.write import store_path
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stages import Report
+from pipeline.sweep.station_choice import choose_stations
 from tribo import InputError, TriboError
 
 
@@ -56,7 +57,8 @@ def _simulate(sweep: Sweep, points: Sequence[Point], progress: Report) -> Iterat
     """
     for point in points:
         try:
-            yield run_point(sweep, point, progress=progress).record(sweep.fields)
+            made = run_point(sweep.scene, choose_stations(sweep), point, progress=progress)
+            yield made.record(sweep.fields)
         except TriboError as error:
             if point == points[0]:
                 raise

@@ -19,10 +19,12 @@ from typing import Any
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import GONE, LOST, POLL, Connection
-from pipeline.run.work import INSTALL, ExecutionError, Run, compute_point
-from pipeline.sweep.model import Sweep
+from pipeline.run.cluster import LOST, POLL, Connection
+from pipeline.run.work import CODE, FOLDER, INSTALL, ExecutionError, Work, on_worker
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import Task
+from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.variants import Variant
 
 ANYWHERE = ""
 """Address of the worker for a task that any worker may take."""
@@ -56,7 +58,9 @@ class Jobs:
 
     def __init__(self, link: Connection, sweep: Sweep, with_fields: bool) -> None:
         self._link, self._client = link, link.client
-        self._run = Run(uuid.uuid4().hex[:8], sweep, with_fields)  # a scheduler may know other runs
+        self._name = uuid.uuid4().hex[:8]  # a scheduler may know other runs
+        self._sweep, self._stations = sweep, choose_stations(sweep)
+        self._with_fields, self._works = with_fields, dict[Variant, bytes]()
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
         # Pending requests for results, each with the futures that it asks for, by key.
@@ -67,38 +71,34 @@ class Jobs:
         self.computed: dict[str, Job] = {}
 
     def __enter__(self) -> Jobs:
-        self._send_run()
         return self
 
-    def __exit__(self, error: object, *_: object) -> None:
+    def __exit__(self, *_: object) -> None:
         for gathering in self._gathering:
             gathering.cancel()
-        if error is None:
-            # All is computed: a worker that comes or goes now, or has not got the run, is no loss.
-            with suppress(*GONE, KeyError, ValueError):
-                self._client.unregister_worker_plugin(self._run.name)
 
     def __bool__(self) -> bool:
         return bool(self.running or self.computed or self._without_result)
 
-    def _send_run(self) -> None:
-        """Send the sweep to the scheduler, which gives it to all workers, also to later ones."""
-        try:
-            self._client.register_plugin(self._run)
-        except GONE:  # a worker or the scheduler is gone; the next update notices it
-            pass
-        except Exception as error:
-            raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}") from error
+    def _work(self, variant: Variant) -> bytes:
+        """What a task carries of its case, pickled once."""
+        if variant not in self._works:
+            scene = self._sweep.case(variant).scene
+            scene_hash = self._sweep.scene_hash(Point(0.0, 0.0, variant))
+            work = Work(scene, scene_hash, self._stations, self._with_fields)
+            self._works[variant] = work.pickled()
+        return self._works[variant]
 
     def submit(self, job: Job) -> None:
         """Give a task to Dask."""
         number, first = next(self._numbers), job.task.point
-        key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._run.name}-{number}"
+        key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._name}-{number}"
         self.running[key] = job
         with self._link.reached():
             # Without a priority Dask orders tasks of one moment by chance.
             job.future = self._client.submit(
-                compute_point, self._run.name, job.task.point, key=key, priority=-number,
+                on_worker, CODE, FOLDER, self._work(first.variant), tuple(first), key=key,
+                priority=-number,
                 workers=job.worker or None,
                 allow_other_workers=bool(job.worker) and not job.is_alone,
             )  # fmt: skip
@@ -129,8 +129,6 @@ class Jobs:
                 self.computed[key] = job
             else:
                 lost.append((job, self._loss(job)))
-        if any(loss is Loss.FORGOTTEN for _, loss in lost):
-            self._send_run()
         if has_looked:
             lost += self._abandoned()
         return lost
@@ -144,8 +142,7 @@ class Jobs:
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker
             return Loss.KILLED
-        # A KeyError comes from a worker that has not received this run: the scheduler restarted.
-        if error is None or isinstance(error, CancelledError | KeyError):
+        if error is None or isinstance(error, CancelledError):
             with self._link.reached():
                 if self._client.status != "running":
                     raise ExecutionError(LOST)

@@ -8,24 +8,28 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import pickle
 import sys
 import threading
+import zlib
 from collections.abc import Iterable
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import cloudpickle
-from distributed import WorkerPlugin, get_worker
+from distributed import get_worker
 
 import tribo
 from pipeline.store.checksum import packed
 from pipeline.sweep.laws import code_of, given_laws
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
-from tribo import TriboError
+from pipeline.sweep.stations import Stations
+from tribo import Scene, TriboError
 from tribo.simulation import Trunks
 
 SAFE = "finished points are safe, run the sweep again to go on"
@@ -67,41 +71,37 @@ class ExecutionError(TriboError):
     """
 
 
-class Run(WorkerPlugin):  # type: ignore[misc]
-    """Dask plugin that brings the sweep of a run to each worker, also to workers that join later.
+@dataclass(frozen=True, slots=True)
+class Work:
+    """What the points of one case have in common: the scene, and what is recorded of them."""
 
-    It carries the code of the user's own laws, since their modules are not on the workers.
-    """
+    scene: Scene
+    scene_hash: str
+    stations: Stations
+    with_fields: bool
 
-    def __init__(self, name: str, sweep: Sweep, with_fields: bool) -> None:
-        self.name, self.with_fields = name, with_fields
-        self.code, self.folder = CODE, FOLDER
-        self._sweep = _pickled(sweep)
-
-    @cached_property
-    def sweep(self) -> Sweep:
-        """The sweep, unpickled once in each process."""
-        sweep: Sweep = pickle.loads(self._sweep)
-        return sweep
-
-    def require_same_code(self, worker: str) -> None:
-        """Raise an `ExecutionError` if the source files of worker and driver differ.
-
-        `worker` is the address of the worker, for the message.
-        """
-        if self.code != CODE:
-            raise ExecutionError(
-                f"the Dask worker {worker} runs tribo and pipeline from {FOLDER} (hash {CODE}), "
-                f"but this program runs them from {self.folder} ({self.code}); {INSTALL}"
-            )
+    def pickled(self) -> bytes:
+        """Pickle the work together with the code of the user's laws, which no worker has."""
+        for name in {
+            code_of(law).__module__ for law in given_laws(self.scene)
+        } & sys.modules.keys():
+            cloudpickle.register_pickle_by_value(sys.modules[name])
+        return zlib.compress(cloudpickle.dumps(self), level=1)
 
 
-def _pickled(sweep: Sweep) -> bytes:
-    """Pickle a sweep together with the code of the user's laws."""
-    laws = filter(None, [*given_laws(sweep.scene), sweep.conditions.rule])
-    for name in {code_of(law).__module__ for law in laws} & sys.modules.keys():
-        cloudpickle.register_pickle_by_value(sys.modules[name])
-    return bytes(cloudpickle.dumps(sweep))
+@functools.lru_cache(maxsize=64)
+def _unpickled(work: bytes) -> Work:
+    unpickled: Work = pickle.loads(zlib.decompress(work))
+    return unpickled
+
+
+def _require_same_code(code: str, folder: str) -> None:
+    """Raise an `ExecutionError` if the driver's source files, of hash `code`, differ from ours."""
+    if code != CODE:
+        raise ExecutionError(
+            f"the Dask worker {get_worker().address} runs tribo and pipeline from {FOLDER} (hash "
+            f"{CODE}), but this program runs them from {folder} ({code}); {INSTALL}"
+        )
 
 
 # Several threads of one process gained 6 % at most.
@@ -109,20 +109,32 @@ _one_at_a_time = threading.Lock()
 _trunks = Trunks()
 
 
-def compute_point(name: str, point: Point) -> bytes:
-    """On a worker: compute a point, for the run with a `name`; return its pickled record."""
-    worker = get_worker()
-    run: Run = worker.plugins[name]
-    run.require_same_code(worker.address)
+def on_worker(*args: Any) -> bytes:
+    """Compute a point on a worker; arguments are those of `compute_point`."""
+    from pipeline.run.work import compute_point
+
+    return compute_point(*args)
+
+
+# Sent by value: a worker that cannot unpickle a task drops its connection without a word, while an
+# import that fails within the task is an error of the task.
+on_worker.__module__ = "__main__"
+
+
+def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -> bytes:
+    """Compute the point at a load, velocity and variant, and return its pickled record.
+
+    `code` and `folder` are those of the driver's program. An error is the message of the record.
+    """
+    _require_same_code(code, folder)
+    point = Point(*place)
     with _one_at_a_time:
-        return pickle.dumps(_record(run, point))
-
-
-def _record(run: Run, point: Point) -> PointRecord:
-    """Simulate a point of the sweep of `run`; return its record, with the reason if it failed."""
-    try:
-        result = run_point(run.sweep, point, _trunks)
-        return packed(result.record(run.with_fields), run.sweep)
-    except Exception as error:
-        message = f"{type(error).__name__}: {error}"
-        return packed(PointRecord(point, None, message), run.sweep)
+        scene_hash = ""
+        try:
+            given = _unpickled(work)
+            scene_hash = given.scene_hash
+            result = run_point(given.scene, given.stations, point, _trunks)
+            record = result.record(given.with_fields)
+        except Exception as error:
+            record = PointRecord(point, None, f"{type(error).__name__}: {error}")
+        return pickle.dumps(packed(record, scene_hash))

@@ -25,6 +25,7 @@ from pipeline.sweep import plan
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import Report, silent
+from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.tables import Entries, entry_at, flat, replace_value, replace_values
 from pipeline.sweep.variants import SEED, surfaces
 
@@ -198,5 +199,6 @@ def run_point(
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
     variant = () if realization is None else (("realization", realization),)
-    point = Point(*place, variant)
-    return plan.run_point(sweep_of(sweep), point, progress=progress or silent)
+    sweep = sweep_of(sweep)
+    scene, stations = sweep.case(variant).scene, choose_stations(sweep)
+    return plan.run_point(scene, stations, Point(*place, variant), progress=progress or silent)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.store.schema import AT_END, STEPPED, VARIABLES
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
@@ -36,10 +36,11 @@ def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
-def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
+def packed(record: PointRecord, scene_hash: str) -> PointRecord:
     """Copy of a record with values of the types that are stored, and with its checksum.
 
-    A message is cut to 2000 characters. A record that has a checksum is returned unchanged.
+    `scene_hash` is that of the scene. A message is cut to 2000 characters. A record that has a
+    checksum is returned unchanged.
     """
     if record.checksum is not None:
         return record
@@ -54,5 +55,5 @@ def packed(record: PointRecord, sweep: Sweep) -> PointRecord:
         record,
         data=None if record.data is None else data,
         message=message,
-        checksum=checksum(sweep.scene_hash(record.point), record.point, data | about),
+        checksum=checksum(scene_hash, record.point, data | about),
     )

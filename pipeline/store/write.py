@@ -138,7 +138,7 @@ class Store:
         """Write the records of points: data first, then statuses, so that done points have data."""
         values, statuses = {}, {}
         for record in records:
-            record = packed(record, self.sweep)
+            record = packed(record, self.sweep.scene_hash(record.point))
             index = self.index(record.point)
             values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED

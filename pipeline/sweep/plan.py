@@ -21,7 +21,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Row, Variant
 from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
@@ -165,17 +165,21 @@ def step_count(scene: Scene, load: float) -> int:
 
 
 def run_point(
-    sweep: Sweep, point: Point, trunks: Trunks | None = None, progress: Report = silent
+    scene: Scene,
+    stations: Stations,
+    point: Point,
+    trunks: Trunks | None = None,
+    progress: Report = silent,
 ) -> PointResult:
-    """Simulate a point.
+    """Simulate a scene at a point, and record the results at its `stations`.
 
     `trunks` is a cache of load steps that were simulated for other points. This point continues
     from the cached steps, and its own steps are added to the cache. With None nothing is cached.
     `progress` is called after each step.
     """
     began = time.perf_counter()
-    (load, velocity, name), stations = point, choose_stations(sweep)
-    scene, trunks = sweep.case(name).scene, trunks or Trunks()
+    load, velocity, _ = point
+    trunks = trunks or Trunks()
     fitted = fit_elements(scene, load)
     heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load)
     note, own = None, {station.index for station in kept}

@@ -8,6 +8,7 @@ import pipeline
 from pipeline.sweep import plan
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time
 from tests.benchmarks.scene import SCENE
+from tests.helpers.points import run_point
 from tribo.simulation import Trunks
 
 
@@ -21,7 +22,7 @@ def test_chain_of_loads(benchmark, preset, velocity):
     def points():
         trunks = Trunks()
         for point in chain:
-            plan.run_point(sweep, point, trunks)
+            run_point(sweep, point, trunks)
 
     points()  # makes kernels and roughness before timing
     benchmark.pedantic(points, rounds=3)

@@ -20,10 +20,10 @@ import tribo
 from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
 from tests.helpers.entries import changed
+from tests.helpers.points import run_point
 from tribo.simulation import Trunks
 
 

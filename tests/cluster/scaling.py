@@ -16,10 +16,11 @@ import numpy as np
 
 import pipeline
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point, tasks
+from pipeline.sweep.plan import points, tasks
 from pipeline.sweep.task_queue import makespan
 from pipeline.tradeoff.forecast import _count_steps
 from tests.helpers.entries import changed
+from tests.helpers.points import run_point
 from tribo.simulation import Trunks
 
 _WORKERS = (1, 2, 4, 8, 16, 64)

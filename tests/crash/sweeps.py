@@ -3,9 +3,10 @@
 import numpy as np
 
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, points, run_point
+from pipeline.sweep.plan import PointRecord, points
 from tests.helpers import tiny
 from tests.helpers.entries import changed
+from tests.helpers.points import run_point
 
 _FIRST = tiny.full(
     loading=tiny.SlowRamp(150.0, 750.0),

@@ -54,7 +54,8 @@ def _compute(scene, path):
     """Compute a scene into a store, in this process and without a cluster."""
     import pipeline
     from pipeline.store.create import writing
-    from pipeline.sweep.plan import points, run_point, tasks
+    from pipeline.sweep.plan import points, tasks
+    from tests.helpers.points import run_point
     from tribo.simulation import Trunks
 
     sweep = pipeline.load_scene(scene)

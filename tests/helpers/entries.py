@@ -11,6 +11,7 @@ from pipeline.scene.format import Archard, Material, Oil, Ramp, RandomSurface, T
 from pipeline.scene.format import Fidelity as FidelityTable
 from pipeline.scene.format import Motion as MotionTable
 from pipeline.scene.kinds import Quantity
+from pipeline.scene.laws import add_laws
 from pipeline.scene.written import complete_fidelity, entries_of
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
@@ -50,7 +51,7 @@ def changed(sweep, **values):
     for name, value in (_objects(sweep) | rest).items():
         if not _has(made, name, value):
             made = _with_object(made, name, value)
-    return made
+    return replace(made, entries=add_laws({**made.entries}, made.base))
 
 
 def _objects(sweep):

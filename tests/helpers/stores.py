@@ -16,8 +16,9 @@ from pipeline.store.create import writing
 from pipeline.store.place import ROOT
 from pipeline.store.schema import DONE
 from pipeline.store.write import opened
-from pipeline.sweep.plan import PointRecord, points, run_point
+from pipeline.sweep.plan import PointRecord, points
 from tests.helpers import tiny
+from tests.helpers.points import run_point
 
 HOLDER = """if True:
     import sys, time

@@ -9,8 +9,9 @@ import pytest
 
 from pipeline.cli import main, output
 from pipeline.store.create import writing
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.helpers.points import run_point
 
 
 def commit_all(path, sweep, skip=()):

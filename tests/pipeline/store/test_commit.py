@@ -10,8 +10,9 @@ from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.helpers.points import run_point
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,

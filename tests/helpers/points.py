@@ -1,0 +1,9 @@
+"""Points of a sweep, simulated in this process."""
+
+from pipeline.sweep import plan
+from pipeline.sweep.station_choice import choose_stations
+
+
+def run_point(sweep, point, trunks=None):
+    """Simulate a point of a sweep, as a worker would."""
+    return plan.run_point(sweep.case(point.variant).scene, choose_stations(sweep), point, trunks)
