@@ -116,7 +116,7 @@ def test_rows_may_differ_in_it_and_share_their_points(irg):
     scene = pipeline.load_scene(
         "first_try", overrides=FEW | {"sweep.over": {"model.rise": ["0 %", "+6 %"]}}
     )
-    rises = [scene.variant(name).conditions.unmodelled_rise for name in scene.variants.names]
+    rises = [scene.case(name).conditions.unmodelled_rise for name in scene.variants.names]
     assert rises == [0.0, 0.06]
     few = [f"--set={name}={value}" for name, value in FEW.items()]
     varied = irg("vary", "first_try", *few, "--over=model.rise=+6%", "--workers=1", "--json")
