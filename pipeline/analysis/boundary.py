@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.caveats import scene_caveats
-from pipeline.analysis.dataset import Kind, require_kind
+from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.field import PointField, places_of, point_field
 from pipeline.analysis.laboratory import model_error
@@ -92,7 +92,7 @@ def boundary(ds: ResultsLike) -> xr.Dataset:
     1.5
     """
     data = results(ds)
-    require_kind(data.kind, Kind.PLANE)
+    require_kind(data.kind, Layout.PLANE)
     axes = [data.rows[name] for name in data.entry_dims]
     found = side_by_side([_plane_boundary(scene) for scene in data.scenes], axes)
     turns = [found[name].notnull() for name in found if "turn" in found[name].dims]

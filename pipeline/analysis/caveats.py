@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.field import point_field
 from pipeline.analysis.results import Results
 from pipeline.sweep.accuracy import error_in_words
@@ -48,7 +48,7 @@ def _warm_transitions(data: Results, conditions: Conditions) -> str:
     and velocities, and `conditions` are those of `data.sweep`.
     """
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
-    is_own = data.kind is Kind.PLANE and not data.labels and conditions == data.sweep.conditions
+    is_own = data.kind is Layout.PLANE and not data.labels and conditions == data.sweep.conditions
     if not (tracks and is_known and is_own):
         return ""
     parts = conditions.corrections or Corrections()

@@ -253,26 +253,26 @@ def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     return [str(dim) for dim in dims if dim not in COORDINATES or dim == VARIANT]
 
 
-class Kind(Enum):
+class Layout(Enum):
     """Arrangement of a sweep's points: a grid of loads and velocities, or listed pairs."""
 
     PLANE = "rows that share loads and velocities"
     PLACES = "rows with a load and a velocity of their own"
 
 
-def sweep_kind(ds: xr.Dataset) -> Kind:
+def sweep_kind(ds: xr.Dataset) -> Layout:
     """Arrangement of a sweep's points: grid of loads and velocities, or listed pairs."""
-    return Kind.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Kind.PLACES
+    return Layout.PLANE if all(set(ds[name].dims) <= {name} for name in PLANE) else Layout.PLACES
 
 
-def require_kind(kind: Kind, *kinds: Kind) -> None:
+def require_kind(kind: Layout, *kinds: Layout) -> None:
     """Raise an `InputError` unless `kind` is one of the allowed `kinds`."""
     if kind not in kinds:
         raise InputError(_NO_PLANE[kind])
 
 
 _NO_PLANE = {
-    Kind.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
+    Layout.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
     "them; irg margin and explore answer row by row",
 }
 

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
+from pipeline.analysis.dataset import Layout, require_kind, require_one_scene
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.transition import outcomes
@@ -72,7 +72,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     """
     first, second = results(a), results(b)
     for data in (first, second):
-        require_kind(data.kind, Kind.PLANE)
+        require_kind(data.kind, Layout.PLANE)
         require_one_scene(data.entry_dims)
         data.require_lists(*PLANE)
     points, alike = _differing_points(first, second)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.field import Here, PointField, places_of, point_field, quantile
 from pipeline.analysis.margin import NOT_DECIDED
 from pipeline.analysis.model_error import AGREED, USUAL, ModelError
@@ -177,7 +177,7 @@ def compared(data: Results) -> pd.DataFrame | None:
     critical temperatures or shares, the first one counts.
     """
     data = data.take(dict.fromkeys(data.judged_dims, 0))
-    if not data.sweep.tests or data.kind is not Kind.PLANE:
+    if not data.sweep.tests or data.kind is not Layout.PLANE:
         return None
     heads, rows = heads_of(data.rows, data.entry_dims), list[tuple[Any, ...]]()
     for scene in data.scenes:

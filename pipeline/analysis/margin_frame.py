@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.dataset import Kind, require_kind
+from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import model_error, tests_beside
 from pipeline.analysis.margin import Margin, answers, clipped
@@ -130,7 +130,7 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     are not a single pair, as in a sweep with a grid of loads and velocities.
     """
     if points is not None:
-        require_kind(data.kind, Kind.PLANE)
+        require_kind(data.kind, Layout.PLANE)
     for field in map(point_field, data.scenes):
         scatter = model_error(field.source, field)
         place = field.source.place
@@ -184,7 +184,7 @@ def margin_frame(
 
     Varied entries, and further columns of the user's `points`, come first.
     """
-    names = _label_names(found) if data.kind is Kind.PLACES else data.entry_dims
+    names = _label_names(found) if data.kind is Layout.PLACES else data.entry_dims
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
         {

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    Kind,
+    Layout,
     Origin,
     dataset_of,
     entry_dims,
@@ -60,7 +60,7 @@ class Results:
         The whole sweep as it was stored, without changes by `pipeline.at`.
     judged : mapping
         Conditions that `pipeline.at` changed: new values in SI, by the path of their scene entry.
-    kind : Kind
+    kind : Layout
         Whether points form a grid of loads and velocities, or are listed pairs.
     front : tuple of str
         Names of the dimensions of rows: entries with several values, then surfaces.
@@ -83,7 +83,7 @@ class Results:
 
     stored: Sweep
     judged: Mapping[str, Any]
-    kind: Kind
+    kind: Layout
     front: tuple[str, ...]
     rows: xr.Dataset
     loads: Array
@@ -123,7 +123,7 @@ class Results:
 
         A grid with a dimension of load or velocity does not count, even if its size is 1.
         """
-        is_row = self.kind is Kind.PLACES and not self.entry_dims
+        is_row = self.kind is Layout.PLACES and not self.entry_dims
         if not (is_row or len(self.cut) == len(PLANE)):
             return None
         return float(self.loads[0]), float(self.velocities[0])
@@ -198,7 +198,7 @@ class Results:
         rows = self.rows.isel(places)
         at = tuple(places.get(name, slice(None)) for name in self.front)
         axes = {"load": self.loads, "velocity": self.velocities}
-        if self.kind is Kind.PLACES:
+        if self.kind is Layout.PLACES:
             axes = {name: np.atleast_1d(rows[name].values) for name in PLANE}
         return replace(
             self,
@@ -229,7 +229,7 @@ class Results:
         They need results of one scene on a grid of loads and velocities, with the variables
         ``normal_load`` and ``rise_quantile``.
         """
-        require_kind(self.kind, Kind.PLANE)
+        require_kind(self.kind, Layout.PLANE)
         require_one_scene(self.entry_dims)
         self.require_lists(*PLANE)
         self.require("normal_load", "rise_quantile")

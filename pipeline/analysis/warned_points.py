@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import value_text
 from pipeline.sweep.conditions import Conditions
@@ -105,7 +105,7 @@ def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
 
     It is False everywhere if the points are not on a grid.
     """
-    if data.kind is not Kind.PLANE:
+    if data.kind is not Layout.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.analysis.dataset import Kind, scene_sweep, sweep_kind
+from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, values_in
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> Result:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         kind, store = sweep_kind(judged), shlex.quote(str(out))
-        answers = ["margin", "explore"] if kind is Kind.PLACES else ["boundary", "plot"]
+        answers = ["margin", "explore"] if kind is Layout.PLACES else ["boundary", "plot"]
         answers = ["explore"] if stored.conditions.critical_temperature is None else answers
         text.append("next: " + ", ".join(f"irg {answer} {store}" for answer in answers))
     document = {

@@ -10,7 +10,7 @@ import pandas as pd
 import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.dataset import Kind, require_kind
+from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.frames import JUDGED, boundary_frame
 from pipeline.analysis.laboratory import agreement, compared, test_parts
 from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
@@ -68,7 +68,7 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
 def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     data = pipeline.results(dataset_in(options))
-    require_kind(data.kind, Kind.PLANE)
+    require_kind(data.kind, Layout.PLANE)
     tests = compared(data)
     if options.by == "test":
         if tests is None:

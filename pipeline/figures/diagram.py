@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.analysis.boundary import BAND
-from pipeline.analysis.dataset import Kind, require_kind
+from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.field import PointField, point_field
 from pipeline.analysis.laboratory import model_error
 from pipeline.analysis.margin import DECIDED, verdict_plane
@@ -54,7 +54,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
     median in its own colour. `log` makes both axes logarithmic, without velocity 0.
     """
     data = data.take_surface(realization)
-    require_kind(data.kind, Kind.PLANE)
+    require_kind(data.kind, Layout.PLANE)
     if log:
         data = data.take_moving()
     figure, axes = style.canvas(_SIZE)

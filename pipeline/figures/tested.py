@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import Kind, require_kind, require_one_scene
+from pipeline.analysis.dataset import Layout, require_kind, require_one_scene
 from pipeline.analysis.field import point_field
 from pipeline.analysis.laboratory import (
     USUAL_SCATTER,
@@ -33,7 +33,7 @@ def measured_over_computed(data: Results) -> Figure:
 
     The legend counts the tests for which none is computed.
     """
-    require_kind(data.kind, Kind.PLANE)
+    require_kind(data.kind, Layout.PLANE)
     require_one_scene(data.entry_dims)
     tests = number_tests(data.sweep.tests)
     if not tests:

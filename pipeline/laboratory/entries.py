@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from pipeline.laboratory.format import Log
+from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.logs import read_log
 from pipeline.paths import user_path
 from pipeline.scene.declare import table_of
@@ -53,7 +53,7 @@ def _read_tests(
     `entry` is the table of the scene that names the file, at index `number` of the list `key`.
     """
     before, place = len(faults), f"{key}[{number}]"
-    read = table_of(Log).read(entry, place, faults)
+    read = table_of(LogTable).read(entry, place, faults)
     if len(faults) > before:
         return []
     place, path = f"{place}.file", folder / user_path(entry["file"])

@@ -12,7 +12,7 @@ from pipeline.sweep.tables import Entries
 
 
 # fmt: off
-class Log(Declared):
+class LogTable(Declared):
     file: A[str,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
         "the folder of the scene. `irg tests LOG` prints these lines."]
@@ -40,7 +40,7 @@ class Log(Declared):
         "Decimal mark; by default as its numbers show."] = None
 # fmt: on
 
-FORMS = (Log,)
+FORMS = (LogTable,)
 """Forms that an entry of a scene's list of tests may take, besides a single test."""
 
 

@@ -21,7 +21,7 @@ from pipeline.laboratory.reading import (
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import row_text
-from pipeline.scene.format import Stages, Test, Transition
+from pipeline.scene.format import Stages, Test, TransitionTable
 from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
 
@@ -71,7 +71,7 @@ class Log:
     @property
     def key(self) -> str:
         """Name of the scene's list to which the tests belong: "measured" or "tested"."""
-        return "measured" if self.row_class is Transition else "tested"
+        return "measured" if self.row_class is TransitionTable else "tested"
 
     @property
     def renamed(self) -> dict[str, str]:
@@ -111,8 +111,8 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     or "tested"); if it is None, the log's columns tell which list.
     """
     sheet, export, missing = read
-    row_class = Transition if key == "measured" else _row_class(sheet)
-    if row_class is None or (key == "tested" and row_class is Transition):
+    row_class = TransitionTable if key == "measured" else _row_class(sheet)
+    if row_class is None or (key == "tested" and row_class is TransitionTable):
         require(sheet, ["load", "velocity"])
         if not sheet.faults:
             sheet.faults.append(
@@ -122,7 +122,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
             )
         return Log(sheet, export, Test)
     log = Log(sheet, export, row_class)
-    if row_class is Transition:
+    if row_class is TransitionTable:
         named = [name for name in ("transition_load", "severe_at") if name in sheet.places]
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
     sheet.faults += [missing[name] for name in ("load", "velocity") if name in missing]
@@ -152,7 +152,7 @@ def _row_class(sheet: Sheet) -> type | None:
         return Test
     if "mild_up_to" in sheet.places:
         return Stages
-    return Transition if {"severe_at", "transition_load"} & sheet.places.keys() else None
+    return TransitionTable if {"severe_at", "transition_load"} & sheet.places.keys() else None
 
 
 def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
@@ -222,7 +222,7 @@ def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
 def _double_transitions(log: Log) -> list[str]:
     """Faults, in words, of specimens with more than one transition, which is impossible."""
     place = log.sheet.places.get("run")
-    if log.row_class is not Transition or place is None:
+    if log.row_class is not TransitionTable or place is None:
         return []
     runs = [row.cells[place] for row in log.sheet.rows]
     twice = {run: runs.count(run) for run in runs if run and runs.count(run) > 1}

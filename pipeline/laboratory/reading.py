@@ -16,7 +16,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
 from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Lines, Row, Sheet, read_lines, sheet_of
+from pipeline.scene.sheet import Lines, Sheet, read_lines, sheet_of
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
@@ -51,7 +51,9 @@ def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = O
     """
     units, columns = units_of([*wanted]), options.get("columns") or {}
     tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
-    named = [Lines([Row(0, [path.stem.replace("_", " ")]), *one.rows], one.form) for one in tables]
+    named = [
+        Lines([SheetRow(0, [path.stem.replace("_", " ")]), *one.rows], one.form) for one in tables
+    ]
     export = find_export(named, options.get("form"))
     known = {*OF_TESTS, *OF_TRACE, *INGREDIENTS}
     for option in ("columns", "given"):

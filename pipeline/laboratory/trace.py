@@ -34,7 +34,7 @@ _MANY = 50  # this many oscillations are strokes, whatever the number of rows
 _COMMANDS = "load", "velocity"
 
 
-class Stage(NamedTuple):
+class LoadStage(NamedTuple):
     """A stage of a trace: its rows, load [N] and velocity [m/s]; on a ramp these are means.
 
     Load or velocity is None if the trace does not have it.
@@ -72,7 +72,7 @@ class Trace:
     bulk_temperature: Array | None = None  # [K]
 
     @cached_property
-    def stages(self) -> list[Stage]:
+    def stages(self) -> list[LoadStage]:
         """Stages of constant load and velocity, and ramps; short ramps between stages are left out.
 
         Without load and velocity the whole trace is one stage.
@@ -84,7 +84,7 @@ class Trace:
             commands = np.stack([_setpoint(x) / max(x.max(), 1e-300) for x in columns], axis=1)
             ends, ramps = _cut_stages(commands, self.time)
         return [
-            Stage(rows, _level(self.load, rows), _level(self.velocity, rows), is_ramp)
+            LoadStage(rows, _level(self.load, rows), _level(self.velocity, rows), is_ramp)
             for rows, is_ramp in zip(ends, ramps, strict=True)
         ]
 

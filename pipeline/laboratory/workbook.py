@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.quantities import display
-from pipeline.scene.sheet import Lines, Row
+from pipeline.scene.sheet import Lines
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 
@@ -69,7 +69,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
     `values` and `formulas` are this sheet, with the values and with the formulas of its cells.
     `names` are all sheets of the workbook.
     """
-    rows, widest = list[Row](), 0
+    rows, widest = list[SheetRow](), 0
     for sheet in (values, formulas):
         sheet.reset_dimensions()  # the dimensions in the file may be wrong
     both = zip(*(sheet.iter_rows(values_only=True) for sheet in (values, formulas)), strict=True)
@@ -81,7 +81,7 @@ def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: 
                 "one, empty ones included; delete what lies far from the table"
             )
         texts = [*map(_cell_text, cells, typed)]
-        rows += [Row(number, texts)] if any(texts) else []
+        rows += [SheetRow(number, texts)] if any(texts) else []
     others = ", ".join(other for other in names if other != name)
     return Lines(
         rows,

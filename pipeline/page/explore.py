@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.overlays import MILD, SEVERE
@@ -33,7 +33,7 @@ _SCRIPTS = (
     "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
     "points", "diagram", "tables",
 )  # fmt: skip
-_OWN_SCRIPTS = {Kind.PLANE: ("state", "page"), Kind.PLACES: ()}
+_OWN_SCRIPTS = {Layout.PLANE: ("state", "page"), Layout.PLACES: ()}
 """Scripts for each kind of sweep, after the common scripts."""
 
 
@@ -113,7 +113,7 @@ def explore(
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
     held = results(ds)
-    parts = [held] if held.kind is Kind.PLACES else [*held.scenes]
+    parts = [held] if held.kind is Layout.PLACES else [*held.scenes]
     made = [_MAIN[held.kind](part, most_fields // len(parts)) for part in parts]
     bodies = [
         _filled(
@@ -190,7 +190,7 @@ def _places(_scene: Results, _most_fields: int) -> _Main:
     return _Main("", {"fields": {"points": {}}})
 
 
-_MAIN = {Kind.PLANE: _plane, Kind.PLACES: _places}
+_MAIN = {Layout.PLANE: _plane, Layout.PLACES: _places}
 
 
 def _filled(name: str, parts: dict[str, str]) -> str:

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.dataset import Kind
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.laboratory import compared, test_parts
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
@@ -41,7 +41,7 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
 
     `points` are operating points whose margins are shown, or None.
     """
-    has_places = points is not None or data.kind is Kind.PLACES
+    has_places = points is not None or data.kind is Layout.PLACES
     return {
         "answer": _section("Answer", _answer(data)),
         "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(data)),
@@ -79,7 +79,7 @@ def _html(part: str | pd.DataFrame) -> str:
 def _answer(data: Results) -> Iterator[str]:
     """Yield sentences on the criterion of severe wear and a further run, then warnings."""
     yield judged_by(one.conditions for one in data.scenes)
-    if data.kind is Kind.PLACES:
+    if data.kind is Layout.PLACES:
         yield counts_in_words(margin(data))
     else:
         yield next_run_line(found := boundary(data))

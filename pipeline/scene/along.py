@@ -20,8 +20,7 @@ from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
 from pipeline.scene.names import UNITS, Heading
 from pipeline.scene.over import labels_of, with_rows
-from pipeline.scene.sheet import Lines, Sheet, read_sheet
-from pipeline.scene.sheet import Row as SheetRow
+from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_sheet
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_SCENES
@@ -32,7 +31,7 @@ from pipeline.sweep.variants import PLACE_UNITS, Column, Row, numbered_rows
 from tribo import InputError
 
 
-class _Row(Declared):
+class _ConditionsTable(Declared):
     load: A[float, LOAD]
     velocity: A[float, SPEED]
     friction: A[float | None, FRICTION] = None
@@ -40,8 +39,8 @@ class _Row(Declared):
     critical_temperature: A[float | None, CRITICAL] = None
 
 
-_PLACE = Table({name: table_of(_Row).keys[name] for name in ("load", "velocity")})
-_UNITS = {name: UNITS[name] for name in table_of(_Row).keys}
+_PLACE = Table({name: table_of(_ConditionsTable).keys[name] for name in ("load", "velocity")})
+_UNITS = {name: UNITS[name] for name in table_of(_ConditionsTable).keys}
 CONDITIONS = {name: PATHS[name] for name in _UNITS if name not in _PLACE.keys}
 """Conditions that each row may set, and their entries in a scene."""
 _TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
@@ -97,7 +96,7 @@ class OperatingPoints:
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
         sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name)
-        _, rows = sheet.entries(_Row)
+        _, rows = sheet.entries(_ConditionsTable)
         sheet.faults[:0] = _column_faults(sheet)
         sheet.refuse_faults("load [N],velocity [m/s]")
         used = [sheet.places[name] for name in _PLACE.keys]

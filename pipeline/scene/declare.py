@@ -82,7 +82,8 @@ def table_of(table: type[Any]) -> Table:
     """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
     keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
-    words = re.sub("(?<=.)(?=[A-Z])", " ", table.__name__).lower()
+    name = table.__name__.removesuffix("Table")
+    words = re.sub("(?<=.)(?=[A-Z])", " ", name).lower()
     return Table(keys, table, getattr(table, "form_name", words))
 
 
@@ -217,7 +218,7 @@ class Either(Kind):
         return kind._read(value, place, faults)
 
 
-class Axis(Either):
+class Sorted(Either):
     """Kind of scene entry: a list or a range of values, sorted and without duplicates when read."""
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:

@@ -9,13 +9,13 @@ from typing import Any, get_type_hints
 import tribo
 from pipeline import extras
 from pipeline.scene.declare import (
-    Axis,
     ByPath,
     Declared,
     Either,
     Example,
     List,
     Range,
+    Sorted,
     StoreOnly,
     kind_of,
     table_of,
@@ -68,7 +68,7 @@ def _list_of_tests(*own: type) -> List:
 
 
 # fmt: off
-class Material(Declared):
+class MaterialTable(Declared):
     like: A[str | None,
         "A material of the library, whose values hold where none is given here.",
         Example("AISI 52100")] = None
@@ -93,7 +93,7 @@ class Body(Declared):
         f"excludes `track_length`. {LATER}"] = None
     width: A[float | None, Quantity("20 mm"), "Width of the disc; needed with `diameter`."] = None
 
-class _Pin(Declared):
+class _Shape(Declared):
     shape: A[str, OneOf(tuple(tribo.PINS)), "Shape of the pin."]
     radius: A[float, Quantity("2 mm", usual=(0.1, 1000)),
         "Radius in the plane of sliding; for two curved bodies the reduced radius."]
@@ -101,7 +101,7 @@ class _Pin(Declared):
         "Length of the line contact, along y; needed for a cylinder."] = None
     crown_radius: A[float | None, SIZE, "Radius across sliding; needed for a crowned pin."] = None
 
-class Pin(Body, _Pin):
+class PinTable(Body, _Shape):
     pass
 
 class RandomSurface(Declared):
@@ -114,7 +114,7 @@ class RandomSurface(Declared):
         "surface."]
     seed: A[int, SEED, "Seed of the random surface."] = 0
 
-class MeasuredSurface(Declared):
+class MeasuredSurfaceTable(Declared):
     file: A[str,
         "File, relative to the scene's folder, of heights with x from column to column: .npy, "
         "text, or the format of an instrument (extra `surfaces`).",
@@ -138,7 +138,7 @@ class MeasuredSurface(Declared):
     content: A[str | None, StoreOnly()] = None
 
 class Disk(Body):
-    roughness: A[RandomSurface | MeasuredSurface | None,
+    roughness: A[RandomSurface | MeasuredSurfaceTable | None,
         "Surface of the disk, random or measured; smooth without the table. In Python also [your "
         "own](OWN_LAWS.md)."] = None
 
@@ -152,7 +152,7 @@ _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
 )
 
-class Ramp(Declared):
+class RampTable(Declared):
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows from 0."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
@@ -166,7 +166,7 @@ class Record(Declared):
     fit: A[bool, "True to replace the record by a straight line through it."] = False
     content: A[str | None, StoreOnly()] = None
 
-class Motion(Declared):
+class MotionTable(Declared):
     slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),
         "Sliding velocity over the mean velocity of both surfaces; negative if the pin is the "
         "faster body."] = None
@@ -187,7 +187,7 @@ class Archard(Declared):
         "own pressure."]
 
 
-class Oil(Declared):
+class OilTable(Declared):
     like: A[str | None,
         "An oil of the library, whose values hold where none is given here.",
         Example("medicinal white oil")] = None
@@ -212,7 +212,7 @@ class FrictionByVelocity(Declared):
     velocity: A[float, SPEED, "Sliding velocity."]
     coefficient: A[float, FRICTION, "Coefficient of friction."]
 
-class Friction(Declared):
+class FrictionTable(Declared):
     coefficient: A[float, FRICTION,
         "Coefficient of friction. Another one given afterwards (`--at`, `--friction`) scales the "
         "values of `by_velocity`; one in the scene (`--set`) keeps them."]
@@ -269,20 +269,20 @@ _CHOICES = {
     "heat_tolerance": "Relative residual of the heat partition at which its solver stops.",
 }  # fmt: skip
 
-class _Fidelity(Declared):
+class _FidelityTable(Declared):
     preset: A[str, OneOf(tuple(tribo.PRESETS)),
         'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
 _HINTS = get_type_hints(tribo.Fidelity)
-Fidelity: Any = type("Fidelity", (_Fidelity,), {
+FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
     "__annotations__": {
         name: A[hint | None, _CHOICES.get(name, StoreOnly())] for name, hint in _HINTS.items()},
     **dict.fromkeys(_HINTS),
 })
 
-class Sweep(Declared):
-    loads: A[tuple[float, ...], Axis(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
-    velocities: A[tuple[float, ...], Axis(List(VELOCITY, distinct=True), Range(VELOCITY)),
+class SweepTable(Declared):
+    loads: A[tuple[float, ...], Sorted(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
+    velocities: A[tuple[float, ...], Sorted(List(VELOCITY, distinct=True), Range(VELOCITY)),
         "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),
@@ -301,7 +301,7 @@ class Sweep(Declared):
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
 
-class Transition(Declared):
+class TransitionTable(Declared):
     form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
     velocity: A[float, VELOCITY, "Sliding velocity."]
@@ -318,15 +318,15 @@ class Transition(Declared):
     oil: A[str | int | None, NAME,
         "Oil of the test. A scene takes the tests of one oil."] = None
 
-class _Run(Transition):
+class _RunTable(TransitionTable):
     run: A[str | int | None, NAME,
         "Run of the test, by default its own. Tests of one run have one specimen, and count as "
         "one."] = None
 
-class Test(_Run):
+class Test(_RunTable):
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
 
-class Stages(_Run):
+class Stages(_RunTable):
     form_name = "run by stages"
     load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
     velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]
@@ -347,35 +347,35 @@ class SceneFile(Declared):
     title: A[str | None, "Title of figures and summaries; by default the name of the file."] = None
     caveat: A[str | None,
         "What a reader of each verdict must know of this scene, in a line."] = None
-    materials: A[dict[str, Material] | None,
+    materials: A[dict[str, MaterialTable] | None,
         "A material, whose NAME `[pin]` and `[disk]` use. Materials of the "
         "[library](../pipeline/scene/library.toml) need no table."] = None
-    pin: A[Any, table_of(Pin),
+    pin: A[Any, table_of(PinTable),
         "The loaded body, which wears: a cylinder across the sliding direction, a ball, or a "
         "crowned roller."]
     disk: A[Disk, "The body that slides under the pin."]
     window: A[Window, "The simulated patch of the contact, x along sliding and y across."]
-    loading: A[Ramp | Record, "Growth of the load: a ramp, or a recorded load."]
-    motion: A[Motion | None,
+    loading: A[RampTable | Record, "Growth of the load: a ramp, or a recorded load."]
+    motion: A[MotionTable | None,
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."] = None
     wear: A[Any, table_of(Archard),
         "Wear of the pin: Archard's law, or a rate by sliding distance; in Python also [your own "
         "law](OWN_LAWS.md). Without the table there is no wear."] = None
-    oil: A[Oil | None,
+    oil: A[OilTable | None,
         "The lubricant, used only to say which transitions lie in boundary lubrication. "
         '`oil = "NAME"` takes an oil of the [library](../pipeline/scene/library.toml).'] = None
-    friction: A[Friction,
+    friction: A[FrictionTable,
         f"Friction, to which the temperature rise is proportional. {LATER} `--friction` changes "
         "it."]
     temperature: A[Temperature,
         "Temperatures that decide whether wear is severe. They act after the simulation."]
     model: A[Model | None, "What the model leaves out, and its error."] = None
-    fidelity: A[Any, table_of(Fidelity),
+    fidelity: A[Any, table_of(FidelityTable),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None
-    sweep: A[Any, table_of(Sweep), "The points of the load–velocity plane to compute."]
-    measured: A[tuple[Any, ...], _list_of_tests(Transition),
+    sweep: A[Any, table_of(SweepTable), "The points of the load–velocity plane to compute."]
+    measured: A[tuple[Any, ...], _list_of_tests(TransitionTable),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
     tested: A[tuple[Any, ...], _list_of_tests(Test, Stages),

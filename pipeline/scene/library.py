@@ -13,7 +13,7 @@ from typing import Any
 
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import Faults, key_path, quoted
-from pipeline.scene.format import Material
+from pipeline.scene.format import MaterialTable
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import entry_at
 
@@ -70,7 +70,7 @@ def _filled(
     known = library()[kind]
     if not isinstance(table, dict):
         return table
-    is_whole = table.keys() >= {*table_of(Material).needed}
+    is_whole = table.keys() >= {*table_of(MaterialTable).needed}
     like = table.get("like", name if name in known and not is_whole else None)
     if not isinstance(like, str) or not like:
         return table

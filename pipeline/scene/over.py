@@ -14,7 +14,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.format import Oil
+from pipeline.scene.format import OilTable
 from pipeline.scene.parts import Parts
 from pipeline.scene.source import Source
 from pipeline.scene.units import UnitError, si_unit, to_si
@@ -81,7 +81,7 @@ def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
     all other entries of the table ``[oil]`` get the value None, which removes them.
     """
     if path in _LIKE:
-        yield from ((f"{path}.{key}", None) for key in table_of(Oil).keys)
+        yield from ((f"{path}.{key}", None) for key in table_of(OilTable).keys)
     yield _LIKE.get(path, path), value
 
 

@@ -16,11 +16,11 @@ from pipeline.paths import user_path
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
-    Material,
-    MeasuredSurface,
-    Motion,
-    Oil,
-    Ramp,
+    MaterialTable,
+    MeasuredSurfaceTable,
+    MotionTable,
+    OilTable,
+    RampTable,
     Record,
     Window,
 )
@@ -59,7 +59,7 @@ class Parts:
     sources: tuple[FromLibrary, ...]  # numbers from the library
 
 
-def material_of(table: Material) -> tribo.Material:
+def material_of(table: MaterialTable) -> tribo.Material:
     """Make the `tribo.Material` of a table without faults."""
     return tribo.Material(**{k: v for k, v in vars(table).items() if v is not None and k != "like"})
 
@@ -106,7 +106,7 @@ class Contents:
 
 
 def loading_of(
-    contents: Contents, faults: Faults, table: Ramp | Record
+    contents: Contents, faults: Faults, table: RampTable | Record
 ) -> tuple[Loading, str | None]:
     """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
 
@@ -114,7 +114,7 @@ def loading_of(
     asks for a fit, the result is the ramp fitted to the record, and a note on it is added to
     `faults`.
     """
-    if isinstance(table, Ramp):
+    if isinstance(table, RampTable):
         return tribo.Ramp(**vars(table)), None
     path = contents.find(table, "loading", faults)
     content = contents.keep(_read_record(path, faults)) if path else str(table.content)
@@ -151,7 +151,7 @@ def wear_of(table: Any) -> Any:
     return tribo.Wear(**vars(table))
 
 
-def oil_of(table: Oil) -> tribo.Oil:
+def oil_of(table: OilTable) -> tribo.Oil:
     """Make the `tribo.Oil` of a table; a dynamic viscosity becomes kinematic at 1000 kg/m³."""
     kinematic = table.kinematic_viscosity
     dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
@@ -191,7 +191,7 @@ def corrections_of(
     return corrections if corrections != tribo.Corrections() else None
 
 
-def motion_of(table: Motion, pin: Body) -> tribo.Motion:
+def motion_of(table: MotionTable, pin: Body) -> tribo.Motion:
     """Make the `tribo.Motion` of a table; the track length is taken from `pin` if not given."""
     return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
 
@@ -227,7 +227,7 @@ def roughness_of(
     heights the result is None. If the scene comes from a store that lacks the heights, the result
     is a `MissingSurface`, which raises an error once heights are needed.
     """
-    if not isinstance(table, MeasuredSurface):
+    if not isinstance(table, MeasuredSurfaceTable):
         if window.pixels == (1, 1):
             raise tribo.InputError(
                 "one pixel cannot be rough; give more window.pixels, or no table"

@@ -12,7 +12,7 @@ from pipeline.scene.consistency import check_tables
 from pipeline.scene.declare import table_of
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import USUAL_PRESET, Bulks, MeasuredSurface, SceneFile
+from pipeline.scene.format import USUAL_PRESET, Bulks, MeasuredSurfaceTable, SceneFile
 from pipeline.scene.laws import add_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
@@ -101,7 +101,7 @@ class SceneReader:
         if faults:
             return None
         digests = {"loading.content": record} if record else {}
-        if isinstance(scene.disk.roughness, MeasuredSurface):
+        if isinstance(scene.disk.roughness, MeasuredSurfaceTable):
             digests["disk.roughness.content"] = roughness.digest
         physics = _scene_of(scene, laws.get("pin"), **made)
         parts = Parts(

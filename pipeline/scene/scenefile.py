@@ -13,7 +13,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.document import override_entries, read_document
 from pipeline.scene.extensions import begin
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
-from pipeline.scene.format import Fidelity, SceneFile
+from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.laws import replace_by_laws
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
@@ -145,7 +145,7 @@ def _path_overrides(
     `faults`.
     """
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
-    choices = table_of(Fidelity).listed
+    choices = table_of(FidelityTable).listed
     for key, value in overrides.items():
         if key in choices:
             replaced[f"fidelity.{key}"] = value

@@ -51,7 +51,7 @@ _PLURAL = {"has": "have", "is": "are", "stands": "stand"}
 _DAY = 86400.0  # [s]
 
 
-class Row(NamedTuple):
+class SheetRow(NamedTuple):
     """Row of a table: its number in the file, and its cells."""
 
     number: int
@@ -61,7 +61,7 @@ class Row(NamedTuple):
 class Lines(NamedTuple):
     """Rows of a text or a sheet that are not empty, and notes on how they were read."""
 
-    rows: list[Row]
+    rows: list[SheetRow]
     form: list[str]
 
 
@@ -76,7 +76,7 @@ class Sheet:
     faults: list[str]
     form: list[str]  # words on separators, decimals and the sheet
     above: list[str]  # cells above the headings
-    rows: list[Row] = field(default_factory=list)  # that are used, with decimal points
+    rows: list[SheetRow] = field(default_factory=list)  # that are used, with decimal points
     left_out: dict[int, str] = field(default_factory=dict)  # reasons by the numbers of rows
     sources: set[int] = field(default_factory=set)  # columns from which others were derived
 
@@ -219,15 +219,15 @@ class Sheet:
             raise InputError(fault_lines(place, faults))
 
 
-def split_lines(lines: Iterable[str], separator: str) -> Iterator[Row]:
+def split_lines(lines: Iterable[str], separator: str) -> Iterator[SheetRow]:
     """Split lines into rows of cells; separators within quotes do not count."""
     if separator == "  ":
-        yield from (Row(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
+        yield from (SheetRow(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
         return
     if separator == " ":  # a blank before a unit separates no cells
         lines = (re.sub(r"\s+(?=[\[(])", "", line.strip()) for line in lines)
     reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    yield from (Row(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
+    yield from (SheetRow(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
 
 
 def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
@@ -276,7 +276,7 @@ def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines
     return [Lines(rows, [f"{BETWEEN[mark]} between cells", *form])]
 
 
-def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
+def headings_at(rows: Sequence[SheetRow], k: int) -> tuple[list[Heading], int]:
     """Read row `k` as headings, with units from rows below it.
 
     Returns the headings, and the number of rows that they take.
@@ -298,7 +298,7 @@ def headings_at(rows: Sequence[Row], k: int) -> tuple[list[Heading], int]:
     return heads, 1
 
 
-def find_headings(rows: Sequence[Row], names: Names) -> tuple[int, int]:
+def find_headings(rows: Sequence[SheetRow], names: Names) -> tuple[int, int]:
     """Find the row of headings that names the largest number of quantities.
 
     Returns this number, and the index of the row.
@@ -322,7 +322,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
     (rows, form), (_, start) = tables[best], tops[best]
-    headings, taken = headings_at(rows or [Row(0, [""])], start)
+    headings, taken = headings_at(rows or [SheetRow(0, [""])], start)
     body = rows[start + taken :]
     while headings and not headings[-1].text:
         del headings[-1]
@@ -338,7 +338,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         filled = [cell for cell in cells if cell]
         is_same, is_words = cells == rows[start].cells, not any(map(NUMBER.fullmatch, filled))
         if is_same or (is_words and len(filled) > 1):
-            others = 0 if is_same else names.count(headings_at([Row(0, cells)], 0)[0])
+            others = 0 if is_same else names.count(headings_at([SheetRow(0, cells)], 0)[0])
             is_inside = others < 2
             if others >= max(2, len({*places.values()})):
                 sheet.faults.append(f"row {number} begins a second table; give it in its own file")
@@ -351,7 +351,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         elif any(cells[width:]):
             sheet.faults.append(f"row {number}: {len(cells)} cells below {width} headings")
         else:
-            sheet.rows.append(Row(number, [*cells, *[""] * width][:width]))
+            sheet.rows.append(SheetRow(number, [*cells, *[""] * width][:width]))
     _make_plain(sheet, decimal)
     return sheet
 

@@ -11,7 +11,7 @@ import tribo
 from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
 from pipeline.scene.declare import ByPath, Either, List, Table, Tables, table_of
-from pipeline.scene.format import Fidelity
+from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.units import si_unit, to_si, typeset
 from pipeline.sweep.conditions import FIELDS
@@ -64,12 +64,12 @@ def keep_written(tables: Any, written: Any) -> Any:
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
     """Table ``[fidelity]`` with the name of a preset and every numerical choice of `made`."""
-    return Fidelity(preset=preset, **asdict(made))
+    return FidelityTable(preset=preset, **asdict(made))
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:
     """The sweep with numerical choices replaced by `made`; `preset` is their name, or None."""
-    choices = entries_of(table_of(Fidelity), complete_fidelity(preset, made))
+    choices = entries_of(table_of(FidelityTable), complete_fidelity(preset, made))
     return sweep.changed("fidelity", choices)
 
 

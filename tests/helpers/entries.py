@@ -7,9 +7,17 @@ import numpy as np
 
 import tribo
 from pipeline.scene.declare import table_of
-from pipeline.scene.format import Archard, Material, Oil, Ramp, RandomSurface, Test, Transition
-from pipeline.scene.format import Fidelity as FidelityTable
-from pipeline.scene.format import Motion as MotionTable
+from pipeline.scene.format import (
+    Archard,
+    FidelityTable,
+    MaterialTable,
+    MotionTable,
+    OilTable,
+    RampTable,
+    RandomSurface,
+    Test,
+    TransitionTable,
+)
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.laws import add_laws
 from pipeline.scene.written import complete_fidelity, entries_of
@@ -133,7 +141,7 @@ def _entries(name, value, sweep):
             sweep.source.reader.contents.arrays[value.digest] = value.array
             return {"disk.roughness": {"file": "surface.npy", "content": value.digest}}
         case "loading", tribo.Ramp():
-            return {"loading": _table(Ramp, value)}
+            return {"loading": _table(RampTable, value)}
         case "loading", tribo.MeasuredLoad():
             digest = sweep.source.reader.contents.keep(np.array([value.times, value.loads]))
             record = {"file": "load.csv", "content": digest}
@@ -161,7 +169,7 @@ def _entries(name, value, sweep):
 
 
 def _material(material):
-    return _table(Material, SimpleNamespace(like=None, **_fields(material)))
+    return _table(MaterialTable, SimpleNamespace(like=None, **_fields(material)))
 
 
 def _fields(made):
@@ -226,7 +234,7 @@ def _beside(corrections):
 
 
 def _test(name, test):
-    kind = Transition if name == "measured" else Test
+    kind = TransitionTable if name == "measured" else Test
     values = _fields(test)
     values["load"] = values.pop("normal_load")
     return _table(kind, SimpleNamespace(oil=None, **values))
@@ -241,8 +249,8 @@ def _oil(oil):
         key: tuple(map(float, one)) if isinstance(one, tuple) else one
         for key, one in values.items()
     }
-    rest = {one.name: None for one in fields(Oil) if one.name not in values}
-    return _table(Oil, SimpleNamespace(**values, **rest))
+    rest = {one.name: None for one in fields(OilTable) if one.name not in values}
+    return _table(OilTable, SimpleNamespace(**values, **rest))
 
 
 def rows(name, changes, velocities=None, loads=None):
@@ -292,7 +300,9 @@ def _row(change):
         elif table == "roughness" and key:
             row[f"disk.roughness.{key}"] = value
         elif table == "disk" and key:
-            row[f"materials.of_disk.{key}"] = entries_of(table_of(Material).keys[key].kind, value)
+            row[f"materials.of_disk.{key}"] = entries_of(
+                table_of(MaterialTable).keys[key].kind, value
+            )
         elif table in ("temperature", "friction"):
             row[path] = value
         else:

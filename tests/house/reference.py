@@ -11,7 +11,7 @@ import sys
 import tribo
 from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
-from pipeline.scene.format import Fidelity
+from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.reference import new_keys, number_in, sections
 from pipeline.scene.units import typeset
@@ -43,7 +43,7 @@ def scene():
         parts += [_table(["key", "give", "default", "meaning"], rows)] if rows else []
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
-        for key in table_of(Fidelity).listed
+        for key in table_of(FidelityTable).listed
         if key != "preset"
     ]
     about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"

@@ -27,7 +27,7 @@ WORDS: dict[str, Any] = tomllib.loads(
 """Prose of the results, by their names."""
 
 
-class _Writer(string.Formatter):
+class _Formatter(string.Formatter):
     """Formatter that fills numbers, and lists of numbers, into text."""
 
     def format_field(self, value: Any, form: str) -> str:
@@ -35,7 +35,7 @@ class _Writer(string.Formatter):
 
         Examples
         --------
-        >>> writer = _Writer()
+        >>> writer = _Formatter()
         >>> writer.format("{a:g%}; {b:.1f}; {b:+.0f%range}", a=0.1, b=[1.0, 2.0])
         '10 %; 1.0, 2.0; +100 to +200 %'
         """
@@ -49,7 +49,7 @@ class _Writer(string.Formatter):
         return (" to " if is_range else ", ").join(texts) + unit
 
 
-_WRITER = _Writer()
+_WRITER = _Formatter()
 
 
 @dataclass(frozen=True, slots=True)

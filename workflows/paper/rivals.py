@@ -39,7 +39,7 @@ _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": B
 
 
 @dataclass(frozen=True, slots=True)
-class _Criterion:
+class _Rival:
     """Criterion of severe wear: a number that is equal at all transitions if it holds."""
 
     name: str
@@ -126,7 +126,7 @@ def rivals(study: Study) -> Report:
     )
 
 
-def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criterion]:
+def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Rival]:
     """Criteria by name: the model's, and simpler ones by closed forms with the measured widths."""
     conditions, pin = sweep.conditions, cast(Cylinder, sweep.scene.pin)
     contact = SmoothContact(pin, sweep.scene.disk)
@@ -135,9 +135,9 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criter
 
     def by_friction(
         name: str, unit: str, values: Array, exponents: Array | float, scale: float = 1.0
-    ) -> _Criterion:
+    ) -> _Rival:
         scaled = (bulk if unit == "°C" else 0.0) + scale * (mu * values)
-        return _Criterion(name, unit, mu * values, conditions.friction * values, exponents, scaled)
+        return _Rival(name, unit, mu * values, conditions.friction * values, exponents, scaled)
 
     criteria = {
         "ours": by_friction(conditions.decisive.temperature, "°C", rises, exponents),
@@ -152,16 +152,16 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Criter
         criteria |= {
             f"blok_{state}": by_friction(f"Blok, smooth, {state}", "°C", flash, 0.5),
             f"power_per_area_{state}": by_friction(per_area, "W/mm²", density, 1.0, 1e-6),
-            f"pv_{state}": _Criterion(pv, "GPa m/s", density, density, 1.0, 1e-9 * density),
+            f"pv_{state}": _Rival(pv, "GPa m/s", density, density, 1.0, 1e-9 * density),
         }
     n = load_speed_exponent(F.tolist(), V.tolist())
     constant = F * V**n
     name = f"F·Vⁿ, n = {n:.2f} fitted here"
-    fitted = _Criterion(name, "N (m/s)ⁿ", constant, constant, n, constant)
+    fitted = _Rival(name, "N (m/s)ⁿ", constant, constant, n, constant)
     return {**criteria, _FITTED: fitted}
 
 
-def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
+def _constancy(criteria: Mapping[str, _Rival]) -> dict[str, Any]:
     """The most constant simple criterion, and those with smaller velocity errors than the model."""
     ours = criteria["ours"]
     others = [criterion for name, criterion in criteria.items() if name not in ("ours", _FITTED)]
@@ -180,7 +180,7 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
     }
 
 
-def _table(criteria: Mapping[str, _Criterion], film: Array, conditions: Conditions) -> pd.DataFrame:
+def _table(criteria: Mapping[str, _Rival], film: Array, conditions: Conditions) -> pd.DataFrame:
     rows = [
         (
             f"{its.name} [{its.unit}]",
@@ -211,7 +211,7 @@ _IN_FULL = {
 
 
 @house_style
-def _draw(criteria: Mapping[str, _Criterion]) -> Figure:
+def _draw(criteria: Mapping[str, _Rival]) -> Figure:
     figure = Figure(figsize=(10.4, 5.2))
     axes = figure.subplots()
     places = np.arange(len(TABLE_4))
