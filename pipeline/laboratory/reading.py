@@ -16,7 +16,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.faults import did_you_mean, fault_lines, quoted
 from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Lines, Sheet, read_lines, sheet_of
+from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_lines, sheet_of
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.quantities import display
-from pipeline.scene.sheet import Lines
+from pipeline.scene.sheet import Lines, SheetRow
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 
