@@ -75,7 +75,9 @@ def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]
         lines = [_line(row, reader, conditions) for row in rows]
         steps = next_points(np.log([row[0].load for row in rows]), lines, tolerance)
         found = [rows[load][velocity] for load, velocity in steps]
-        wanted |= dict.fromkeys(found or _beside_tests(sweep.tests, conditions, rows, reader, tolerance))
+        wanted |= dict.fromkeys(
+            found or _beside_tests(sweep.tests, conditions, rows, reader, tolerance)
+        )
     return [*wanted]
 
 
