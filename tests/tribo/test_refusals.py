@@ -221,6 +221,8 @@ REFUSALS = {
         for name in (field.name for field in fields(Track))
         if name != "disc"
     },
+    "unmodelled rise": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=298.0,
+                                                 unmodelled_rise=-1.0), "unmodelled_rise is -1.0"),
     "friction of conditions": (lambda: tribo.Conditions(friction=-0.1, bulk_temperature=298.0),
                                "friction is -0.1"),
     "bulk of conditions": (lambda: tribo.Conditions(friction=0.1, bulk_temperature=-1.0),

@@ -60,7 +60,7 @@ ELSEWHERE = {
     "cluster.update ExecutionError": "test_cluster.py, without a worker",
     "jobs._send_run ExecutionError": "test_driver.py, by a worker without this program",
     "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
-    "work.require_same_code ExecutionError": "test_cluster.py, by a worker with other code",
+    "work._require_same_code ExecutionError": "test_cluster.py, by a worker with other code",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

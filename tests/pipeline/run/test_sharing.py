@@ -7,7 +7,8 @@ import pytest
 
 import pipeline
 from pipeline.store.schema import COLUMNS
-from pipeline.sweep.plan import points, run_point, tasks
+from pipeline.sweep.plan import points, tasks
+from tests.helpers.points import run_point
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo.simulation import Trunks, loading_step

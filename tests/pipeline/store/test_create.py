@@ -25,10 +25,11 @@ from pipeline.store.take import take_points
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
+from tests.helpers.points import run_point
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
     assert_is_as_computed,

@@ -15,10 +15,11 @@ import pipeline
 import tribo
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
+from tests.helpers.points import run_point
 from tests.helpers.stores import commit, record
 
 SWEEP = tiny.full()

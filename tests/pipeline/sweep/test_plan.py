@@ -12,11 +12,11 @@ from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, tasks
-from pipeline.sweep.plan import run_point as run_alone
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows
+from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
 from tribo import measures, simulate
 from tribo.simulation import Trunks, disk_positions, heat

@@ -3,11 +3,12 @@
 import pytest
 
 from pipeline.sweep import plan
-from pipeline.sweep.plan import points, run_point, tasks
+from pipeline.sweep.plan import points, tasks
 from pipeline.tradeoff.forecast import estimate
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
+from tests.helpers.points import run_point
 from tribo import (
     PRESETS,
     QUANTILES,
