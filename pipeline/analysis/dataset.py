@@ -52,15 +52,15 @@ class Origin:
     @classmethod
     def of(cls, ds: xr.Dataset) -> Origin:
         """Read the scene from a dataset's attributes; raises an `InputError` if they are lost."""
-        if "sweep" not in ds.attrs:
+        if "scene" not in ds.attrs:
             raise InputError(
-                "the dataset has no attribute sweep, which describes its scene; give one of "
+                "the dataset has no attribute scene, which describes its scene; give one of "
                 "pipeline.open_sweep, or keep attributes with "
                 "xarray.set_options(keep_attrs=True)"
             )
         data = ds.variables.get(INPUTS)
         digests = "" if data is None else str(data.attrs["digests"])
-        return cls(str(ds.attrs["sweep"]), digests, str(ds.attrs.get("rule", "")), data)
+        return cls(str(ds.attrs["scene"]), digests, str(ds.attrs.get("rule", "")), data)
 
 
 @functools.lru_cache(maxsize=64)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from pipeline.scene.parts import Contents
@@ -20,7 +20,11 @@ from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import Column, Row, Variants
 from tribo import InputError
+from tribo.surface import array_digest
 from tribo.types import Array
+
+FORM = 1
+"""Number of the form of the text."""
 
 
 class SweepTextError(InputError):
@@ -32,6 +36,7 @@ def sweep_text(sweep: Sweep) -> str:
     table = sweep.variants
     values = [row.values for row in table.rows]
     text = {
+        "form": FORM,
         "name": sweep.name,
         "entries": sweep.entries,
         "columns": [asdict(one) | {"values": table.labels(one.name)} for one in table.columns],
@@ -53,27 +58,35 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
-    return _read(text, arrays) if arrays else _read_again(text)
+    return _read(_Stored(text, tuple(map(array_digest, arrays.values())), arrays))
 
 
-def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
+@dataclass(frozen=True)
+class _Stored:
+    """A text and the digests of the contents beside it, by which the sweep is read once."""
+
+    text: str
+    digests: tuple[str, ...]
+    arrays: Mapping[str, Array] = field(compare=False)
+
+
+@functools.lru_cache(maxsize=8)
+def _read(stored: _Stored) -> Sweep:
     try:
-        read = json.loads(text)
+        read = json.loads(stored.text)
+        if read["form"] != FORM:
+            raise SweepTextError(f"the scene is of form {read['form']}, and not {FORM}")
         sweep = read_sweep(
             str(read["name"]),
-            Source(read["entries"], SceneReader(Contents(dict(arrays)), is_stored=True)),
+            Source(read["entries"], SceneReader(Contents(dict(stored.arrays)), is_stored=True)),
             _variants(read),
             notes=tuple(Remark(*one) for one in read.get("notes", ())),
             sources=tuple(FromLibrary(*one) for one in read.get("sources", ())),
             stations=_stations(read.get("stations")),
         )
     except Exception as error:  # a forged text may raise anything
-        raise SweepTextError(f"the attribute sweep is not the text of a sweep: {error}") from error
+        raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
     return sweep
-
-
-_read_again = functools.lru_cache(maxsize=8)(functools.partial(_read, arrays={}))
-"""`_read` of a text that names no file, cached: a command opens its store several times."""
 
 
 def _variants(text: Any) -> Variants:

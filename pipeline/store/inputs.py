@@ -21,7 +21,7 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
     each array, by SHA-256.
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
-    meaning = "arrays that the attribute sweep names by their digests, one after the other"
+    meaning = "arrays that the attribute scene names by their digests, one after the other"
     return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
 
 

@@ -57,7 +57,7 @@ def _open_copy(place: StorePlace) -> xr.Dataset | None:
             copy = xr.open_zarr(place.zarr(), zarr_format=3, consolidated=False, chunks=None)
         else:
             return None
-        if "sweep" in copy.attrs:
+        if "scene" in copy.attrs:
             return copy
     return None
 

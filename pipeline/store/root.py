@@ -54,7 +54,7 @@ CONSOLIDATED = "consolidated_metadata"
 """Key of all arrays' metadata in a root; without ``kind``, read from each array's own document."""
 _COPY = "that of a copy by xarray, which can be read, but not verified or resumed"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
-_FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "sweep", "ids")
+_FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "scene", "ids")
 """Attributes of the group ``about``, beside the hash; xarray may drop those of the root."""
 
 
@@ -108,7 +108,7 @@ class Root:
             "source": "simulated by irg-transition",
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
-            "sweep": self.text,
+            "scene": self.text,
             SCENE_ID: json.dumps(self.ids),
         }
 
@@ -205,14 +205,14 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         if not document.get(CONSOLIDATED):
             document[CONSOLIDATED] = {"metadata": read_metadata(place)}
         metadata = document[CONSOLIDATED]["metadata"]
-        if "sweep" in document["attributes"] and ABOUT not in metadata:
+        if "scene" in document["attributes"] and ABOUT not in metadata:
             fault = _COPY
         facts = metadata[ABOUT]["attributes"]
         version = facts["format"]
         if version == FORMAT and facts["digest"] == _digest(facts, metadata):
             root = Root(
-                sweep=parse_sweep(facts["sweep"], _read_inputs(place, facts["inputs"])),
-                text=facts["sweep"],
+                sweep=parse_sweep(facts["scene"], _read_inputs(place, facts["inputs"])),
+                text=facts["scene"],
                 axes=facts["axes"],
                 ids=facts["ids"],
                 block=facts["points_per_chunk"],

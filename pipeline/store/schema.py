@@ -11,7 +11,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS, Column, Label
 from tribo import InputError, WarningKind
 
-FORMAT = 14
+FORMAT = 15
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

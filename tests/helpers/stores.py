@@ -142,9 +142,9 @@ def forge(store, file, change):
     document = json.loads(file.read_bytes())
     metadata = document["consolidated_metadata"]["metadata"]
     about = metadata["about"]["attributes"]
-    texts = {"sweep": json.loads(about["sweep"]), "store": about}
+    texts = {"sweep": json.loads(about["scene"]), "store": about}
     change(texts, metadata)
-    about["sweep"] = json.dumps(texts["sweep"])
+    about["scene"] = json.dumps(texts["sweep"])
     (store / ROOT).write_bytes(sealed(document))
 
 

@@ -44,7 +44,7 @@ def attributes_of(sweep, held=frozenset()):
     Arrays of a scene are in the dataset, not in the text; `held` are the digests of those there.
     """
     assert file_contents(sweep).keys() <= held, "arrays of a scene lie beside its text"
-    return {"title": sweep.title, "sweep": sweep_text(sweep)}
+    return {"title": sweep.title, "scene": sweep_text(sweep)}
 
 
 def with_fields(ds, **values):

@@ -134,7 +134,7 @@ REFUSALS = {
     "variables": (lambda: pipeline.boundary(plane()[["max_rise"]]), "the dataset has no status"),
     "no flags": (lambda: pipeline.margin(plane().drop_vars("warning_flags"), 400.0, 2.0),
                  "the dataset has no warning_flags; take all of its variables"),
-    "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute sweep"),
+    "no sweep": (lambda: pipeline.boundary(plane().drop_attrs()), "has no attribute scene"),
     "dimension": (lambda: pipeline.margin(joined([plane()] * 2, "k"), 400.0, 2.0),
                   "a dimension k, which its sweep does not have; select one of its values"),
     "km/h": (lambda: pipeline.boundary(fast()), "velocity of the dataset is in km/h; convert it"),

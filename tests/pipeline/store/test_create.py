@@ -59,9 +59,9 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
         assert tuple(ds["velocity"].values) == sweep.velocities
         assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
     assert ds.attrs.keys() == {
-        *("Conventions", "title", "source", "history", "license", "sweep", "scene_id")
+        *("Conventions", "title", "source", "history", "license", "scene", "scene_id")
     }
-    kept = parse_sweep(ds.attrs["sweep"], {})
+    kept = parse_sweep(ds.attrs["scene"], {})
     assert kept == sweep
     assert zarr.open_group(path)["about"].attrs["history"] == [ds.attrs["history"]]
     assert f"numpy {np.__version__}" in ds.attrs["history"]

@@ -73,7 +73,7 @@ def test_any_value_of_the_root_may_be_any_other(forged, alone, data):
     else:
         found, before = (pipeline.open_sweep(store).load() for store in (forged, alone))
         assert found.equals(before)
-        assert (found.attrs["sweep"], found.attrs["title"]) == (before.attrs["sweep"], SWEEP.title)
+        assert (found.attrs["scene"], found.attrs["title"]) == (before.attrs["scene"], SWEEP.title)
 
 
 @settings(max_examples=4, deadline=None, suppress_health_check=list(HealthCheck))
