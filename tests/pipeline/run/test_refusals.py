@@ -58,7 +58,6 @@ ELSEWHERE = {
     "cluster._start_cluster ExecutionError": "test_cluster.py, by processes that do not start",
     "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
     "cluster.update ExecutionError": "test_cluster.py, without a worker",
-    "jobs._send_run ExecutionError": "test_driver.py, by a worker without this program",
     "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
     "work._require_same_code ExecutionError": "test_cluster.py, by a worker with other code",
 }
