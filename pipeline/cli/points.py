@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import pandas as pd
 import xarray as xr
@@ -34,7 +35,7 @@ def point(options: argparse.Namespace) -> Result:
     require_bearable_load(sweep, options.load, "--load")
     if options.velocity <= 0:
         raise InputError(f"velocity is {options.velocity:g} m/s; give a velocity above 0")
-    sweep = sweep.take_surface(options.realization).changed("sweep.steps", "end")
+    sweep = replace(sweep.take_surface(options.realization), steps="end")
     places = sweep.take_place(*place, options.alone)
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:

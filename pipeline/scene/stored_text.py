@@ -18,6 +18,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
+from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants
 from tribo import InputError
 from tribo.surface import array_digest
@@ -38,7 +39,7 @@ def sweep_text(sweep: Sweep) -> str:
     text = {
         "form": FORM,
         "name": sweep.name,
-        "entries": sweep.entries,
+        "entries": _entries(sweep),
         "columns": [asdict(one) | {"values": table.labels(one.name)} for one in table.columns],
         "rows": values if any(values) else (),
         "notes": sweep.notes,
@@ -46,6 +47,18 @@ def sweep_text(sweep: Sweep) -> str:
         "stations": sweep.stations and asdict(sweep.stations),
     }
     return json.dumps({key: one for key, one in text.items() if one}, ensure_ascii=False)
+
+
+def _entries(sweep: Sweep) -> dict[str, Any]:
+    """Entries of a sweep, with loads, velocities and steps as they were replaced since reading."""
+    entries, read = {**sweep.entries}, sweep.source.parts.declared.sweep
+    for name, unit in (("loads", "N"), ("velocities", "m/s")):
+        if (values := getattr(sweep, name)) != getattr(read, name):
+            entries = replace_value(entries, f"sweep.{name}", [f"{one!r} {unit}" for one in values])
+    for name in ("fields", "steps"):
+        if (value := getattr(sweep, name)) != getattr(read, name):
+            entries = replace_value(entries, f"sweep.{name}", value)
+    return entries
 
 
 def file_contents(sweep: Sweep) -> dict[str, Array]:
