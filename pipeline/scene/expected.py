@@ -6,6 +6,7 @@ on rough disks the width is within 12 %.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -40,8 +41,14 @@ def expect_contacts(
     half_widths = np.array([contact.half_width for contact in hertz])
     durations, impulses = np.transpose([_course(scene, load) for load in loads])
     slid, wear = np.outer(durations, velocities), scene.wear
-    rates = [wear_over(wear, 0.0, end).specific_wear_rate if wear else 0.0 for end in slid.flat]
-    worn = np.reshape(rates, slid.shape) * np.outer(impulses, velocities)
+    mean = math.pi / 4 if scene.pin.length is not None else 2 / 3  # over the peak pressure
+    rates = np.zeros(slid.shape)
+    for (load, place), end in np.ndenumerate(slid):
+        if wear:
+            pressure = mean * hertz[load].peak_pressure
+            whole = wear_over(wear, 0.0, end, pressure, velocities[place])
+            rates[load, place] = whole.specific_wear_rate
+    worn = rates * np.outer(impulses, velocities)
     widths, depths = _worn_contact(scene, max(velocities), half_widths[:, None], worn)
     if rms_height:
         widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)

@@ -31,6 +31,7 @@ from pipeline.sweep.laws import MissingError, MissingSurface
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.sources import FromLibrary
 from tribo.loading.record import fault as record_fault
+from tribo.simulation.pins import sizes_of
 from tribo.surface import array_digest
 from tribo.types import Array
 
@@ -142,8 +143,9 @@ def _read_record(path: Path, faults: Faults) -> Array:
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
-    """Pixels of the window as a grid; periodic along y if the table `pin` is a cylinder."""
-    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, pin.shape == "cylinder"))
+    """Pixels of the window as a grid, periodic along y if the pin has a length."""
+    is_line = "length" in sizes_of(pin.shape)
+    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, is_line))
 
 
 def wear_of(table: Any) -> Any:

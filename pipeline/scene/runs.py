@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOAD, VELOCITY, Stages, Test
+from pipeline.scene.format import LOAD, VELOCITY, Stages, Test, TransitionTable
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
@@ -26,6 +26,10 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
         for index, entry in enumerate(listed or ()):
+            if not isinstance(entry, TransitionTable):
+                problem = "a log is read with its scene file; give its tests"
+                faults.refuse(f"{key}[{index}]", problem)
+                continue
             own = next(number)
             named = replace(entry, number=own) if entry.number is None else entry
             is_run = isinstance(entry, Stages)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -15,6 +16,7 @@ from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import SEED, Variant, Variants
+from tribo import SelfAffineRoughness
 
 
 @dataclass(frozen=True)
@@ -110,19 +112,23 @@ def read_sweep(
 
 
 def _cases(source: Source, variants: Variants) -> tuple[Case, ...]:
-    """A case for each row; rows that differ in the seed of the surface alone are read once."""
-    known: dict[str, Parts] = {}
-    cases = []
+    """A case for each row; rows that differ in the seed of a random surface are read once."""
+    read = functools.cache(
+        lambda key: source.reader.read(replace_values(source.written, rows[key]))
+    )
+    rows, cases = dict[str, dict[str, Any]](), list[Case]()
     for name in variants.names:
         values = dict(variants.values(name)) if name else {}
-        seed = values.pop(SEED, None)
-        key = repr(values)
-        if key not in known:
-            known[key] = source.reader.read(replace_values(source.written, values))
-        case = _case_of(name, known[key])
-        if seed is not None:
-            rough: Any = replace(case.scene.roughness, seed=seed)  # type: ignore[type-var]
+        others = {path: value for path, value in values.items() if path != SEED}
+        for one in (others, values):
+            rows[repr(one)] = one
+        case = _case_of(name, read(repr(others)))
+        rough = case.scene.roughness
+        if SEED in values and isinstance(rough, SelfAffineRoughness):
+            rough = replace(rough, seed=values[SEED])
             case = replace(case, scene=replace(case.scene, roughness=rough))
+        elif SEED in values:
+            case = _case_of(name, read(repr(values)))
         cases.append(case)
     return tuple(cases)
 

@@ -20,7 +20,7 @@ from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants
-from tribo import InputError
+from tribo import InputError, TriboError
 from tribo.surface import array_digest
 from tribo.types import Array
 
@@ -88,18 +88,18 @@ def _read(stored: _Stored) -> Sweep:
     try:
         read = json.loads(stored.text)
         if read["form"] != FORM:
-            raise SweepTextError(f"the scene is of form {read['form']}, and not {FORM}")
-        sweep = read_sweep(
-            str(read["name"]),
-            Source(read["entries"], SceneReader(Contents(dict(stored.arrays)), is_stored=True)),
-            _variants(read),
-            notes=tuple(Remark(*one) for one in read.get("notes", ())),
-            sources=tuple(FromLibrary(*one) for one in read.get("sources", ())),
-            stations=_stations(read.get("stations")),
-        )
-    except Exception as error:  # a forged text may raise anything
+            raise ValueError(f"it is of form {read['form']}, and not {FORM}")
+        name, written, variants = str(read["name"]), dict(read["entries"]), _variants(read)
+        notes = tuple(Remark(*one) for one in read.get("notes", ()))
+        sources = tuple(FromLibrary(*one) for one in read.get("sources", ()))
+        stations = _stations(read.get("stations"))
+    except Exception as error:  # a forged text may have any shape
         raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
-    return sweep
+    source = Source(written, SceneReader(Contents(dict(stored.arrays)), is_stored=True))
+    try:
+        return read_sweep(name, source, variants, notes, sources, stations)
+    except TriboError as error:  # any other error is a fault of this program
+        raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
 
 
 def _variants(text: Any) -> Variants:

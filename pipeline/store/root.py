@@ -16,7 +16,7 @@ import numpy as np
 
 from pipeline.paths import path_hint
 from pipeline.scene.resume import misfits
-from pipeline.scene.stored_text import file_contents, parse_sweep
+from pipeline.scene.stored_text import SweepTextError, file_contents, parse_sweep
 from pipeline.store.arrays import Document, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
 from pipeline.store.inputs import DIM, inputs_variable, split_arrays
@@ -198,7 +198,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     does not describe a sweep, or was written by xarray when it copied the store.
     """
     version: Any = FORMAT
-    fault = "damaged, or not that of a sweep"
+    fault, facts = "damaged, or not that of a sweep", None
     try:
         document = json.loads(content)
         # Zarr drops consolidated metadata if a user adds an array and does not consolidate again.
@@ -207,11 +207,19 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         metadata = document[CONSOLIDATED]["metadata"]
         if "scene" in document["attributes"] and ABOUT not in metadata:
             fault = _COPY
-        facts = metadata[ABOUT]["attributes"]
-        version = facts["format"]
-        if version == FORMAT and facts["digest"] == _digest(facts, metadata):
+        found = metadata[ABOUT]["attributes"]
+        version = found["format"]
+        if version == FORMAT and found["digest"] == _digest(found, metadata):
+            arrays, facts = _read_inputs(place, found["inputs"]), found
+    except (DamagedError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        pass
+    if version != FORMAT:
+        fault = f"of another version of this program: of format {version}, and not {FORMAT}"
+    # What follows is no part of the block: a fault of this program is not damage of the store.
+    if facts:
+        with suppress(SweepTextError):
             root = Root(
-                sweep=parse_sweep(facts["scene"], _read_inputs(place, facts["inputs"])),
+                sweep=parse_sweep(facts["scene"], arrays),
                 text=facts["scene"],
                 axes=facts["axes"],
                 ids=facts["ids"],
@@ -221,10 +229,6 @@ def _parse(place: StorePlace, content: bytes) -> Root:
             )
             if root.axes.keys() <= root.variables.keys():  # names of axes become names of files
                 return root
-    except (DamagedError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        pass
-    if version != FORMAT:
-        fault = f"of another version of this program: of format {version}, and not {FORMAT}"
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
 
 

@@ -24,7 +24,7 @@ LAWS, *SCRIPT = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
 MORE = """
 
 class Broken(Fading):
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return 1e-15
 
 
@@ -34,7 +34,7 @@ class Measured:
     rates: np.ndarray
     pattern = "local"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return tribo.Wear(np.interp(begin, self.distances, self.rates), self.pattern)
 
 
@@ -198,7 +198,7 @@ class Fading:
     distance: float
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return tribo.Wear(5e-15 / (1 + end / self.distance), self.pattern)
 """
 RUN = '''
@@ -227,7 +227,7 @@ class Thawed:
     rate: float = 6e-15
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return self.rate
 
 
@@ -236,7 +236,7 @@ class Called:
     rate: Any = len
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return self.rate
 
 

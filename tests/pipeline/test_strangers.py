@@ -24,7 +24,7 @@ pathlib.Path({marker!r}).touch()
 class Law:
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return tribo.Wear(1e-15)
 
 

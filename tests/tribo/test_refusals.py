@@ -96,7 +96,7 @@ class Law:
 
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return 1.0
 
 
@@ -155,7 +155,7 @@ REFUSALS = {
     "swept": (lambda: Wear(1.0, "swept").yielding(ElasticHalfSpace(FREE, 1e9), 1.0),
               "use the pattern 'local'"),
     "share worn": (lambda: RollingWear(1.0, "local", 0.0), "window_share is 0.0"),
-    "own wear": (lambda: wear_over(Law(), 0.0, 1.0), "it must be a tribo.Wear"),
+    "own wear": (lambda: wear_over(Law(), 0.0, 1.0, 1e9, 1.0), "it must be a tribo.Wear"),
     "no law": (lambda: require_wear(1.0), "has no pattern, over; see tribo.WearLaw"),
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),

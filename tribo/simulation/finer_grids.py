@@ -52,7 +52,10 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
     nothing wears, or the load falls to zero, it is the wear depth of `before`.
     """
     way = before.sliding_distance, after.sliding_distance
-    wear, distance = scene.wear_at(velocity, way), abs(velocity) * (after.time - before.time)
+    wear, distance = (
+        scene.wear_at(velocity, way, before.pressure),
+        abs(velocity) * (after.time - before.time),
+    )
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
     if wear is None or stage.normal_load != after.normal_load:  # a load that falls to zero
         return before.wear_depth

@@ -93,7 +93,7 @@ def advance(
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)
     slid = state.sliding_distance
-    wear = scene.wear_at(velocity, (slid, slid + distance))
+    wear = scene.wear_at(velocity, (slid, slid + distance), state.pressure)
     passed = state.pressure if guess is None else guess
     for contact_pass in passes(scene, state, station, wear, distance, observed, scheme):
         # At the disk's own position the last two states give the best guess; elsewhere, the contact

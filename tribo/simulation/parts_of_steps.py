@@ -28,16 +28,16 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
     parts that in each the roughness wears only a shallow imprint into the pin, but at most 4, and
     only one with 25 increments or more.
     """
-    count = _part_count(scene, abs(velocity) * (station.time - before.time), velocity)
+    count = _part_count(scene, before, abs(velocity) * (station.time - before.time), velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
     yield station
 
 
-def _part_count(scene: Scene, distance: float, velocity: float) -> int:
+def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
     if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
         return 1
-    wear = scene.wear_at(velocity, (0.0, distance))
+    wear = scene.wear_at(velocity, (0.0, distance), before.pressure)
     if wear is None:
         return 1
     most = min(_MOST, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))

@@ -368,7 +368,7 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
         return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
-    wear = scene.wear_at(velocity, (0.0, state.sliding_distance))
+    wear = scene.wear_at(velocity, (0.0, state.sliding_distance), state.pressure)
     if not wear:
         return
     distance = velocity * _longest_step(scene, state)

@@ -167,16 +167,21 @@ class Scene:
         """
         return self.contact_pattern == "local" and not self.sweeps_over
 
-    def wear_at(self, sliding: float, distances: tuple[float, float]) -> Wear | None:
+    def wear_at(
+        self, sliding: float, distances: tuple[float, float], pressure: Array
+    ) -> Wear | None:
         """Wear of the pin in one step, at a constant wear rate; None if the scene has no wear.
 
         `sliding` is the sliding velocity [m/s], which decides whether the pin rolls.
-        `distances` are the distances slid since the start, at the step's start and end [m]. A wear
-        law over distance counts with its mean rate between these.
+        `distances` are the distances slid since the start, at the step's start and end [m], and
+        `pressure` is that of the contact at the step's start [Pa]. A wear law counts with its mean
+        rate between these distances.
         """
         if self.wear is None or self.contact_pattern is None:
             return None
-        wear = replace(wear_over(self.wear, *distances), pattern=self.contact_pattern)
+        wear = replace(
+            wear_over(self.wear, *distances, pressure, abs(sliding)), pattern=self.contact_pattern
+        )
         windows = self.windows_worn(sliding) if self.motion else 1.0
         if windows == 1:
             return wear

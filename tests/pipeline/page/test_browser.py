@@ -61,6 +61,7 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
         "bulk_temperature": 311.987654,
         "critical_temperature": 421.123456,
         "failing_share": 0.0987654,
+        "unmodelled_rise": 0,
     }
     message = "<b>contact</b> touches </script> the edge & more"
     ds = sweeps.one(conditions=conditions, status={})

@@ -1,5 +1,6 @@
 """All refusals of scenes, and of the files that they name: what causes each, and what it says."""
 
+import json
 import math
 from dataclasses import dataclass, make_dataclass
 from pathlib import Path
@@ -96,7 +97,7 @@ class Fading:
     rate: float
     pattern: str = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return tribo.Wear(self.rate / (1 + begin + end), self.pattern)
 
 
@@ -107,7 +108,7 @@ class Unlike:
     rates: dict
     pattern = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return self.rates[begin]
 
 
@@ -285,6 +286,12 @@ def scanned(factor=None):
     return read.scene.roughness.heights(read.scene.pixels)
 
 
+def logged():
+    text = json.loads(sweep_text(tiny.sweep()))
+    text["entries"]["measured"] = [{"file": "log.csv"}]
+    return parse_sweep(json.dumps(text), {})
+
+
 def unkept():
     law = make_dataclass(
         "Unkept", [("part", object)], namespace={"over": None, "pattern": "swept"}, frozen=True
@@ -295,6 +302,8 @@ def unkept():
 
 KEPT = {
     "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
+    "form": (lambda: parse_sweep('{"form": 0}', {}), "it is of form 0, and not 1"),
+    "log": (logged, "measured[0]: a log is read with its scene file"),
     "no array": (scanned, "are missing; open the store"),
     "exchanged": (lambda: scanned(3.0), "does not have this SHA-256"),
     "law": (unkept, "other fields are numbers or text"),

@@ -84,7 +84,7 @@ class Fading:
     distance: float
     pattern: str = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         return tribo.Wear(1e-15 / (1 + end / self.distance), self.pattern)
 
 

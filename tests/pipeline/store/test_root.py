@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import pipeline
+import tribo
 from pipeline.store.place import ROOT, StoreError
 from pipeline.store.schema import path_of
 from tests.helpers import tiny
@@ -95,3 +96,15 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
     (forged / ROOT).write_text(json.dumps(json.loads((alone / ROOT).read_text()), indent=1))
     assert pipeline.summary(forged).done == 9
     assert contents(forged).keys() == contents(alone).keys()
+
+
+def test_a_fault_of_this_program_is_not_called_damage_of_the_store(path, monkeypatch):
+    sweep = tiny.sweep(title="read with a fault")
+    commit(path, sweep, ())
+
+    def faulty(*_):
+        raise TypeError("a fault of this program")
+
+    monkeypatch.setattr(tribo.Scene, "__post_init__", faulty)
+    with pytest.raises(TypeError, match="a fault of this program"):
+        pipeline.open_sweep(path)

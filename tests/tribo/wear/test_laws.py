@@ -1,7 +1,7 @@
 """A wear law and a surface of one's own (tribo/wear/laws.py)."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ class RunningIn:
     distance: float
     pattern: str = "swept"
 
-    def over(self, begin, end):
+    def over(self, begin, end, pressure, velocity):
         way = (end - begin) / self.distance
         faded = -math.exp(-begin / self.distance) * math.expm1(-way) / way
         rate = self.final_rate + (self.initial_rate - self.final_rate) * faded
@@ -84,3 +84,46 @@ def test_a_surface_of_one_s_own_is_that_of_its_heights():
         rises.append(state.heat.mean_rise)
     assert rises[0] == pytest.approx(rises[2], rel=1e-6)
     assert rises[1] != pytest.approx(rises[0], rel=1e-3)
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A constant rate; it records the pressures and velocities that it is called with."""
+
+    calls: list = field(default_factory=list, compare=False, hash=False)
+    pattern: str = "swept"
+
+    def over(self, begin, end, pressure, velocity):
+        self.calls.append((begin, pressure, velocity))
+        return tribo.Wear(1.2e-15, self.pattern)
+
+
+def test_a_law_sees_the_mean_pressure_where_a_step_begins_and_the_velocity():
+    law = Recorded()
+    scene = replace(small_scene(increments=6), wear=law)
+    states = list(tribo.simulate(scene, LOAD, -VELOCITY))
+    known = {0.0: 0.0}
+    known |= {s.sliding_distance: tribo.measures(scene, s)["mean_pressure"] for s in states[:-1]}
+    seen = {begin: pressure for begin, pressure, _ in law.calls}
+    assert seen.keys() >= {0.0, states[0].sliding_distance}
+    for begin in seen.keys() & known.keys():
+        assert seen[begin] == pytest.approx(known[begin], rel=1e-12)
+    assert {velocity for *_, velocity in law.calls} == {VELOCITY}
+
+
+@dataclass(frozen=True)
+class ByVelocity:
+    """A rate in proportion to the sliding velocity."""
+
+    rate: float  # at 1 m/s
+    pattern: str = "swept"
+
+    def over(self, begin, end, pressure, velocity):
+        return tribo.Wear(self.rate * velocity, self.pattern)
+
+
+@pytest.mark.parametrize("velocity", [0.5, 2.0])
+def test_a_law_by_velocity_wears_as_a_constant_rate_of_that_velocity(velocity):
+    wears = ByVelocity(1.2e-15), tribo.Wear(1.2e-15 * velocity)
+    law, constant = (replace(small_scene(), wear=wear) for wear in wears)
+    assert worn_volume(law, velocity) == worn_volume(constant, velocity)
