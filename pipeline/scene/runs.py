@@ -32,8 +32,10 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
                 continue
             own = next(number)
             named = replace(entry, number=own) if entry.number is None else entry
-            is_run = isinstance(entry, Stages)
-            tests += _read_stages(named, f"{key}[{index}]", faults) if is_run else [named]
+            if isinstance(named, Stages):
+                tests += _read_stages(named, f"{key}[{index}]", faults)
+            else:
+                tests.append(named)
         expanded[key] = listed and tuple(tests)
     return replace(scene, **expanded)
 

@@ -9,7 +9,7 @@ import functools
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, get_type_hints
 
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
@@ -109,10 +109,13 @@ def _variants(text: Any) -> Variants:
         return Variants()
     fields = ({k: one for k, one in own.items() if k != "values"} for own in text["columns"])
     columns = tuple(Column(**one) for one in fields)
+    hints = get_type_hints(Column)
+    if not all(isinstance(getattr(one, key), hints[key]) for one in columns for key in hints):
+        raise ValueError("a column has values of other types")
     several = [*zip(*labels.values(), strict=True)]
     values = text.get("rows") or [{}] * len(several)
     pairs = zip(several, values, strict=True)
-    rows = (Row(dict(zip(labels, own, strict=True)), one) for own, one in pairs)
+    rows = (Row(dict(zip(labels, own, strict=True)), dict(one)) for own, one in pairs)
     return Variants(columns, tuple(rows))
 
 
