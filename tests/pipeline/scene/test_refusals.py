@@ -286,10 +286,13 @@ def scanned(factor=None):
     return read.scene.roughness.heights(read.scene.pixels)
 
 
+def forged_text(**parts):
+    return parse_sweep(json.dumps(json.loads(sweep_text(tiny.sweep())) | parts), {})
+
+
 def logged():
-    text = json.loads(sweep_text(tiny.sweep()))
-    text["entries"]["measured"] = [{"file": "log.csv"}]
-    return parse_sweep(json.dumps(text), {})
+    entries = json.loads(sweep_text(tiny.sweep()))["entries"]
+    return forged_text(entries=entries | {"measured": [{"file": "log.csv"}]})
 
 
 def unkept():
@@ -303,6 +306,10 @@ def unkept():
 KEPT = {
     "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
     "form": (lambda: parse_sweep('{"form": 0}', {}), "it is of form 0, and not 1"),
+    "column": (
+        lambda: forged_text(columns=[{"name": "a", "entry": True, "values": [1.0]}]),
+        "a column has values of other types",
+    ),
     "log": (logged, "measured[0]: a log is read with its scene file"),
     "no array": (scanned, "are missing; open the store"),
     "exchanged": (lambda: scanned(3.0), "does not have this SHA-256"),
