@@ -14,7 +14,7 @@ from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE, SCENE_ID
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.sweep.severity import failed_fraction, rises_above_colder
 from tribo import QUANTILES, InputError
 from tribo.types import Array
@@ -22,7 +22,7 @@ from tribo.types import Array
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
     """Conditions by name as dataset attributes that netCDF can store; corrections become JSON."""
-    plain = conditions.as_dict()
+    plain = plain_values(conditions)
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])
     return plain

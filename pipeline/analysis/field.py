@@ -24,7 +24,7 @@ from pipeline.analysis.transition import Line, Transitions, range_of
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, known_critical_temperature, row_conditions
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
@@ -93,7 +93,7 @@ class PointField:
 
         `own` has some of ``friction``, ``bulk_temperature`` [K] and ``critical_temperature`` [K].
         """
-        return self.under(self.conditions.row_conditions(own)) if own else self
+        return self.under(row_conditions(self.conditions, own)) if own else self
 
     def under(self, conditions: Conditions) -> PointField:
         """The field under other conditions, from the same simulated points."""
@@ -121,7 +121,7 @@ class PointField:
         return Here(
             self.conditions.contact_temperature(rises),
             rises > self.limit,
-            np.full(rises.shape, self.conditions.known_critical_temperature()),
+            np.full(rises.shape, known_critical_temperature(self.conditions)),
             np.all([plane.is_done(loads, velocities) for plane in self.planes], axis=0),
             ~np.all(is_within, axis=0),
             reasons,

@@ -33,8 +33,8 @@ from pipeline.analysis.dataset import (
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import ASKED, COORDINATES, DONE, MADE, PLANE, SCENE_ID, STEPPED
-from pipeline.sweep.conditions import PATHS, Conditions
-from pipeline.sweep.laws import Law
+from pipeline.sweep.conditions import PATHS, Conditions, changed_conditions
+from pipeline.sweep.laws import StoredRule
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
 from pipeline.sweep.variants import VARIANT, Label, Variant
@@ -152,7 +152,7 @@ class Results:
     @functools.cached_property
     def conditions(self) -> Conditions:
         """Conditions to judge wear by; raises an `InputError` if the sweep lacks their data."""
-        _ = self.sweep.conditions.decisive  # raises if the user's own rule is not loaded
+        _ = self.sweep.conditions.criterion.column  # raises if a store lacks the user's rule
         return self._require_computed(self.sweep.conditions)
 
     @property
@@ -162,9 +162,10 @@ class Results:
         If the criterion is a user's rule whose code is not at hand, the highest temperature is
         shown, without a critical temperature.
         """
-        if not isinstance(self.sweep.conditions.rule, Law):
+        if not isinstance(self.sweep.conditions.criterion.rule, StoredRule):
             return self.conditions
-        return replace(self.plain_conditions, criterion="highest", critical_temperature=None)
+        plain = changed_conditions(self.plain_conditions, {"criterion": "highest"})
+        return replace(plain, critical_temperature=None)
 
     @property
     def plain_conditions(self) -> Conditions:
@@ -172,7 +173,9 @@ class Results:
 
         So the code of a user's own criterion is not needed.
         """
-        return self._require_computed(replace(self.sweep.conditions, criterion="share"))
+        return self._require_computed(
+            changed_conditions(self.sweep.conditions, {"criterion": "share"})
+        )
 
     def _require_computed(self, conditions: Conditions) -> Conditions:
         """Return `conditions`; raise an `InputError` if the sweep cannot be judged by them."""
@@ -343,7 +346,7 @@ class Results:
         """
         if self.place is None:
             self.require_lists(*PLANE)
-        column = conditions.decisive.column
+        column = conditions.criterion.column
         self.require("status", "normal_load", column, *(NEEDED if conditions.corrections else ()))
         names = {"normal_load", column, *columns_needed(conditions)}
         columns: dict[str, Any] = {k: self.columns[k] for k in names if k in self.columns}

@@ -21,7 +21,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.shown import shown
-from tribo import CRITERIA, WarningKind
+from tribo import CRITERIA, Criterion, WarningKind
 from tribo.simulation.point_warnings import SLOW, SLOWEST
 from tribo.types import Array, Indices, Mask
 
@@ -137,9 +137,9 @@ def _rises_slowly(scene: Results) -> Mask:
 
     The rise is per unit friction coefficient, for bodies of equal bulk temperature.
     """
-    stored = scene.sweep.conditions
-    kind = stored.criterion if stored.criterion in CRITERIA else "share"
-    plain = Conditions(1.0, 300.0, None, stored.failing_share, criterion=kind)
+    stored = scene.sweep.conditions.criterion
+    kind = stored.name if stored.name in CRITERIA else "share"
+    plain = Conditions(1.0, 300.0, criterion=Criterion(kind, stored.share))
     rises, x = scene.rises(plain), scene.velocities
     return np.apply_along_axis(lambda row: exponents(x, row) < SLOWEST, -1, rises)
 

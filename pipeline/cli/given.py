@@ -21,7 +21,7 @@ from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
-"""Options on conditions, named as in `pipeline.at` and `Conditions.changed`."""
+"""Options on conditions, named as in `pipeline.at` and `changes_of`."""
 PLACE = ("load", "velocity", "realization")
 """Options that select the point of a figure, named as in `pipeline.plot`."""
 

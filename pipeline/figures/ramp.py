@@ -18,7 +18,7 @@ from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import MADE, STEPPED, VARIABLES
 from pipeline.sweep.condition_words import heating_words
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
 from tribo.types import Array
@@ -120,10 +120,10 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
     """
     handles = []
     for judged, look in _line_styles(conditions):
-        rise = judged.decisive.rise({**data.columns, "quantile": data.shares})
+        rise = judged.criterion.rise({**data.columns, "quantile": data.shares})
         temperature = shown_in(conditions.contact_temperature(rise), "°C")
         _draw(axes, data, temperature, points, look)
-        handles.append(Line2D([], [], color=BLACK, label=judged.decisive.temperature, **look))
+        handles.append(Line2D([], [], color=BLACK, label=judged.criterion.temperature, **look))
     handles += _critical_line(axes, conditions)
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
@@ -137,8 +137,8 @@ def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any
     The criterion of the conditions in a pair selects its temperature. There is only one pair if the
     criterion is the highest temperature.
     """
-    highest = replace(conditions, criterion="highest")
-    is_other = conditions.decisive.temperature != highest.decisive.temperature
+    highest = changed_conditions(conditions, {"criterion": "highest"})
+    is_other = conditions.criterion.temperature != highest.criterion.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]
 
 
@@ -183,7 +183,7 @@ def temperature(
         for (x, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
             curve = shown_in(conditions.contact_temperature(rise), "°C")
             axes.plot(x, curve, color=BLUE, **look | part)
-        axes.plot([], [], color=BLUE, label=judged.decisive.temperature, **look)
+        axes.plot([], [], color=BLUE, label=judged.criterion.temperature, **look)
     if _critical_line(axes, conditions):
         turns = point_field(data).transitions("velocity", load_here, velocities[-1]).places
         for turn in turns[np.isfinite(turns)]:

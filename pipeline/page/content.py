@@ -31,7 +31,7 @@ from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import controls
 from pipeline.page.pictures import FIELDS, packed_fields
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.severity import (
     above_colder,
@@ -73,12 +73,12 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     ratios, shares, done = sorted([*unequal, 0.0]), _tabulated_shares(data, conditions), data.done
     columns = corrected_columns(data.columns, conditions)
     # Axes: load, velocity, bulk ratio, share or quantile, step.
-    deciding, quantiles = _tables(columns, data.shares, conditions.decisive, ratios, shares)
+    deciding, quantiles = _tables(columns, data.shares, conditions.criterion, ratios, shares)
     load = data.columns["normal_load"][..., None, None, :]
     worst = worst_moment(deciding, load, data.loads[:, None, None, None, None])
     decisive = np.where(done[..., None, None], _step_values(deciding, worst), np.nan)
     # Each point is shown at the step that decides.
-    steps = worst[..., ratios.index(0.0), shares.index(conditions.failing_share)]
+    steps = worst[..., ratios.index(0.0), shares.index(conditions.criterion.share)]
     has_fields = {*FIELDS} <= data.rest.keys()
     chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
     varies = len(ratios) > 1, len(shares) > 1
@@ -87,7 +87,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
         **_point_states(data),
         "conditions": _conditions(data, conditions),
         "controls": [*map(asdict, controls(conditions, sweep.scene.friction_heat, *varies))],
-        "deciding": conditions.decisive.temperature,
+        "deciding": conditions.criterion.temperature,
         "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
         "shares": shares,
@@ -186,8 +186,8 @@ def _tabulated_shares(data: Results, conditions: Conditions) -> list[float]:
     Wear is severe if more than the failing share of the contact area is hotter than the critical
     temperature. If the criterion takes no failing share, the list has one value without effect.
     """
-    failing_share = conditions.failing_share
-    if not conditions.decisive.takes_share:
+    failing_share = conditions.criterion.share
+    if not conditions.criterion.takes_share:
         return [failing_share]
     shares = np.minimum(np.round(1 - data.shares, 12), np.nextafter(1.0, 0.0))
     return [float(share) for share in np.union1d(shares, failing_share)]
@@ -352,7 +352,7 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
     default it is the pin's bulk temperature.
     """
     disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
-    plain = conditions.as_dict()
+    plain = plain_values(conditions)
     if "bulk_rise_quantile" in data.columns:
         plain["disk_temperature"] = bulk if disk is None else disk
     return plain

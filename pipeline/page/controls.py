@@ -66,7 +66,7 @@ def controls(
     critical = conditions.critical_temperature
     form.append(_celsius("critical_temperature", "critical temperature [°C]", critical, 400.0))
     if has_share:
-        high = max(50.0, math.ceil(100 * conditions.failing_share))
+        high = max(50.0, math.ceil(100 * conditions.criterion.share))
         form.append(
             Control(
                 "failing_share", "failing share of the contact [%]", 0.0, high, 0.5,

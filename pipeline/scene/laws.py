@@ -11,7 +11,7 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.parts import Parts
-from pipeline.sweep.laws import ASKED, Law, is_user_law, law_record, name_of
+from pipeline.sweep.laws import ASKED, Law, StoredRule, is_user_law, law_record, name_of
 from pipeline.sweep.tables import entry_at, replace_value
 from tribo.errors import law_errors
 from tribo.simulation.pins import sizes_of
@@ -99,7 +99,8 @@ def take_laws(
             taken[kind] = _with_values(laws[kind], values, _PARAMETERS[kind], faults)
         elif source and kind not in laws:
             pairs = ((name, _read(name, value)) for name, value in dict(values or {}).items())
-            taken[kind] = Law(str(entry_at(entries, path)), tuple(pairs), str(source))
+            record = StoredRule if kind == "criterion" else Law
+            taken[kind] = record(str(entry_at(entries, path)), tuple(pairs), str(source))
         if source:
             entries = replace_value(replace_value(entries, path, None), sources, None)
         if kind in taken:
@@ -122,7 +123,7 @@ def take_laws(
 def _laws_of(parts: Parts) -> dict[str, Any]:
     scene = parts.scene
     laws = {"wear": scene.wear, "surface": scene.roughness, "pin": scene.pin}
-    return laws | {"criterion": parts.conditions.rule}
+    return laws | {"criterion": parts.conditions.criterion.rule}
 
 
 def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:

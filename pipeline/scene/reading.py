@@ -30,8 +30,7 @@ from pipeline.scene.parts import (
 )
 from pipeline.scene.runs import expand_tests, tests_of
 from pipeline.scene.written import complete_fidelity, entries_of, keep_written
-from pipeline.sweep.conditions import Conditions, bulk_entries
-from pipeline.sweep.laws import name_of
+from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
@@ -207,10 +206,8 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
     return Conditions(
         friction=scene.friction.coefficient,
         critical_temperature=temperature.critical,
-        failing_share=temperature.failing_share,
         unmodelled_rise=(scene.model and scene.model.rise) or 0.0,  # a store may lack it
-        criterion=name_of(rule) if rule else temperature.criterion,
-        rule=rule,
+        criterion=criterion_of(rule or temperature.criterion, temperature.failing_share),
         corrections=corrections_of(scene, made.pin, made.disk, made.motion),
         **_bulks_of(scene),
     )

@@ -14,7 +14,7 @@ from pipeline.scene.declare import ByPath, Either, List, Table, Tables, table_of
 from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.units import si_unit, to_si, typeset
-from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import Entries, flat
 
@@ -98,7 +98,7 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
 
 def _judged(sweep: Sweep) -> dict[str, str]:
     """Conditions under which a sweep is judged, in words, by the path of the entry they replace."""
-    named = {FIELDS[name]: (name, one) for name, one in sweep.judged.items() if name in FIELDS}
+    named = {PATHS[name]: (name, one) for name, one in sweep.judged.items() if name in PATHS}
     return {
         path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
         for path, (name, one) in named.items()

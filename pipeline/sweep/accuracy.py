@@ -19,9 +19,9 @@ def velocity_error(sweep: Sweep) -> float | None:
 
     It is known for presets of numerical choices alone, adapted to the scene.
     """
-    preset, rule = str(_preset(sweep)), sweep.conditions
-    is_highest = rule.criterion == "highest"
-    if is_highest or (rule.criterion == "share" and rule.failing_share < _FEW):
+    preset, criterion = str(_preset(sweep)), sweep.conditions.criterion
+    is_highest = criterion.name == "highest"
+    if is_highest or (criterion.name == "share" and criterion.share < _FEW):
         return _OF_FEW_ELEMENTS.get(preset, PRESET_BOUNDS.get(preset))
     return PRESET_BOUNDS.get(preset)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from pipeline.quantities import display
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, known_critical_temperature
 
 
 def heating_words(conditions: Conditions) -> str:
@@ -52,5 +52,5 @@ def judged_by(several: Iterable[Conditions]) -> str:
 
 def severe_words(conditions: Conditions) -> str:
     """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C"."""
-    critical = display(conditions.known_critical_temperature(), "°C")
-    return f"{conditions.decisive.severe} {critical}"
+    critical = display(known_critical_temperature(conditions), "°C")
+    return f"{conditions.criterion.severe} {critical}"

@@ -93,6 +93,23 @@ class Law(UnknownHeights):
         return f"{self.name}({', '.join(f'{name}={value}' for name, value in self.parameters)})"
 
 
+class StoredRule(Law):
+    """What a store records of a user's criterion, in the place of the `Rule`, which it lacks."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        self._refuse()
+
+    def _refuse(self, *_: Any) -> NoReturn:
+        """Raise a `LawError`: nothing can be judged by the name of a criterion."""
+        raise LawError(
+            f"the store is judged by the criterion {self.name}, a Python object, of which it has "
+            "only the name; give another criterion, such as --criterion=share, or in Python "
+            "pipeline.at(ds, criterion=rule); irg plot --kind=temperature needs none"
+        )
+
+
 def is_user_law(part: Any) -> bool:
     """True if a part of a scene is a Python object of the user's own.
 
@@ -102,7 +119,7 @@ def is_user_law(part: Any) -> bool:
     kind = type(part)
     root = getattr(kind, "__module__", "").partition(".")[0]
     if root in _ROOTS or kind in tuple(PINS.values()):
-        return kind in (Rule, Law)
+        return kind in (Rule, Law, StoredRule)
     return any(hasattr(kind, name) for name in _METHODS)
 
 
@@ -119,7 +136,8 @@ def law_record(law: Any) -> Law:
     names = [one.name for one in fields(law) if one.name != "rise"]
     names += [name for name in ASKED if name not in names and hasattr(law, name)]
     parameters = tuple((name, _storable(getattr(law, name))) for name in names)
-    return Law(name_of(law), parameters, _source_sha256(code_of(law)))
+    record = StoredRule if isinstance(law, Rule) else Law
+    return record(name_of(law), parameters, _source_sha256(code_of(law)))
 
 
 def name_of(law: Any) -> str:

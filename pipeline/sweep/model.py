@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.digest import digest
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
@@ -104,7 +104,7 @@ class Sweep:
     stations : Stations or None
         Times of the loading whose results an existing store has; None without a store.
     judged : mapping
-        Conditions that replace those of all cases, by field of `Conditions`; see `judge`.
+        Conditions that replace those of all cases, by name; see `judge`.
     entries : mapping
         All entries of the scene, for people: completed by defaults, values of the library and
         choices of the preset, in the units of the file.
@@ -259,11 +259,11 @@ class Sweep:
         return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self.rows))}
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
-        """The sweep with some fields of the conditions of all cases replaced by `changes`."""
+        """The sweep with the conditions of all cases replaced as by `changed_conditions`."""
         if not changes:
             return self
         base, *cases = (
-            replace(case, conditions=replace(case.conditions, **changes))
+            replace(case, conditions=changed_conditions(case.conditions, changes))
             for case in (self.base, *self.cases)
         )
         judged = {**self.judged, **changes}

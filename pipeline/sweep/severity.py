@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.quantities import display
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo import InputError, Scene, State, Verdict
 from tribo.simulation import state_rises
 from tribo.simulation import verdict as tribo_verdict
@@ -44,7 +44,7 @@ def rise_limit(conditions: Conditions) -> float:
     It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
     `InputError` if the critical temperature is not known.
     """
-    conditions.known_critical_temperature()
+    known_critical_temperature(conditions)
     return tribo_verdict.rise_limit(conditions)
 
 
@@ -64,7 +64,7 @@ def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     """
     moment = state_rises(scene, state, conditions.corrections)
     rises = rises_above_colder(moment, replace(conditions, corrections=None))
-    return float(conditions.decisive.rise(rises))
+    return float(conditions.criterion.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:
@@ -75,7 +75,7 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     of points, ``normal_load`` (..., n_step) [N], and ``quantile`` unless the quantiles are
     `tribo.QUANTILES`. `load` [N] is the full load of each point, (..., 1).
     """
-    rises = conditions.decisive.rise(rises_above_colder(columns, conditions))
+    rises = conditions.criterion.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
     decisive: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     return decisive

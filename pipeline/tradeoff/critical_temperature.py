@@ -164,7 +164,7 @@ def critical_temperatures(
         (rise,) = reader.rises([point], conditions).tolist()
         by_row[point.variant[0][1]].append(conditions.contact_temperature(rise))
     temperatures = tuple(tuple(values) for values in by_row.values())
-    return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.decisive)
+    return CriticalTemperatures(transitions, on, temperatures, sweep.conditions.criterion)
 
 
 def as_transitions(sweep: Sweep) -> Sweep:

@@ -23,6 +23,7 @@ from pipeline.scene.laws import add_laws
 from pipeline.scene.written import complete_fidelity, entries_of
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
+from pipeline.sweep.conditions import plain_values
 from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
 from tribo.simulation.pins import sizes_of
@@ -205,10 +206,10 @@ def _condition_entries(changes):
 
 
 def _conditions(made):
-    names = ("friction", "bulk_temperature", "disk_temperature", "critical_temperature",
-             "failing_share", "criterion")  # fmt: skip
+    values = plain_values(made)
+    beside = "unmodelled_rise", "corrections"
     entries = {"temperature.critical": None}
-    entries |= _condition_entries({name: getattr(made, name) for name in names})
+    entries |= _condition_entries({k: v for k, v in values.items() if k not in beside})
     entries |= _beside(made.corrections)
     curves = made.corrections and made.corrections.friction
     for key in ("velocity", "temperature"):

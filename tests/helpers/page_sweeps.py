@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from tests.helpers import synthetic
-from tribo import QUANTILES
+from tribo import QUANTILES, Criterion
 from tribo.thermal import BULK_RATIOS
 
 _VELOCITIES = np.array([0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0])
@@ -104,7 +104,7 @@ def with_loads_left_out(seed=0):
 def of_a_warm_pin():
     """Sweep of a pin warmer than the disk, judged by the mean temperature."""
     bulks = {"bulk_temperature": 378.15, "disk_temperature": 298.15}
-    return of_two_bulks(**bulks, criterion="mean")
+    return of_two_bulks(**bulks, criterion=Criterion("mean"))
 
 
 def of_two_bulks(**conditions):

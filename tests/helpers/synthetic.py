@@ -16,7 +16,6 @@ CONDITIONS = {
     "friction": 0.1,
     "bulk_temperature": 298.15,
     "critical_temperature": 418.15,
-    "failing_share": 0.1,
 }
 MEASURED = (
     Measurement(750.0, 1.25, 0.103),
@@ -54,7 +53,7 @@ def limit(friction=0.1, bulk=298.15, critical=418.15):
 
 
 def conditions(share=0.1):
-    return Conditions(**CONDITIONS | {"failing_share": share})
+    return Conditions(**CONDITIONS, criterion=tribo.Criterion(share=share))
 
 
 def critical_velocity(load, limit_rise, share=0.1):

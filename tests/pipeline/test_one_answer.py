@@ -15,7 +15,7 @@ from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERAL, S
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.sweeps import decisive_rise, with_fields
-from tribo import Corrections, Friction
+from tribo import Corrections, Criterion, Friction
 
 
 def done_only(ds, is_done):
@@ -84,7 +84,8 @@ def slippery():
 
 def warm_pin():
     ds = sweeps.of_a_warm_pin()
-    return with_fields(ds, conditions=replace(pipeline.results(ds).conditions, criterion="share"))
+    judged = pipeline.results(ds).conditions
+    return with_fields(ds, conditions=replace(judged, criterion=Criterion()))
 
 
 SEVERE_NEARLY_EVERYWHERE = {"friction": 0.3}

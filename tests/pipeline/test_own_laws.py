@@ -170,7 +170,7 @@ def test_a_criterion_is_given_to_answers(laws):
 
 def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws, irg):
     sweep = scene({"criterion": laws.median})
-    assert pickle.loads(pickle.dumps(sweep.conditions.rule)) == laws.median
+    assert pickle.loads(pickle.dumps(sweep.conditions.criterion.rule)) == laws.median
     commit_all("small.zarr", sweep)
     ds = pipeline.open_sweep("small.zarr")
     for command in (["boundary"], ["margin", *PLACE], ["plot", "-o", "no.png"]):

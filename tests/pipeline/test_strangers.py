@@ -10,7 +10,8 @@ import pipeline
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root
-from pipeline.sweep.laws import Law
+from pipeline.sweep.conditions import criterion_of
+from pipeline.sweep.laws import StoredRule
 from tests.helpers.entries import changed
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
@@ -87,8 +88,8 @@ def forged(done, folder, criterion):
     """Copy the store into a folder, and change its stored criterion; return its name."""
     target = shutil.copytree(done / "small.zarr", folder / "small.zarr")
     root = read_root(place_of(target))
-    own = Law(criterion, (), "0" * 64) if ":" in criterion else None
-    judged = replace(root.sweep.conditions, criterion=criterion, rule=own)
+    kind = StoredRule(criterion, (), "0" * 64) if ":" in criterion else criterion
+    judged = replace(root.sweep.conditions, criterion=criterion_of(kind, 0.1))
     sweep = changed(root.sweep, conditions=judged)
     write(target, replace(root, sweep=sweep, text=sweep_text(sweep)))
     shutil.copy(folder / "payload.py", target)

@@ -132,11 +132,11 @@ def scene(tmp_path, request):
 def test_the_scene_file_gives_one_temperature_or_two(scene):
     both = pipeline.load_scene(scene)
     assert both.scene.unequal_bulks
-    assert both.conditions == Conditions(0.1, 333.15, 418.15, 0.1, disk_temperature=298.15)
+    assert both.conditions == Conditions(0.1, 333.15, 418.15, disk_temperature=298.15)
     for same in ("25 degC", {"pin": "25 degC", "disk": "25 degC"}):
         one = pipeline.load_scene(scene, overrides={"temperature.bulk": same})
         assert not one.scene.unequal_bulks
-        assert one.conditions == Conditions(0.1, 298.15, 418.15, 0.1)
+        assert one.conditions == Conditions(0.1, 298.15, 418.15)
 
 
 def test_the_commands_take_both(scene, irg):

@@ -33,7 +33,7 @@ from tests.helpers.campaigns import conclude, table
 from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
-from tribo import PRESETS, TriboError, WarningKind
+from tribo import PRESETS, Criterion, TriboError, WarningKind
 from tribo.simulation import Trunks
 from tribo.simulation.point_warnings import SLOWEST
 
@@ -100,7 +100,7 @@ def axis(rng, low, high, count, gaps, spaced=np.geomspace):
 def rises(sweep, fidelity, loads, velocities):
     """Deciding rises [K] by failing share, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
-    kinds = [replace(sweep.conditions, criterion="share", failing_share=one) for one in SHARES]
+    kinds = [replace(sweep.conditions, criterion=Criterion(share=one)) for one in SHARES]
     shape = len(loads), len(velocities)
     found = {str(share): np.full(shape, np.nan) for share in SHARES}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}

@@ -153,12 +153,12 @@ def _with_boundary(sweep, velocity, bulks):
     state = state_at(warm, sweep.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
     if bulks:
-        rise = float(conditions.decisive.rise(state.heat.columns))
+        rise = float(conditions.criterion.rise(state.heat.columns))
         apart = bulks * conditions.friction * rise
         conditions = replace(conditions, disk_temperature=conditions.bulk_temperature + apart)
         warmest = conditions.bulk_temperature + max(0.0, apart)
         conditions = replace(conditions, critical_temperature=warmest + 1000.0)
-    rise = float(conditions.decisive.rise(rises_above_colder(state.heat.columns, conditions)))
+    rise = float(conditions.criterion.rise(rises_above_colder(state.heat.columns, conditions)))
     critical = conditions.contact_temperature(rise)
     return changed(
         sweep,

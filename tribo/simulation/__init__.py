@@ -2,6 +2,7 @@
 
 from tribo.simulation.cache import forget_contacts as forget_contacts
 from tribo.simulation.cache import forget_kernels as forget_kernels
+from tribo.simulation.conditions import Conditions as Conditions
 from tribo.simulation.contact_ramp import contact_key as contact_key
 from tribo.simulation.contact_ramp import contacts as contacts
 from tribo.simulation.contact_ramp import mechanics as mechanics
@@ -34,5 +35,4 @@ from tribo.simulation.step_measures import measures as measures
 from tribo.simulation.temperature import heat as heat
 from tribo.simulation.trunks import Note as Note
 from tribo.simulation.trunks import Trunks as Trunks
-from tribo.simulation.verdict import Conditions as Conditions
 from tribo.simulation.verdict import Verdict as Verdict

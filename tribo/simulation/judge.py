@@ -8,15 +8,12 @@ import numpy as np
 
 from tribo.errors import InputError
 from tribo.loading import Ramp
+from tribo.simulation.conditions import Conditions
 from tribo.simulation.point import simulate
 from tribo.simulation.scene import Scene
 from tribo.simulation.step_measures import measures
 from tribo.simulation.trunks import Trunks
-from tribo.simulation.verdict import (
-    Conditions,
-    Verdict,
-    verdict,
-)
+from tribo.simulation.verdict import Verdict, verdict
 
 
 @np.errstate(under="ignore")
@@ -70,10 +67,9 @@ def judge(
     """
     if conditions.disk_temperature is not None and not scene.unequal_bulks:
         scene = replace(scene, unequal_bulks=True)
-    parts = conditions.corrections and conditions.corrections.under(scene.loading)
-    if parts:
-        parts = replace(parts, motion=scene.motion)
-    conditions = replace(conditions, corrections=parts)
+    conditions = conditions.under(scene.loading)
+    if parts := conditions.corrections:
+        conditions = replace(conditions, corrections=replace(parts, motion=scene.motion))
     requested: list[int] = []
     if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
         stations = scene.all_stations(load)

@@ -14,6 +14,7 @@ from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.scene.written import with_fidelity
+from pipeline.sweep.conditions import known_critical_temperature
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
 from tribo.types import Array
@@ -60,7 +61,7 @@ def inverse(study: Study) -> Report:
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
     durations = {load: _duration_for_printed(row) for load, row in rates.items()}
-    printed = float(shown_in(white.conditions.known_critical_temperature(), "°C"))
+    printed = float(shown_in(known_critical_temperature(white.conditions), "°C"))
     chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
         "printed_critical": printed,
@@ -116,7 +117,7 @@ def inverse(study: Study) -> Report:
 def _critical(study: Study, transitions: Sequence[Tested]) -> Array:
     """Critical temperature [°C] from each transition on each surface, (transition, surface)."""
     ends = ensemble(study, ("swept",), transitions)["swept"]
-    return celsius_of(ends, transitions[0][0].conditions.decisive)
+    return celsius_of(ends, transitions[0][0].conditions.criterion)
 
 
 def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:

@@ -11,6 +11,7 @@ from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.condition_words import heating_words
+from pipeline.sweep.conditions import known_critical_temperature
 from tribo import InputError, MeasuredLoad
 from tribo.types import Array
 
@@ -43,7 +44,7 @@ def fig8(study: Study) -> Report:
     curves, runs = {}, {}
     for name in study.stages(loadings):
         scene = loadings[name]
-        *curve, end = history(scene, load, velocity, scene.conditions.decisive)
+        *curve, end = history(scene, load, velocity, scene.conditions.criterion)
         curves[name] = (curve[0], curve[1])
         runs[name] = {
             "duration": end.time,
@@ -82,7 +83,7 @@ def fig8(study: Study) -> Report:
 
 
 def _share(sweep: Sweep) -> str:
-    return f"{100 * sweep.conditions.failing_share:g} %"
+    return f"{100 * sweep.conditions.criterion.share:g} %"
 
 
 @house_style
@@ -101,7 +102,7 @@ def _draw(sweep: Sweep, record: MeasuredLoad, curves: _Curves) -> Figure:
     for (name, (time, values)), (colour, style) in zip(curves.items(), looks, strict=True):
         begins = float(record.times[0]) if name == _RECORD else onset
         lower.plot(time + begins, values, color=colour, ls=style, label=name)
-    critical = shown_in(sweep.conditions.known_critical_temperature(), "°C")
+    critical = shown_in(known_critical_temperature(sweep.conditions), "°C")
     lower.axhline(critical, color=GREY, ls=":", lw=1.2)
     lower.text(0.05, critical + 1, f"critical, {critical:g} °C", color=GREY, va="bottom")
     lower.set(xlabel="time [s]", ylabel=f"exceeded on {_share(sweep)}\nof the contact [°C]")

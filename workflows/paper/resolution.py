@@ -55,7 +55,7 @@ def fig6(study: Study) -> Report:
     sweep = study.scene("table4")
     if study.preset is None:
         sweep = with_fidelity(sweep, _PAPER)
-    seeds, decisive = study.seeds(1), sweep.conditions.decisive
+    seeds, decisive = study.seeds(1), sweep.conditions.criterion
     blocks = [
         n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
     ]

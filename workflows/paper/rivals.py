@@ -140,7 +140,7 @@ def _criteria(sweep: Sweep, rises: Array, exponents: Array) -> dict[str, _Rival]
         return _Rival(name, unit, mu * values, conditions.friction * values, exponents, scaled)
 
     criteria = {
-        "ours": by_friction(conditions.decisive.temperature, "°C", rises, exponents),
+        "ours": by_friction(conditions.criterion.temperature, "°C", rises, exponents),
         "power": by_friction("friction power", "W", F * V, 1.0),
     }
     unworn = np.array([contact.width(load) for load in F])

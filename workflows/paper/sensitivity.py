@@ -24,6 +24,7 @@ from pipeline.quantities import shown_in
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import RandomSurface
 from pipeline.scene.written import entries_of
+from pipeline.sweep.conditions import known_critical_temperature
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 
@@ -126,7 +127,7 @@ def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     transitions = [(sweep, row) for row in TABLE_4]
     ends = on_surfaces(transitions, study.seeds(_SURFACES), around_transition)
     return {
-        "exceeded_celsius": celsius_of(ends, sweep.conditions.decisive),
+        "exceeded_celsius": celsius_of(ends, sweep.conditions.criterion),
         "max_celsius": celsius_of(ends, HIGHEST),
         _OFF: ends["velocity_off"],
     }
@@ -190,7 +191,7 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> pd
             for name, outcome in variants.items()
         ]
     velocities = (f"velocity at {load:g} N" for load in TABLE_4.normal_load)
-    share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
+    share = f"on {100 * sweep.conditions.criterion.share:g} % [°C]"
     return texts(("", share, "highest [°C]", *velocities, "unworn width"), rows)
 
 
@@ -199,7 +200,7 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     figure = Figure(figsize=(12.4, 6.4))
     rows = figure.subplots(2, len(outcomes), sharex="col", sharey="row")
     printed = TABLE_4.max_celsius.mean()
-    critical = shown_in(sweep.conditions.known_critical_temperature(), "°C")
+    critical = shown_in(known_critical_temperature(sweep.conditions), "°C")
     for number, (kind, variants) in enumerate(outcomes.items()):
         upper, lower = rows[0][number], rows[1][number]
         highest, exceeded, off = (

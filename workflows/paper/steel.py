@@ -20,6 +20,7 @@ from pipeline.figures.style import (
     house_style,
 )
 from pipeline.quantities import shown_in
+from pipeline.sweep.conditions import known_critical_temperature
 from tribo.simulation import contacts, heated
 from tribo.types import Array
 
@@ -53,7 +54,7 @@ def steel(study: Study) -> Report:
     boundary = _boundary(study)
     white, of_a = means["white oil"], means["oil A"]
     conditions = tests["white oil"][0][0].conditions
-    printed = float(shown_in(conditions.known_critical_temperature(), "°C"))
+    printed = float(shown_in(known_critical_temperature(conditions), "°C"))
     bulk = float(shown_in(conditions.bulk_temperature, "°C"))
     values: dict[str, Any] = {
         "soft": _SOFT,
@@ -92,7 +93,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)
             end = end_at(other, heated(other.scene, contact, row.velocity), row.friction)
-            found.append(float(celsius_of(end, sweep.conditions.decisive)))
+            found.append(float(celsius_of(end, sweep.conditions.criterion)))
     study.tell(f"{row.normal_load:g} N at {row.velocity:g} m/s")
     return np.reshape(found, (-1, len(_CONDUCTIVITIES)))
 

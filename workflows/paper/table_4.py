@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from pipeline import Conditions, Sweep
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
+from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.severity import rise_limit
 from tribo.thermal import Criterion
 
@@ -64,8 +66,8 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
     longer = sweep.changed("window.pixels", [nx, _LONGER * ny])
     few = study.stages(study.seeds(_FEW)[:_FEW], "swept, longer patch, surface {}".format)
     on_longer = on_surfaces([(longer, TABLE_4[-1])], few)
-    critical = conditions.known_critical_temperature()
-    limit = rise_limit(conditions.changed(friction=1.0))
+    critical = known_critical_temperature(conditions)
+    limit = rise_limit(replace(conditions, friction=1.0))
     return {
         "load": TABLE_4.normal_load,
         "unworn_width_um": 1e6 * unworn["contact_width"],
@@ -81,7 +83,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
         "max_celsius_on_longer_patch": celsius_of(on_longer, HIGHEST)[0],
         "max_celsius": {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()},
         "exceeded_celsius": {
-            wear: celsius_of(its, conditions.decisive) for wear, its in ends.items()
+            wear: celsius_of(its, conditions.criterion) for wear, its in ends.items()
         },
         "worn_width_um": 1e6 * swept["contact_width"],
     }
@@ -90,7 +92,7 @@ def _simulated(study: Study, sweep: Sweep) -> dict[str, Any]:
 def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
     """Means over surfaces, and their deviations from printed values, by name."""
     friction, bulk = conditions.friction, float(shown_in(conditions.bulk_temperature, "°C"))
-    critical = float(shown_in(conditions.known_critical_temperature(), "°C"))
+    critical = float(shown_in(known_critical_temperature(conditions), "°C"))
     outer, bearing = (
         100 * (mean(data[key]) / _WIDTHS - 1) for key in ("unworn_width_um", "bearing_width_um")
     )
@@ -116,7 +118,7 @@ def _compared(data: dict[str, Any], conditions: Conditions) -> dict[str, Any]:
 
 
 def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
-    critical = shown_in(conditions.known_critical_temperature(), "°C")
+    critical = shown_in(known_critical_temperature(conditions), "°C")
     needed = data["friction_for_printed_share"]
     alike = f"  swept, friction {conditions.friction:g} at each"
 
@@ -140,7 +142,7 @@ def _table(data: dict[str, Any], conditions: Conditions) -> pd.DataFrame:
             ("highest temperature [°C]",),
             line("  printed", TABLE_4.max_celsius),
             *by_wear("max_celsius"),
-            (f"temperature {conditions.decisive.temperature} [°C]",),
+            (f"temperature {conditions.criterion.temperature} [°C]",),
             *by_wear("exceeded_celsius"),
             ("contact width at the end of the ramp [µm]",),
             line("  printed, measured later", 1e6 * TABLE_4.measured_width),

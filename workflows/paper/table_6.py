@@ -37,7 +37,7 @@ def table6(study: Study) -> Report:
     ends = ensemble(study, ("swept", "local"), transitions)
     conditions, swept = transitions[0][0].conditions, ends["swept"]
     highest = {wear: celsius_of(its, HIGHEST) for wear, its in ends.items()}
-    exceeded = {wear: celsius_of(its, conditions.decisive) for wear, its in ends.items()}
+    exceeded = {wear: celsius_of(its, conditions.criterion) for wear, its in ends.items()}
     at_room = highest["swept"] - shown_in(swept["bulk"], "°C") + ROOM_CELSIUS
     misfit = {"25": _misfit(25.0), "100": _misfit(100.0)}
     data: dict[str, Any] = {
@@ -65,7 +65,7 @@ def table6(study: Study) -> Report:
         "mean": mean(tenths),
     }
     names = [f"{label_of(row)}, {row.bulk_celsius:g} °C" for row in TABLE_6]
-    share = f"{100 * conditions.failing_share:g} %"
+    share = f"{100 * conditions.criterion.share:g} %"
     return Report.of(
         "table6",
         values,

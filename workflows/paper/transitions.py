@@ -93,7 +93,7 @@ def around_transition(sweep: Sweep, test: Any, step: float | None = None) -> End
     velocity at the scene's friction. `step` is the difference in ln(velocity); by default it
     reaches about the boundary.
     """
-    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
+    decisive, limit = sweep.conditions.criterion, rise_limit(sweep.conditions)
     end = end_of(sweep, test)
     rise = float(decisive.rise(end))
     step = step or math.log(limit / rise) / _EXPONENT or 0.01

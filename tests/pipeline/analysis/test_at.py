@@ -44,8 +44,8 @@ def test_conditions_are_added_to_those_given_before_and_replace_them(sweep):
     twice = pipeline.at(pipeline.at(sweep, friction=0.2), bulk_temperature="60 degC", friction=0.12)
     xr.testing.assert_identical(twice, pipeline.at(sweep, **HOT))
     mean = pipeline.at(sweep, criterion="mean")
-    assert pipeline.results(pipeline.at(mean, friction=0.12)).conditions.criterion == "mean"
-    assert pipeline.results(pipeline.at(mean, share=0.2)).conditions.criterion == "share"
+    assert pipeline.results(pipeline.at(mean, friction=0.12)).conditions.criterion.name == "mean"
+    assert pipeline.results(pipeline.at(mean, share=0.2)).conditions.criterion.name == "share"
 
 
 def test_several_values_are_rows_and_each_is_as_alone(sweep):

@@ -117,7 +117,8 @@ def test_wear_that_is_mild_again_at_a_higher_velocity_turns_at_all_places_of_the
 def test_a_coefficient_in_the_scene_and_one_given_afterwards_are_told_apart():
     table = [{"velocity": "1 m/s", "coefficient": 0.12}, {"velocity": "4 m/s", "coefficient": 0.06}]
     entries = {"friction.by_velocity": table}
-    scaled = pipeline.load_scene("first_try", overrides=entries).conditions.changed(friction=0.12)
+    scaled = pipeline.load_scene("first_try", overrides=entries).conditions
+    scaled = replace(scaled, friction=0.12)
     kept = pipeline.load_scene("first_try", overrides=entries | {"friction.coefficient": 0.12})
     assert scaled.friction_at(4.0) == pytest.approx(0.072)
     assert kept.conditions.friction_at(4.0) == pytest.approx(0.06)

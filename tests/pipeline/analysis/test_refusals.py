@@ -10,8 +10,8 @@ import pipeline
 from pipeline.analysis.field import point_field
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.laws import Law
+from pipeline.sweep.conditions import Conditions, criterion_of
+from pipeline.sweep.laws import StoredRule
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import refusal_tests
@@ -76,11 +76,9 @@ def nothing():
 
 def coded():
     """Ask for the conditions of a sweep that was judged by a criterion written in Python."""
-    values = synthetic.CONDITIONS | {
-        "criterion": "laws:median",
-        "rule": Law("laws:median", (), "0"),
-    }
-    return pipeline.results(with_fields(plane(), conditions=Conditions(**values))).conditions
+    criterion = criterion_of(StoredRule("laws:median", (), "0"), 0.1)
+    judged = Conditions(**synthetic.CONDITIONS, criterion=criterion)
+    return pipeline.results(with_fields(plane(), conditions=judged)).conditions
 
 
 def unmoved():

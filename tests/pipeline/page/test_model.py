@@ -70,7 +70,7 @@ def random_conditions(ds, count=4):
         conditions["unmodelled_rise"] = round(0.4 * math.sin(100 * conditions["friction"]), 3)
         if "bulk_ratio" in ds.coords:
             conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
-        if pipeline.results(ds).conditions.criterion == "share":
+        if pipeline.results(ds).conditions.criterion.name == "share":
             conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
         yield conditions
 

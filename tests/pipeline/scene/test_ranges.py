@@ -111,7 +111,7 @@ PLACES = {
         (313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)
     ),
     "friction.coefficient": lambda v: replace(CONDITIONS, friction=v),
-    "temperature.failing_share": lambda v: replace(CONDITIONS, failing_share=v),
+    "temperature.failing_share": lambda v: tribo.Criterion(share=v),
     "sweep.loads": lambda v: list(tribo.simulate(SCENE, v, 1.0)),
 }
 SCENE = small_scene(roughness=False, wear=False, increments=1)

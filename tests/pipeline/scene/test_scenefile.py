@@ -50,7 +50,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         title=sweep.title,
         loads=tuple(200.0 + 50.0 * i for i in range(12)),
         velocities=tuple(0.5 + 0.25 * i for i in range(19)),
-        conditions=Conditions(0.1, 298.15, 418.15, failing_share=0.1),
+        conditions=Conditions(0.1, 298.15, 418.15),
         friction_band=(0.09, 0.103),
         measured=(
             Measurement(750.0, 1.25, 0.103, number="1"),
@@ -102,7 +102,7 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.title == "scene"
     assert sweep.scene.hardness == math.inf
     assert sweep.scene.roughness is sweep.scene.wear is sweep.friction_band is None
-    assert sweep.conditions.failing_share == 0.1
+    assert sweep.conditions.criterion.share == 0.1
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.fields
     assert sweep.measured == ()

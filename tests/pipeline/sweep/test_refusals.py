@@ -8,8 +8,13 @@ import pytest
 
 import tribo
 from pipeline.sweep.areal import areal_roughness, remove_form
-from pipeline.sweep.conditions import Conditions, bulk_entries
-from pipeline.sweep.laws import Law, MissingSurface, law_record
+from pipeline.sweep.conditions import (
+    Conditions,
+    bulk_entries,
+    criterion_of,
+    known_critical_temperature,
+)
+from pipeline.sweep.laws import Law, MissingSurface, StoredRule, law_record
 from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
@@ -46,10 +51,11 @@ REFUSALS = {
     "bulk": (conditions(bulk_temperature=-1.0), "-1.0 K; it must be above 0"),
     "critical": (conditions(critical_temperature=298.15), "above the bulk temperature, 298.15 K"),
     "disk above": (conditions(disk_temperature=420.0), "must be above the bulk temperature, 420 K"),
-    "share": (conditions(failing_share=1.0), "share is 1.0"),
+    "share": (lambda: criterion_of("share", 1.0), "share is 1.0"),
+    "share nan": (lambda: criterion_of("share", math.nan), "failing_share is nan; it must be one"),
     "curve": (conditions(corrections=CURVE, disk_temperature=350.0), "friction.by_velocity: "),
-    "criterion": (conditions(criterion="laws:median"), "allowed are share, highest, mean"),
-    "no critical": (lambda: conditions(critical_temperature=None)().known_critical_temperature(),
+    "criterion": (lambda: criterion_of("laws:median", 0.1), "allowed are share, highest, mean"),
+    "no critical": (lambda: known_critical_temperature(conditions(critical_temperature=None)()),
                     "temperature.critical is missing"),
     "bodies": (lambda: bulk_entries({"pin": 300.0}), "bulk_temperature names pin; give one"),
     "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
@@ -73,7 +79,7 @@ REFUSALS = {
     "stored heights": (lambda: STORED.heights(None), "laws:Law is a Python object"),
     "stored pin": (lambda: STORED.profile, "laws:Law is a Python object"),
     "builtin": (lambda: law_record(tribo.Rule("mean_rise", max, "", "")), "max> is no function"),
-    "stored rule": (lambda: conditions(criterion="laws:Law", rule=STORED)().decisive,
+    "stored rule": (lambda: criterion_of(StoredRule("laws:Law", (), "0"), 0.1).temperature,
                     "the store is judged by the criterion laws:Law, a Python object"),
     "hidden": (hidden, "_hidden"),
     "no source": (unsourced, "nowhere:Unsourced has neither a file nor a source"),

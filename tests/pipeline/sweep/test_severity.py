@@ -19,7 +19,7 @@ from pipeline.sweep.severity import (
     worst_rises,
 )
 from tests.helpers import tiny
-from tribo import QUANTILES
+from tribo import QUANTILES, Criterion
 from tribo.thermal import BULK_RATIOS
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
@@ -37,11 +37,11 @@ def columns(*rises, loads):
 
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.5])
 def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(share):
-    conditions = replace(OWN, friction=0.05, failing_share=share)
+    conditions = replace(OWN, friction=0.05, criterion=Criterion(share=share))
     at_limit = rise_limit(conditions)
-    rises = EVEN * at_limit / conditions.decisive.rise({"rise_quantile": EVEN})
+    rises = EVEN * at_limit / conditions.criterion.rise({"rise_quantile": EVEN})
     assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
-    decisive = conditions.decisive.rise({"rise_quantile": rises})
+    decisive = conditions.criterion.rise({"rise_quantile": rises})
     assert conditions.contact_temperature(decisive) == pytest.approx(
         conditions.critical_temperature
     )
@@ -61,12 +61,12 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
         "highest": heat.rise[contact].max(),
         "mean": heat.rise[contact].mean(),
     }[criterion]
-    conditions = replace(sweep.conditions, criterion=criterion)
+    conditions = replace(sweep.conditions, criterion=Criterion(criterion))
     assert momentary_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
     assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
     assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
-    oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, criterion=conditions.decisive)
+    oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, criterion=conditions.criterion)
     alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
     assert alone.decisive_temperature == pytest.approx(judged.decisive_temperature, rel=1e-9)
 
