@@ -97,9 +97,7 @@ class StoredRule(Law):
     """What a store records of a user's criterion, in the place of the `Rule`, which it lacks."""
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        self._refuse()
+        return super().__getattr__(name) if name.startswith("_") else self._refuse()
 
     def _refuse(self, *_: Any) -> NoReturn:
         """Raise a `LawError`: nothing can be judged by the name of a criterion."""
