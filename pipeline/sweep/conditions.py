@@ -69,8 +69,10 @@ def criterion_of(kind: str | Rule | StoredRule, share: float) -> Criterion:
     """Criterion of a kind, one of `tribo.CRITERIA` or a rule, for a share of the contact area."""
     if isinstance(share, Iterable) or not math.isfinite(share):
         raise InputError(f"failing_share is {share!r}; it must be one finite number here")
-    rule: Any = kind if isinstance(kind, Rule | StoredRule) else None
-    return Criterion(name_of(rule) if rule else str(kind), share, rule)
+    if not isinstance(kind, Rule | StoredRule):
+        return Criterion(kind, share)
+    rule: Any = kind  # a `StoredRule` stands in the place of a rule
+    return Criterion(name_of(rule), share, rule)
 
 
 def changes_of(
