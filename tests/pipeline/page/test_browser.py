@@ -12,6 +12,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pipeline
+import tribo
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
@@ -60,15 +61,16 @@ def test_a_page_begins_with_the_conditions_of_the_store_and_tells_messages_as_te
         "friction": 0.1012345678,
         "bulk_temperature": 311.987654,
         "critical_temperature": 421.123456,
-        "failing_share": 0.0987654,
         "unmodelled_rise": 0,
     }
+    share = 0.0987654
     message = "<b>contact</b> touches </script> the edge & more"
-    ds = sweeps.one(conditions=conditions, status={})
+    judged = tribo.Conditions(**conditions, criterion=tribo.Criterion(share=share))
+    ds = sweeps.one(conditions=judged, status={})
     ds["message"][2, 3] = message
     driver = page(ds)
     initial = driver.execute_script("return chosen.conditions")
-    assert initial == conditions | {"criterion": "share"}
+    assert initial == conditions | {"failing_share": share, "criterion": "share"}
     same(critical_velocities(driver), pipeline.boundary(ds)["critical_velocity"])
     driver.execute_script("choosePoint({ i: 2, j: 3 })")
     assert message in driver.find_element(By.ID, "point").text
