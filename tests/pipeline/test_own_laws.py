@@ -173,6 +173,10 @@ def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws
     assert pickle.loads(pickle.dumps(sweep.conditions.criterion.rule)) == laws.median
     commit_all("small.zarr", sweep)
     ds = pipeline.open_sweep("small.zarr")
+    for judged in (sweep.conditions, pipeline.results(ds).sweep.conditions):
+        copy = pickle.loads(pickle.dumps(judged))
+        assert (copy, hash(copy)) == (judged, hash(judged))
+        assert replace(judged, friction=0.2).criterion == judged.criterion
     for command in (["boundary"], ["margin", *PLACE], ["plot", "-o", "no.png"]):
         said = irg(command[0], "small.zarr", *command[1:], code=2)
         assert "judged by the criterion laws:_median, a Python object" in said
