@@ -158,7 +158,7 @@ class Range(Kind):
         step_apart = Entry(replace(self.of, zero=False))
         number = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
         keys = {"from": end, "to": end, "step": step_apart, "count": number}
-        Table(keys)._read(value, place, faults)
+        Table(keys).read(value, place, faults)
         if len(faults) > before:
             return None
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
@@ -211,18 +211,22 @@ class Either(Kind):
         best = max(forms, key=lambda form: len(own & form.keys.keys()), default=usual)
         return best if own & best.keys.keys() else usual
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Any:
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read a value by the kind for it, as `Kind.read` does.
+
+        Faults of a kind that is not the usual one name this kind alone.
+        """
         kind = self.kind_for(value)
-        if kind is not self.kinds[0]:
-            return kind.read(value, place, faults)  # its faults name this form alone
-        return kind._read(value, place, faults)
+        return kind.read(value, place, faults, self if kind is self.kinds[0] else None)
 
 
 class Sorted(Either):
     """Kind of scene entry: a list or a range of values, sorted and without duplicates when read."""
 
-    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        values = super()._read(value, place, faults)
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read a list or a range, sorted and without duplicates."""
+        kind = self.kind_for(value)
+        values = kind.read(value, place, faults, self if kind is self.kinds[0] else None)
         return values and tuple(sorted(set(values)))
 
 
@@ -252,8 +256,11 @@ class Table(Kind):
         """Entries that a file may have in this table, by key."""
         return {key: entry for key, entry in self.keys.items() if not entry.is_store_only}
 
-    def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        require(value, dict, "is not a table")
+    def read(self, value: Any, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read the entries of a table, and make an object of them; None if it is no table."""
+        if not isinstance(value, dict):
+            faults.refuse(place, f"{quoted(value)} is not a table; give {allowed or self}")
+            return None
         known = self.keys if faults.allows_store_only else self.listed
         for key in value:
             if key not in known:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -38,7 +37,7 @@ def require(value: Any, kind: type | tuple[type, ...], problem: str) -> None:
         raise UnfitError(f"{quoted(value)} {problem}")
 
 
-class Kind(ABC):
+class Kind:
     """Base class of kinds of scene entry: reads a value, and states what is allowed."""
 
     words: ClassVar[str] = ""
@@ -48,20 +47,23 @@ class Kind(ABC):
     def __str__(self) -> str:
         return self.words
 
-    def read(self, value: object, place: str, faults: Faults) -> Any:
-        """Read the value of the entry at path `place`; None, with a fault added, if it is wrong."""
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read the value of the entry at path `place`; None, with a fault added, if it is wrong.
+
+        The fault says what is allowed: this kind, or `allowed` if it is given.
+        """
         try:
             return self._read(value, place, faults)
         except (UnfitError, UnitError) as problem:
-            faults.refuse(place, f"{problem}; give {self}")
+            faults.refuse(place, f"{problem}; give {allowed or self}")
             return None
 
-    @abstractmethod
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
         """Read a value as `read` does; raise an `UnfitError` if it is wrong.
 
-        Faults within a table or list are added to `faults` instead.
+        Faults within a list are added to `faults` instead. Kinds with their own `read` have none.
         """
+        raise NotImplementedError
 
 
 class Text(Kind):

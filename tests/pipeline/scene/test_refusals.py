@@ -191,6 +191,7 @@ ENTRIES = {
     "no title": (entry("title", ""), "the text is empty"),
     "null": (entry("title", "a\0"), "has a null character"),
     "materials": (entry("materials", 3), "is not a table that holds tables"),
+    "pin": (entry("pin", 3), "3 is not a table; give a table with"),
     "table": (entry("title.long", "x"), "title: a table is not text"),
     "key": (entry("realisations", 3), 'realisations: unknown key (did you mean "sweep.real'),
     "seeds": (entry("sweep.realizations", [3, 3]), "sweep.realizations[1]: 3 equals entry [0]"),
