@@ -15,7 +15,7 @@ from pipeline.scene.resume import join
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.arrays import Encoder
 from pipeline.store.files import PARTIAL
-from pipeline.store.layout import Axes, bytes_of_a_point, chunk_sizes, grown_axes
+from pipeline.store.layout import bytes_of_a_point, chunk_sizes, grown_axes
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     ROOT,
@@ -72,27 +72,44 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     if before := find_root(place):
         require_same_scene(place, before, sweep)
     root = _grown_root(place, before, sweep)
-    if before is None or json.loads(root.documents()[ROOT]) != before.found:
+    groups = root.documents()
+    last = {ROOT: groups.pop(ROOT)}
+    if before is None or json.loads(last[ROOT]) != before.found:
         with io_errors(place, "written"):
             # If the process is killed while the metadata of arrays change, the root document that
             # remains must still describe the arrays.
             if before and "kind" not in before.found[CONSOLIDATED]:
                 place.put({ROOT: before.documents()[ROOT]})
-            _write_root(place, root)
+            parts = [(name, ..., values) for name, values in root.coordinates().items()]
+            own = {path_of(name): array for name, array in root.arrays.items()}
+            held = read_metadata(place) if root.found else {}
+            documents = {f"{path}/{ROOT}": with_others(held.get(path), own[path]) for path in own}
+            arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
+            place.put(Encoder(root.arrays)(parts) | arrays | groups)
+            place.put(last)
     store = Store(place, root, lock)
     store.mark_asked(points(sweep))
     return store
 
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
-    """Root document of a store with room for a sweep's points; `before` is the present document."""
+    """Root document with room for a sweep's points; `before` is the present one, if any."""
     kept = join(before.sweep if before else None, sweep)
     wanted = variables_of(kept)
-    axes = grown_axes(before.axes if before else {}, kept, wanted, sweep)
+    axes = grown_axes(before.axes if before else {}, kept, sweep)
     axes = {name: values for name, values in axes.items() if name in wanted}
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
     if before:
-        _require_room(place, before, axes)
+        # Values are appended to axes, or the stored chunks would be those of other points.
+        old = before.axes
+        for name, values in axes.items():
+            if name not in old or values[: len(old[name])] != old[name]:
+                raise _no_room(place, f"{name} can only grow at its upper end")
+        grown = {name for name, values in axes.items() if len(values) > len(old[name])}
+        own = {path_of(name) for name in before.variables}
+        for path, array in before.found_metadata.items():
+            if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
+                raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
     block = before.block if before else chunk_sizes(sizes, bytes_of_a_point(wanted, axes))
     lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
     return Root(
@@ -104,36 +121,6 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         history=[*dict.fromkeys(lines)],
         found=before.found if before else {},
     )
-
-
-def _write_root(place: StorePlace, root: Root) -> None:
-    """Write the coordinates and all metadata of a store, its root document last."""
-    parts = [(name, ..., values) for name, values in root.coordinates().items()]
-    own = {path_of(name): array for name, array in root.arrays.items()}
-    held = read_metadata(place) if root.found else {}
-    documents = {f"{path}/{ROOT}": with_others(held.get(path), own[path]) for path in own}
-    groups = root.documents()
-    last = {ROOT: groups.pop(ROOT)}
-    arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
-    place.put(Encoder(root.arrays)(parts) | arrays | groups)
-    place.put(last)
-
-
-def _require_room(place: StorePlace, before: Root, axes: Axes) -> None:
-    """Raise a `StoreError` unless new axes only append values to the axes of a store.
-
-    It is also raised if an array that a user added lies along a dimension that grows. `before` is
-    the store's present root document.
-    """
-    old = before.axes
-    for name, values in axes.items():
-        if name not in old or values[: len(old[name])] != old[name]:
-            raise _no_room(place, f"{name} can only grow at its upper end")
-    grown = {name for name, values in axes.items() if len(values) > len(old[name])}
-    own = {path_of(name) for name in before.variables}
-    for path, array in before.found_metadata.items():
-        if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
-            raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
 
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:

@@ -53,16 +53,28 @@ def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
     )
 
 
-def grown_axes(before: Axes, kept: Sweep, wanted: Mapping[str, Variable], sweep: Sweep) -> Axes:
+def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
     """Axes of a store that grows: the values `before`, and those that `sweep` adds.
 
     `kept` is the sweep in the store joined with `sweep`, so that it has old and new variants.
-    `wanted` has the store's variables by name.
     """
-    inner = _inner_axes(before, kept, sweep.loads)
     values = {"load": sweep.loads, "velocity": sweep.velocities}
     plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
-    return {**plane, **row_axes(kept), **inner}
+    scenes = [case.scene for case in kept.given]
+    stations = choose_stations(kept)
+    ramps = {ramp_of(scene): scene for scene in scenes}.values()
+    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in sweep.loads)
+    if stations.steps == "course" and not before:
+        steps = max(steps, _ROOM * kept.scene.fidelity.increments + 1)
+    return {
+        **plane,
+        **row_axes(kept),
+        "step": [*range(1 - max(steps, len(before.get("step", ()))), 1)],
+        "cooler_share": [*QUANTILES],
+        "bulk_ratio": [*BULK_RATIOS],
+        "x": scenes[0].grid.coordinates(0).tolist(),
+        "y": scenes[0].grid.coordinates(1).tolist(),
+    }
 
 
 def row_axes(sweep: Sweep) -> Axes:
@@ -76,27 +88,6 @@ def row_axes(sweep: Sweep) -> Axes:
     followers = sweep.variants.coordinates.items()
     return axes | {
         column.name: [values[label] for label in axes[column.along]] for column, values in followers
-    }
-
-
-def _inner_axes(before: Axes, kept: Sweep, loads: Sequence[float]) -> Axes:
-    """Values along the dimensions within a point, such as step, x and y.
-
-    There are enough steps for points of the sweep `kept` at the `loads`, and at least as many as in
-    `before`, the axes of the store so far.
-    """
-    scenes = [case.scene for case in kept.given]
-    stations = choose_stations(kept)
-    ramps = {ramp_of(scene): scene for scene in scenes}.values()
-    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in loads)
-    if stations.steps == "course" and not before:
-        steps = max(steps, _ROOM * kept.scene.fidelity.increments + 1)
-    return {
-        "step": [*range(1 - max(steps, len(before.get("step", ()))), 1)],
-        "cooler_share": [*QUANTILES],
-        "bulk_ratio": [*BULK_RATIOS],
-        "x": scenes[0].grid.coordinates(0).tolist(),
-        "y": scenes[0].grid.coordinates(1).tolist(),
     }
 
 

@@ -63,11 +63,7 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
 
 
 def _flock(folder: Folder, descriptor: int) -> bool:
-    """Lock the open lock file of a store; return False if the file system has no locks, else True.
-
-    `descriptor` is the file descriptor of the lock file, and `folder` is the store. Raises a
-    `StoreError` if another run has the lock.
-    """
+    """Lock an open lock file; False if the disk has no locks, `StoreError` if others hold it."""
     for _ in range(_TRIES):
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

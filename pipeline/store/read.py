@@ -68,12 +68,17 @@ class _Backend(BackendEntrypoint):
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
-        _require_chunks(store)
+        done = store.flags == DONE
+        with io_errors(store.place):
+            keys = store.place.keys()
+        for name in itertools.filterfalse(is_coordinate, store.arrays):
+            chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
+            if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
+                raise StoreError(damaged(store.place, name))
         root = store.root
         present = root.coordinates()
         coords = {*present, "own_grid"} - {INPUTS}
-        marks = {"status": store.flags, "asked": store.asked}
-        present |= marks
+        present |= {"status": store.flags, "asked": store.asked}
         variables = {}
         for name, variable in root.variables.items():
             values = present.get(name)
@@ -90,25 +95,13 @@ class _Backend(BackendEntrypoint):
         return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
 
 
-def _require_chunks(store: Store) -> None:
-    """Raise a `StoreError` if a chunk of a done point is missing."""
-    done = store.flags == DONE
-    with io_errors(store.place):
-        keys = store.place.keys()
-    for name in itertools.filterfalse(is_coordinate, store.arrays):
-        chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
-        if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
-            raise StoreError(damaged(store.place, name))
-
-
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data."""
 
     def __init__(self, store: Store, name: str) -> None:
         self._place, self._name = store.place, name
         self._array = array = store.arrays[name]
-        mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
-        self._mask = mask
+        self._mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
         self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
@@ -121,13 +114,9 @@ class _Masked(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part of the variable; `key` has an index for each dimension (outer indexing)."""
         count = self._mask.ndim
-        mask = _select(self._mask, key[:count])
+        dims = [str(number) for number in range(count)]
+        mask = xr.Variable(dims, self._mask)[key[:count]].values  # outer indexing, as the array's
         with read_errors(self._place, self._name):
             values = np.array(self._array.oindex[key], self.dtype)
         values[~mask] = self._array.fill_value
         return values
-
-
-def _select(values: Any, key: tuple[Any, ...]) -> Any:
-    """Select values; `key` has an index for each dimension (outer indexing)."""
-    return xr.Variable([str(number) for number in range(values.ndim)], values)[key].values

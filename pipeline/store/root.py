@@ -152,10 +152,7 @@ def with_others(found: Any, new: Document) -> Document:
 
 
 def _digest(facts: Document, arrays: Document) -> str:
-    """SHA-256 of a root document, without texts for people and without additions by users.
-
-    `facts` is the part of the document on the sweep, and `arrays` the metadata of the arrays.
-    """
+    """SHA-256 of the facts and the arrays' metadata, without texts and users' additions."""
     names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
     numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
     said = [facts[name] for name in _FACTS], numbers
@@ -192,11 +189,7 @@ def _is_left_over(key: str) -> bool:
 
 
 def _parse(place: StorePlace, content: bytes) -> Root:
-    """Convert the JSON text of a root document to a `Root`.
-
-    Raises a `StoreError` if the document is damaged, comes from another version of this program,
-    does not describe a sweep, or was written by xarray when it copied the store.
-    """
+    """Read the JSON text of a root document; `StoreError` if it is not one of this version."""
     version: Any = FORMAT
     fault, facts = "damaged, or not that of a sweep", None
     try:
@@ -247,10 +240,7 @@ def read_metadata(place: StorePlace) -> dict[str, Document]:
 
 
 def _read_inputs(place: StorePlace, sizes: dict[str, int]) -> dict[str, Array]:
-    """Read the contents of the scene's files from a store, as arrays by SHA-256.
-
-    `sizes` has the number of values in each array.
-    """
+    """Contents of the scene's files by SHA-256; `sizes` has the number of values of each."""
     if not sizes:
         return {}
     wanted, shape = inputs_variable(sizes), {DIM: sum(sizes.values())}

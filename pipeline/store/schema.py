@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import ramp_of
-from pipeline.sweep.variants import ROWS, Column, Label
+from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 
 FORMAT = 15
@@ -39,12 +39,7 @@ _RISE = "per unit friction coefficient"
 
 
 def _field(units: str, long_name: str) -> Variable:
-    """Variable with a field over x and y for each point, as it is when the simulation ends.
-
-    `units` is the unit of the field, and `long_name` its meaning. The variable has single
-    precision, to save space.
-    """
-    return Variable(_FIELD, units, long_name, "float32")
+    return Variable(_FIELD, units, long_name, "float32")  # half the space of a field
 
 
 COORDINATES = {
@@ -150,13 +145,6 @@ def is_of_points(dim: str) -> bool:
     return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
-def _variable_of(column: Column, label: Label) -> Variable:
-    """Variable for a column of the table of variants; `label`, a value of it, gives the type."""
-    kinds = {str: "str", int: "int64", float: "float64"}
-    dims = (column.along or column.name,)
-    return Variable(dims, column.unit, column.meaning, kinds[type(label)])
-
-
 def require_free_names(sweep: Sweep) -> None:
     """Raise an `InputError` if a column of the table of variants has the name of a variable.
 
@@ -177,7 +165,13 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """All variables that the store of a sweep has, by name."""
     require_free_names(sweep)
     first = sweep.variants.rows[0].labels
-    table = {one.name: _variable_of(one, first[one.name]) for one in sweep.variants.columns}
+    kinds = {str: "str", int: "int64", float: "float64"}
+    table = {
+        one.name: Variable(
+            (one.along or one.name,), one.unit, one.meaning, kinds[type(first[one.name])]
+        )
+        for one in sweep.variants.columns
+    }
     front = tuple(sweep.variants.axes)
     absent = {*ROWS}  # the table of variants adds its own
     placed = frozenset(table)
@@ -199,10 +193,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
 
 
 def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
-    """Dimensions of variants on which the values of the coordinate `name` depend.
-
-    The coordinate is the time, load or sliding distance at each step.
-    """
+    """Dimensions of variants on which time, load or sliding distance (`name`) depend."""
     table = sweep.variants
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):

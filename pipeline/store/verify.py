@@ -106,21 +106,14 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
 
 
 class _Damage(NamedTuple):
-    """Damaged points by index, and damaged files that several points share.
-
-    For each such file, by key, it has the correct content to write.
-    """
+    """Damaged points by index, and damaged files that several points share."""
 
     points: dict[Index, FailedPoint]
     files: dict[str, tuple[str, Any, Any]]  # by key: variable, slices of the chunk, right values
 
 
 def _find_damage(store: Store, progress: Report) -> _Damage:
-    """Read all data of a store to find damage; no file is written.
-
-    What can be read of ``status`` and ``asked`` is put into the arrays `store.flags` and
-    `store.asked`.
-    """
+    """Read all data of a store to find damage, and its flags into `store`; nothing is written."""
     damage = _Damage({}, {})
     with io_errors(store.place):
         keys = store.place.keys()
@@ -143,16 +136,18 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
                     words = store.in_words(point)
                     damage.points[index] = FailedPoint(*point[:2], fault, point.variant, words)
             progress(Progress(done=count, total=len(begun)))
-    damage.files.update(_differing_coordinates(store))
+    # Other programs read coordinates that this one computes from the root. A kill while the store
+    # grew leaves wrong ones.
+    for name, values in sorted(store.root.coordinates().items()):
+        found = _read(store, name, ...)
+        right = np.asarray(values, store.arrays[name].dtype)
+        if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
+            damage.files[name] = name, ..., values
     return damage
 
 
 def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
-    """Read a chunk of ``status`` and ``asked`` from their files into `store.flags`, `store.asked`.
-
-    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points. Damaged
-    chunks are recorded in `damage`.
-    """
+    """Read a chunk of ``status`` and ``asked`` into `store`, or note it as damaged."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
         is_there = store.place.read(store.key(name, chunk)) is not None
         if is_there and (values := _read(store, name, block)) is not None:
@@ -162,18 +157,12 @@ def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> N
 
 
 def _note_chunk(store: Store, damage: _Damage, name: str, chunk: Index, block: Slices) -> None:
-    """Add a damaged chunk of the variable `name` to `damage`, so that fill values replace it.
-
-    `chunk` has the chunk's indices, and `block` its slices, along the dimensions of points.
-    """
+    """Add a damaged chunk of the variable `name` to `damage`: fill values will replace it."""
     damage.files[store.key(name, chunk)] = name, block, store.arrays[name].fill_value
 
 
 def _read(store: Store, name: str, block: Any) -> Any:
-    """Return the values in a chunk of the variable `name`; None if the chunk is damaged.
-
-    The values of a missing chunk are fill values. `block` has the slices of the chunk in the array.
-    """
+    """Values of a variable at the slices `block`; fill values if missing, None if damaged."""
     with suppress(DamagedError):
         return store.read(name, block)
     return None
@@ -223,17 +212,3 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
     is_right = entries["checksum"] == checksum(store.sweep.scene_hash(point), point, entries)
     is_whole = is_right and np.isfinite(entries["wall_time"])  # which no checksum covers
     return "" if is_whole else "the data are not those that were computed"
-
-
-def _differing_coordinates(store: Store) -> Iterator[tuple[str, tuple[str, Any, Any]]]:
-    """Yield each coordinate with wrong values in the store: its name, and what to write instead.
-
-    What to write is a tuple: name, index of the whole array, and correct values, which follow from
-    the root document. Values are wrong if a run was killed while the store grew. A program that
-    reads the store without this package would get the wrong values.
-    """
-    for name, values in sorted(store.root.coordinates().items()):
-        found = _read(store, name, ...)
-        right = np.asarray(values, store.arrays[name].dtype)
-        if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
-            yield name, (name, ..., values)

@@ -197,11 +197,7 @@ class Store:
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
-        """Replace values of a variable at some points of a chunk, without writing the chunk.
-
-        `values` has the new values by the index of the point. Returns the variable's name, the
-        slices of the chunk and all its values, ready for `Encoder`.
-        """
+        """Part for the `Encoder`: a chunk with new `values`, by the index of the point."""
         block = slices_of(chunk, self.block)
         part = self.read(name, block)
         for index, value in values.items():
@@ -221,10 +217,7 @@ class Store:
 
     @contextmanager
     def _writes(self) -> Iterator[None]:
-        """Context manager: check that the lock is held before and after writing.
-
-        Errors of disk or network become a `StoreError`.
-        """
+        """Context manager: check the lock before and after; errors of the disk as `StoreError`."""
         self._require_lock()
         with io_errors(self.place, "written"):
             yield
