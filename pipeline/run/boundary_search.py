@@ -88,10 +88,7 @@ def _beside_tests(
     reader: RiseReader,
     tolerance: float,
 ) -> Iterator[Point]:
-    """Points that show at the loads about each test where wear turns severe in the test.
-
-    A test has its own friction and bulk temperature, so that it may turn severe elsewhere.
-    """
+    """Points at the loads about each test that show where wear turns severe in the test."""
     loads = [row[0].load for row in rows]
     for test in tests:
         conditions = _conditions_of(test, scene)

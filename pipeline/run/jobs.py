@@ -130,14 +130,19 @@ class Jobs:
             else:
                 lost.append((job, self._loss(job)))
         if has_looked:
-            lost += self._abandoned()
+            # Dask may never end a task whose worker is gone.
+            present = {ANYWHERE, *self._link.workers}
+            for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
+                for key, job in [*jobs.items()]:
+                    if job.worker not in present and not job.future.done():
+                        del jobs[key]
+                        with self._link.reached():
+                            self._client.cancel([job.future])
+                        lost.append((job, loss))
         return lost
 
     def _loss(self, job: Job) -> Loss:
-        """Find the reason why a task was lost; `ExecutionError` if the run cannot go on.
-
-        If a worker died, `job.worker` becomes the address of this worker.
-        """
+        """Find the reason why a task was lost; `ExecutionError` if the run cannot go on."""
         error = job.future.exception() if job.future.status == "error" else None
         if isinstance(error, KilledWorker):
             job.worker = error.last_worker.address  # it may have taken the task from another worker
@@ -150,17 +155,6 @@ class Jobs:
         if isinstance(error, ExecutionError):
             raise error
         raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
-
-    def _abandoned(self) -> Iterator[tuple[Job, Loss]]:
-        """Give up tasks whose worker is gone, which Dask may never end; yield (job, reason)."""
-        present = {ANYWHERE, *self._link.workers}
-        for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
-            for key, job in [*jobs.items()]:
-                if job.worker not in present and not job.future.done():
-                    del jobs[key]
-                    with self._link.reached():
-                        self._client.cancel([job.future])
-                    yield job, loss
 
     def results(self) -> Iterator[bytes]:
         """Yield pickled results that have arrived, and request further results.

@@ -55,9 +55,12 @@ class Line:
     @functools.cached_property
     def _curve(self) -> tuple[Array, Array, Array]:
         """Lower bound, estimate and upper bound of y at all places."""
-        at, x, heat = self._places, self.x[self.known], self._heat
+        at, x = self._places, self.x[self.known]
+        heat = (self.y - self.friction[::_PARTS])[self.known]  # y − ln(µ)
         slopes = np.diff(heat) / np.diff(x)
-        gentle, steep = self._slopes(slopes)
+        # Wider than usual if computed points have shown other slopes.
+        shown, (gentle, steep) = slopes[np.abs(slopes) < _STEEPEST], _SLOPES
+        gentle, steep = min(gentle, shown.min(initial=gentle)), max(steep, shown.max(initial=steep))
         away = at - x[:, None]
         ends = [
             np.where(away > 0, one, other) * away + heat[:, None]
@@ -66,22 +69,15 @@ class Line:
         low, high = np.sort([ends[0].max(axis=0), ends[1].min(axis=0)], axis=0)
         middle = (low + high) / 2
         if len(x) > 1:
-            middle = np.clip(_interpolated(x, heat, at), low, high)
+            from scipy.interpolate import PchipInterpolator  # 0.2 s, which whole planes save
+
+            # A monotone cubic, with the mean slope beyond the computed points.
+            inner, mean = np.clip(at, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
+            cubic = PchipInterpolator(x, heat)(inner) + mean * (at - inner)
+            middle = np.clip(cubic, low, high)
             off = _ROUGH + _CURVATURE * _bow(x, at)
             low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
         return low + self.friction, middle + self.friction, high + self.friction
-
-    @functools.cached_property
-    def _heat(self) -> Array:
-        """Values y − ln(µ) of the computed points."""
-        return np.asarray((self.y - self.friction[::_PARTS])[self.known])
-
-    @staticmethod
-    def _slopes(found: Array) -> tuple[float, float]:
-        """Least and largest slope, wider than `_SLOPES` if computed points have shown others."""
-        gentle, steep = _SLOPES
-        found = found[np.abs(found) < _STEEPEST]
-        return min(gentle, found.min(initial=gentle)), max(steep, found.max(initial=steep))
 
     def crossings(self) -> Array:
         """ln(velocity) at which wear changes, ascending."""
@@ -145,10 +141,7 @@ class Line:
         return None
 
     def _touching(self, is_open: Mask) -> int | None:
-        """A velocity beside two of one sign, between which y comes so near to 0 that it may turn.
-
-        Only friction that varies turns y. Points beside the two show the curve in between.
-        """
+        """A velocity beside two of one sign, between which varying friction may turn y."""
         low, _, high = self._curve
         for first in np.flatnonzero(~is_open[:-1] & ~is_open[1:]).tolist():
             inside = slice(_PARTS * first + 1, _PARTS * (first + 1))
@@ -174,15 +167,6 @@ class Line:
 def places_along(x: Array) -> Array:
     """ln(velocity) at which the sign is looked at: each of `x`, and 63 places in each interval."""
     return np.interp(np.arange(_PARTS * (len(x) - 1) + 1) / _PARTS, np.arange(len(x)), x)
-
-
-def _interpolated(x: Array, heat: Array, at: Array) -> Array:
-    """Monotone cubic through points, with the mean slope beyond them."""
-    from scipy.interpolate import PchipInterpolator  # 0.2 s, which runs of whole planes save
-
-    inner = np.clip(at, x[0], x[-1])
-    mean = (heat[-1] - heat[0]) / (x[-1] - x[0])
-    return np.asarray(PchipInterpolator(x, heat)(inner) + mean * (at - inner))
 
 
 def _bow(x: Array, at: Array) -> Array:

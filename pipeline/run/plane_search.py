@@ -39,10 +39,7 @@ def next_points(loads: Array, lines: Sequence[Line], tolerance: float) -> list[t
 def _levels(
     loads: Array, lines: Sequence[Line], found: Mapping[int, Array], tolerance: float
 ) -> Iterator[list[int]]:
-    """Yield numbers of loads that are searched together: the ends, then middles of spans.
-
-    `found` has the crossings of all loads that were yielded before.
-    """
+    """Yield loads to search together: the ends, then middles of spans whose crossings are known."""
     last = len(loads) - 1
     yield [0]
     if not last:
@@ -51,32 +48,20 @@ def _levels(
     spans = [(0, last)]
     while spans := [span for span in spans if span[1] - span[0] > 1]:
         before = dict(found)
-        middles = [_middle(loads, *span) for span in spans]
+        middles = []
+        for first, end in spans:
+            off_centre = np.abs(loads[first + 1 : end] - (loads[first] + loads[end]) / 2)
+            middles.append(first + 1 + int(np.argmin(off_centre)))
         yield middles
         halves = []
         for (first, end), middle in zip(spans, middles, strict=True):
-            is_alike = len({_pattern(lines[one]) for one in (first, middle, end)}) == 1
+            spanned = [lines[one] for one in (first, middle, end)]
+            patterns = {(line.is_severe, len(line.crossings())) for line in spanned}
             told = _predicted(loads, before, middle, len(found[middle]))
-            if (
-                told is None
-                or not is_alike
-                or _off(told, found[middle]) > _OF_PREDICTION * tolerance
-            ):
+            off = 0.0 if told is None else np.max(np.abs(told - found[middle]), initial=0.0)
+            if told is None or len(patterns) > 1 or off > _OF_PREDICTION * tolerance:
                 halves += [(first, middle), (middle, end)]
         spans = halves
-
-
-def _middle(loads: Array, first: int, end: int) -> int:
-    inner = loads[first + 1 : end]
-    return first + 1 + int(np.argmin(np.abs(inner - (loads[first] + loads[end]) / 2)))
-
-
-def _pattern(line: Line) -> tuple[bool, int]:
-    return line.is_severe, len(line.crossings())
-
-
-def _off(told: Array, found: Array) -> float:
-    return float(np.max(np.abs(told - found), initial=0.0))
 
 
 def _predicted(loads: Array, found: Mapping[int, Array], number: int, count: int) -> Array | None:

@@ -38,7 +38,12 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
     with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
         while queue or losses or jobs:
             has_looked = link.update()
-            for worker in _free_places(jobs.running.values(), link):
+            busy = Counter(job.worker for job in jobs.running.values())
+            free = [one for ahead in range(_AHEAD) for one in link.workers if busy[one] <= ahead]
+            # A cluster that adapts starts as many workers as its tasks need.
+            if getattr(link.client.cluster, "_adaptive", None) or not link.workers:
+                free += [ANYWHERE] * (_TO_COME - busy[ANYWHERE])
+            for worker in free:
                 if queue:
                     jobs.submit(Job(queue.take(worker or object()), worker))
             on_workers = [*jobs.running.values(), *jobs.computed.values()]  # results die with them
@@ -60,21 +65,6 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
             if written := writer.written():
                 tally.count(written, len(link.workers))
     tally.count(writer.flush(), len(link.workers))
-
-
-def _free_places(running: Iterable[Job], link: Connection) -> list[str]:
-    """Addresses of workers with room for another task, idle workers first.
-
-    `link` knows the workers. There is an address for each possible task, so that a worker may occur
-    twice. Room depends on the number of `running` tasks. `ANYWHERE` stands for a worker that is
-    still to start.
-    """
-    busy = Counter(job.worker for job in running)
-    free = [worker for ahead in range(_AHEAD) for worker in link.workers if busy[worker] <= ahead]
-    # A cluster that adapts starts as many workers as its tasks need.
-    if getattr(link.client.cluster, "_adaptive", None) or not link.workers:
-        free += [ANYWHERE] * (_TO_COME - busy[ANYWHERE])
-    return free
 
 
 class Losses:

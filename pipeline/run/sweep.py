@@ -166,11 +166,8 @@ def run_sweep(
 
 
 def _require_cluster(client: Client | None) -> None:
-    """Raise an `InputError` unless the client is None, or connected and not asynchronous.
-
-    A worker that imports, and so runs, the driver's script exits here.
-    """
-    end_if_imported()
+    """Raise an `InputError` unless the client is None, or connected and not asynchronous."""
+    end_if_imported()  # a worker, which imports and so runs the driver's script, exits here
     is_usable = isinstance(client, Client) and client.scheduler and not client.asynchronous
     if client is not None and not is_usable:
         raise InputError(
@@ -180,10 +177,7 @@ def _require_cluster(client: Client | None) -> None:
 
 
 def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:
-    """Notes for the user if a store is resumed under other conditions or program versions.
-
-    `before` is the sweep as it was in the store.
-    """
+    """Notes for the user if conditions or program versions are not those of the sweep `before`."""
     if changed := [*effective_changes(before, store.sweep, lambda one: one.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "

@@ -95,15 +95,6 @@ def _unpickled(work: bytes) -> Work:
     return unpickled
 
 
-def _require_same_code(code: str, folder: str) -> None:
-    """Raise an `ExecutionError` if the driver's source files, of hash `code`, differ from ours."""
-    if code != CODE:
-        raise ExecutionError(
-            f"the Dask worker {get_worker().address} runs tribo and pipeline from {FOLDER} (hash "
-            f"{CODE}), but this program runs them from {folder} ({code}); {INSTALL}"
-        )
-
-
 # Several threads of one process gained 6 % at most.
 _one_at_a_time = threading.Lock()
 _trunks = Trunks()
@@ -126,7 +117,11 @@ def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -
 
     `code` and `folder` are those of the driver's program. An error is the message of the record.
     """
-    _require_same_code(code, folder)
+    if code != CODE:
+        raise ExecutionError(
+            f"the Dask worker {get_worker().address} runs tribo and pipeline from {FOLDER} (hash "
+            f"{CODE}), but this program runs them from {folder} ({code}); {INSTALL}"
+        )
     point = Point(*place)
     with _one_at_a_time:
         scene_hash = ""

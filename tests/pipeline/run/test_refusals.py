@@ -59,7 +59,7 @@ ELSEWHERE = {
     "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
     "cluster.update ExecutionError": "test_cluster.py, without a worker",
     "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
-    "work._require_same_code ExecutionError": "test_cluster.py, by a worker with other code",
+    "work.compute_point ExecutionError": "test_cluster.py, by a worker with other code",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 
