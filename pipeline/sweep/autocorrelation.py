@@ -75,15 +75,11 @@ def autocorrelation_lengths(
 
 
 def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
-    """Autocorrelation of heights at lags up to half a side, divided by its value at lag 0.
-
-    Returns the autocorrelation, a 2-D array over positive and negative lags, and the index of lag 0
-    in this array. Heights must be 0 where `measured` is False. They are left out of the means.
-    """
+    """Autocorrelation, 1 at lag 0, over lags up to half a side; and the index of lag 0."""
     reach = [n // 2 + 1 for n in heights.shape]
     kept = [np.arange(-far, far + 1) for far in reach]
     pairs = np.outer(*(n - np.abs(lag) for n, lag in zip(heights.shape, kept, strict=True)))
-    if not measured.all():
+    if not measured.all():  # heights that are missing are 0 here, and left out of the means
         pairs = _lag_sums(measured.astype(float))[np.ix_(*kept)]
     correlation: Array = _lag_sums(heights)[np.ix_(*kept)] / np.maximum(pairs, 1.0)
     origin = np.array(reach)
@@ -91,11 +87,7 @@ def _autocorrelation(heights: Array, measured: Array) -> tuple[Array, Array]:
 
 
 def _lag_sums(values: Array) -> Array:
-    """Sum over all (i, j) of values[i, j] · values[i + k, j + l], for each lag (k, l).
-
-    Values are not periodic: they count as 0 outside the array (nx, ny). The result is an array
-    (2 nx, 2 ny) with indices k, l; negative lags have negative indices.
-    """
-    shape, axes = [2 * n for n in values.shape], (0, 1)
+    """Sum over all (i, j) of values[i, j] · values[i + k, j + l] at index [k, l] of the result."""
+    shape, axes = [2 * n for n in values.shape], (0, 1)  # with zeros around, as not periodic
     result: Array = np.fft.irfft2(np.abs(np.fft.rfft2(values, shape, axes)) ** 2, shape, axes)
     return result

@@ -130,10 +130,7 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
 
 
 def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
-    """Loads or velocities at which to simulate a variant: its own single value, else `usual`.
-
-    `axis` is "load" or "velocity".
-    """
+    """Loads or velocities (`axis`) of a variant: its own single value, else `usual`."""
     return (row.labels[axis],) if axis in row.labels else usual
 
 
@@ -209,10 +206,7 @@ def run_point(
 
 
 def _heated(scene: Scene, velocity: float, contact: State) -> State:
-    """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s].
-
-    A temperature that the contact already has is kept. A contact without pressure gets none.
-    """
+    """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s]."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
         warm = heat(scene, contact, velocity)
@@ -220,11 +214,7 @@ def _heated(scene: Scene, velocity: float, contact: State) -> State:
 
 
 def _increment_values(scene: Scene, velocity: float, contact: State) -> Moment:
-    """Values to record after a load increment, by name of the variable in the dataset.
-
-    `contact` is the contact on the ramp's coarse grid, and `velocity` the sliding velocity [m/s].
-    Temperatures are NaN if they cannot be computed.
-    """
+    """Values to record of a contact after an increment, on the ramp's coarse grid, by variable."""
     try:
         return record_at(scene, _heated(scene, velocity, contact))
     except TriboError:  # no temperature here: the end of a point does not need it
