@@ -148,11 +148,7 @@ def lines_of(columns: Mapping[str, Sequence[Any]]) -> Lines:
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Yield a message for each repeated heading, and each column that would change the simulation.
-
-    Operating points are judged without a new simulation, so that a column such as ``pin.radius`` is
-    a fault.
-    """
+    """Yield a message for each repeated heading, and each column that would need a simulation."""
     heads = [heading.text for heading in sheet.headings if heading.text]
     for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
         yield f'column "{head}" appears twice; give each heading once'
@@ -172,7 +168,14 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     the document, and the function that adds a variant for each row to a sweep. The function is None
     if there are no rows, or a row is faulty.
     """
-    rows, before = _rows(document, faults), len(faults)
+    written = entry_at(document.entries(), "sweep.along")
+    rows = list[dict[str, Any]]()
+    if isinstance(written, str) and written:
+        rows = _file_rows(document.file_of("sweep.along").parent / user_path(written), faults)
+    elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
+        rows = [dict(flat(row)) for row in written]
+    rows = [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
+    before = len(faults)
     loads, velocities = set[float](), set[float]()
     for number, row in enumerate(rows):
         if other := row.keys() ^ rows[0].keys():
@@ -192,28 +195,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     return document.defaulted(places | first), partial(_extend, rows)
 
 
-def _rows(document: Document, faults: Faults) -> list[dict[str, Any]]:
-    """Read the rows of the table ``sweep.along``, each as values by the path of the entry.
-
-    A path is an entry's dotted name; a row's load, velocity and hold have their names alone. Values
-    are as written. The list is empty if the table is absent or its file faulty; faults of the file
-    are added to `faults`.
-    """
-    written = entry_at(document.entries(), "sweep.along")
-    rows = list[dict[str, Any]]()
-    if isinstance(written, str) and written:
-        rows = _file_rows(document.file_of("sweep.along").parent / user_path(written), faults)
-    elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
-        rows = [dict(flat(row)) for row in written]
-    return [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
-
-
 def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
-    """Add a variant to a sweep for each of `rows`, and return the new sweep.
-
-    `rows` are the rows of the scene's table ``sweep.along``, each as entries by path. Raises an
-    `InputError` if a row is faulty, or there are too many rows.
-    """
+    """The sweep with a variant for each of `rows` (entries by path); `InputError` for a fault."""
     if len(rows) > MOST_SCENES:
         raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
@@ -235,10 +218,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
 
 
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
-    """Read rows of a file as entries by heading; empty if a row is faulty.
-
-    All faults are added to `faults`.
-    """
+    """Read rows of a file as entries by heading; empty if a row is faulty."""
     try:
         sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
     except InputError as error:

@@ -145,10 +145,7 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
 
 
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
-    """The document without the entries listed in `value`, the list ``without`` of `file`.
-
-    Paths of missing entries are added to `faults`.
-    """
+    """The document without the entries listed in `value`, the list ``without`` of `file`."""
     wrong, entries = Faults(), document.entries()
     keys = [] if value is None else _KEYS["without"].kind.read(value, "without", wrong) or []
     for index, key in enumerate(keys):
@@ -162,10 +159,7 @@ def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Do
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
-    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`.
-
-    The keys ``step`` and ``count`` of a range replace each other.
-    """
+    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
     replaced = {_REPLACED.get(key) for key in upper}
     merged = {key: value for key, value in lower.items() if key not in replaced}
     for key, value in upper.items():

@@ -49,7 +49,13 @@ def expect_contacts(
             whole = wear_over(wear, 0.0, end, pressure, velocities[place])
             rates[load, place] = whole.specific_wear_rate
     worn = rates * np.outer(impulses, velocities)
-    widths, depths = _worn_contact(scene, max(velocities), half_widths[:, None], worn)
+    if scene.velocities_at(max(velocities)).pin:  # it rolls: it wears all around, and stays round
+        unworn = 2 * half_widths[:, None]
+        along_y = unworn / 1.5 if scene.pin.length is None else scene.pin.length
+        widths, depths = unworn + 0 * worn, worn / (scene.track_length * along_y)
+    else:
+        widen = np.vectorize(scene.pin.worn, otypes=[float, float])
+        widths, depths = widen(half_widths[:, None], worn)
     if rms_height:
         widths = np.sqrt(widths**2 + 8 * scene.pin.radius * _ROUGH_RISE * rms_height)
     made = {
@@ -68,20 +74,3 @@ def _course(scene: Scene, load: float) -> tuple[float, float]:
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
     return float(times[-1]), float(np.trapezoid(loads, times))
-
-
-def _worn_contact(
-    scene: Scene, fastest: float, half_widths: Array, worn_volumes: Array
-) -> tuple[Array, Array]:
-    """Width of the contact of a smooth, worn pin [m], and its greatest wear depth [m].
-
-    `half_widths` (n_load, 1) are half the widths of the unworn contact [m]. `worn_volumes` [m³] and
-    both results have the shape (n_load, n_velocity). `fastest` is the highest sliding velocity
-    [m/s].
-    """
-    pin, hertz = scene.pin, 2 * half_widths
-    if scene.velocities_at(fastest).pin:  # the pin rolls: it wears all around, and stays round
-        along_y = hertz / 1.5 if pin.length is None else pin.length
-        return hertz + 0 * worn_volumes, worn_volumes / (scene.track_length * along_y)
-    width, depth = np.vectorize(pin.worn, otypes=[float, float])(half_widths, worn_volumes)
-    return width, depth

@@ -43,10 +43,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend]:
 
 
 def _extend(sweep: Sweep) -> Sweep:
-    """The sweep with a variant for each combination of the values under ``[sweep] over``.
-
-    Raises an `InputError` for the first fault.
-    """
+    """The sweep with a variant for each combination of values; `InputError` for a fault."""
     source: Source = sweep.source
     over = source.parts.declared.sweep.over
     if not over:
@@ -55,34 +52,21 @@ def _extend(sweep: Sweep) -> Sweep:
         raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
     table = Variants()
     for path, values in over.items():
-        table *= _axis(path, values)
+        labels, unit = labels_of(values)
+        pairs = [*zip(labels, values, strict=True)]
+        if unit is not None:  # quantities ascend, texts keep their order
+            pairs.sort(key=lambda pair: pair[0])
+        key, others = path, dict[str, None]()
+        if path in _LIKE:  # a name of the library, which replaces the whole table
+            key, others = _LIKE[path], {f"{path}.{one}": None for one in table_of(OilTable).keys}
+        column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
+        rows = [Row({path: label}, {**others, key: value}) for label, value in pairs]
+        table *= Variants((column,), tuple(rows))
     made = with_rows(sweep, table, "sweep.over")
     bases = [digest(made.take(name).base) for name in made.variants.given]
     if len({*bases}) == 1 < len(bases):
         raise InputError(f"sweep.over: {' and '.join(over)} changes nothing here; leave it out")
     return made
-
-
-def _axis(path: str, values: Sequence[Any]) -> Variants:
-    """Variants for the values of the entry at `path`: quantities ascend, texts keep their order."""
-    labels, unit = labels_of(values)
-    pairs = [*zip(labels, values, strict=True)]
-    if unit is not None:
-        pairs.sort(key=lambda pair: pair[0])
-    column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
-    rows = (Row({path: label}, dict(_entries(path, text))) for label, text in pairs)
-    return Variants((column,), tuple(rows))
-
-
-def _entries(path: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield paths of entries and their new values, which set the entry at `path` to `value`.
-
-    If `path` is "oil", `value` is the name of an oil of the library. It is set as "oil.like", and
-    all other entries of the table ``[oil]`` get the value None, which removes them.
-    """
-    if path in _LIKE:
-        yield from ((f"{path}.{key}", None) for key in table_of(OilTable).keys)
-    yield _LIKE.get(path, path), value
 
 
 def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:

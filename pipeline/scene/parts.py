@@ -37,7 +37,6 @@ from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
-"""Entries of a body that is a disc."""
 _RECORD = "time", "load"
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
@@ -118,7 +117,17 @@ def loading_of(
     if isinstance(table, RampTable):
         return tribo.Ramp(**vars(table)), None
     path = contents.find(table, "loading", faults)
-    content = contents.keep(_read_record(path, faults)) if path else str(table.content)
+    content = str(table.content)
+    if path:
+        sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
+        times, loads = (
+            sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
+        )
+        if not sheet.faults and (reason := record_fault(times, loads)):
+            sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
+        sheet.refuse_faults("time [s],load [N]")
+        faults.note("loading.file", sheet.counted)
+        content = contents.keep(np.array([times, loads]))
     times, loads = contents.take(content, (2, -1))
     record = tribo.MeasuredLoad(times, loads, table.reference_load)
     if not table.fit:
@@ -127,19 +136,6 @@ def loading_of(
     line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
     faults.note("loading.file", f"fitted by {line}")
     return record.ramp(), content
-
-
-def _read_record(path: Path, faults: Faults) -> Array:
-    """Times [s] and loads [N], shape (2, n), from a file with columns of time and load."""
-    sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
-    times, loads = (
-        sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
-    )
-    if not sheet.faults and (reason := record_fault(times, loads)):
-        sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
-    sheet.refuse_faults("time [s],load [N]")
-    faults.note("loading.file", sheet.counted)
-    return np.array([times, loads])
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:
@@ -204,10 +200,7 @@ def track_length(body: Body) -> float | None:
 
 
 def _track_of(body: Body, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
-    """Make the `tribo.Track` of a body, the ring that passes under the pin again and again.
-
-    The result is None if the table `body` gives neither a diameter nor the length of the track.
-    """
+    """Make the `tribo.Track` of a body, which passes under the pin again and again; else None."""
     track = disc_of(body) or track_length(body)
     return tribo.Track.under(pin, material, track) if track else None
 

@@ -133,11 +133,8 @@ class SceneReader:
         return add_laws(keep_written(tables, entries), parts, like)
 
     def _read_tables(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
-        """Read entries into a `SceneFile`; return it, and the names of the tables that were read.
-
-        If an earlier call read a scene without faults, tables that equal those of the earlier scene
-        are taken from it instead of being read again.
-        """
+        """Read entries into a `SceneFile`; return it, and the names of the tables read anew."""
+        # Tables that equal those of the scene that was read first are taken from it.
         kind = table_of(SceneFile)
         before, scene = self.first
         other = {key for key, value in entries.items() if value != before.get(key)}
@@ -150,11 +147,7 @@ class SceneReader:
         return scene, kind.keys
 
     def _part(self, scene: Any, faults: Faults, make: Callable[..., Any], *paths: str) -> Any:
-        """Make a part of a scene by calling `make`, and cache the part.
-
-        The arguments of `make` are the scene's tables at `paths`. Returns None if the first table
-        is missing, a table is faulty, or `make` raises an error, which is added to `faults`.
-        """
+        """Make a part of the tables at `paths`; None if one is faulty, or the first is missing."""
         tables = [entry_at(scene, path) for path in paths]
         if tables[0] is None or any(map(faults.touches, paths)):
             return None
@@ -181,10 +174,7 @@ class SceneReader:
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """Make a `tribo.Scene` from the `SceneFile` `scene`, and from finished `parts` by field name.
-
-    `own_pin` is a user's pin, which replaces the pin of the file.
-    """
+    """Make a `tribo.Scene` of a `SceneFile` and of finished `parts`; `own_pin` replaces its pin."""
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
@@ -198,10 +188,7 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """Make the `Conditions` of a scene, from its tables and `made`, the scene to simulate.
-
-    `rule` is a criterion by the user.
-    """
+    """Make the `Conditions` of a `SceneFile`; `rule` is the user's own criterion, if any."""
     temperature = scene.temperature
     return Conditions(
         friction=scene.friction.coefficient,

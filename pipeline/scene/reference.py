@@ -227,10 +227,7 @@ _MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
 
 
 def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Yield lines of a scene file with every entry of the format, as comments if not in the scene.
-
-    `entries` has the scene's entries, as nested tables.
-    """
+    """Yield lines of a scene file with every entry of the format, as comments if not in use."""
     listed: Listed = {}
     for section in sections():
         table, _, name = section.path.partition(".")

@@ -47,7 +47,12 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         by = "by sweep.over or realizations"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         return
-    yield from _different_scenes(stored, sweep)
+    for name in (name for name in new.names if name in old.by_name):
+        before, after = (one.take_case(name) for one in (stored, sweep))
+        if different := [*effective_changes(before, after, lambda one: one.scene)]:
+            row = f"scene with {', '.join(variant_words(name))}: " if name else ""
+            yield from (f"{row}{words}" for words in different)
+            break  # one variant that differs is enough
     labels = {column.name: values for column, values in old.coordinates.items()}
     for column, values in new.coordinates.items():
         present = labels.get(column.name, {})
@@ -66,20 +71,6 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
 
 def _differs(path: str, old: Any, new: Any) -> str:
     return f"{path}: {old} in the store, {new} in the scene"
-
-
-def _different_scenes(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Yield, in words, entries that affect simulations and differ between two sweeps.
-
-    Variants that both sweeps have are compared in turn. Only the first variant that differs is
-    reported.
-    """
-    for name in (name for name in sweep.variants.names if name in stored.variants.by_name):
-        old, new = (one.take_case(name) for one in (stored, sweep))
-        if different := [*effective_changes(old, new, lambda one: one.scene)]:
-            row = f"scene with {', '.join(variant_words(name))}: " if name else ""
-            yield from (f"{row}{words}" for words in different)
-            return
 
 
 def effective_changes(old: Sweep, new: Sweep, part: Callable[[Sweep], Any]) -> Iterator[str]:

@@ -41,10 +41,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
 
 
 def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
-    """Tests at the last mild and the first severe stage of a run.
-
-    `entry` states these stages, and `place` is its key path.
-    """
+    """Tests at the last mild and the first severe stage of a run, which `entry` states."""
     if faults.touches(place):
         return
     varied = [name for name in _KINDS if getattr(entry, name) is None]

@@ -106,10 +106,7 @@ def load_scene(
 
 
 def _with_path(words: str, entries: Entries) -> str:
-    """Put the full path of an entry before an error message that begins with the entry's name.
-
-    If several `entries` have this name, all their paths are put there.
-    """
+    """Put the full paths of entries before an error message that begins with their name."""
     name = words.partition(" ")[0]
     paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
     return f"{' and '.join(paths)}: {words}" if paths else words
@@ -139,11 +136,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def _path_overrides(
     overrides: Mapping[str, Any], preset: str | None, faults: Faults
 ) -> dict[str, Any]:
-    """`overrides` and `preset` as entries by full key path.
-
-    Keys of numerical choices may be given without ``fidelity.``. Unknown keys are added to
-    `faults`.
-    """
+    """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
     replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
     choices = table_of(FidelityTable).listed
     for key, value in overrides.items():

@@ -357,11 +357,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
 
 
 def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Rewrite the numbers in the cells of a sheet with a decimal point, without thousands marks.
-
-    `decimal` is the decimal mark in the cells, "," or "."; with None it is found from the cells. A
-    number that may be read in two ways becomes a text that says so.
-    """
+    """Rewrite numbers with a decimal point, without thousands marks; `decimal` may be unknown."""
     cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
     commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
     # Between commas such numbers are quoted; a comma before three digits may mark thousands.
@@ -375,6 +371,7 @@ def _make_plain(sheet: Sheet, decimal: str | None) -> None:
             if match := groups.match(cell):
                 plain, rest = re.sub(f"[{other}{_GROUP}]", "", match[0]), cell[match.end() :]
                 is_plain = decimal or other not in match[0] or rest[:1] == mark
+                # What may be read in two ways becomes a text that says so.
                 both = f"{plain} or {cell.replace(',', '.')}"
                 cell = plain + rest if is_plain else f"{cell}, {both} by the decimal mark"
             is_decimal = mark == "," and re.match(r"[+-]?\d*,\d*(?![\d,.])", cell)

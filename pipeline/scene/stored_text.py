@@ -36,10 +36,19 @@ def sweep_text(sweep: Sweep) -> str:
     """Write a sweep as JSON text, which `parse_sweep` reads."""
     table = sweep.variants
     values = [row.values for row in table.rows]
+    # Loads, velocities and steps may have been replaced since the sweep was read.
+    entries, read = {**sweep.entries}, sweep.source.parts.declared.sweep
+    for name, unit in (("loads", "N"), ("velocities", "m/s")):
+        if (present := getattr(sweep, name)) != getattr(read, name):
+            quantities = [f"{one!r} {unit}" for one in present]
+            entries = replace_value(entries, f"sweep.{name}", quantities)
+    for name in ("fields", "steps"):
+        if (present := getattr(sweep, name)) != getattr(read, name):
+            entries = replace_value(entries, f"sweep.{name}", present)
     text = {
         "form": FORM,
         "name": sweep.name,
-        "entries": _entries(sweep),
+        "entries": entries,
         "columns": [asdict(one) | {"values": table.labels(one.name)} for one in table.columns],
         "rows": values if any(values) else (),
         "notes": sweep.notes,
@@ -47,18 +56,6 @@ def sweep_text(sweep: Sweep) -> str:
         "stations": sweep.stations and asdict(sweep.stations),
     }
     return json.dumps({key: one for key, one in text.items() if one}, ensure_ascii=False)
-
-
-def _entries(sweep: Sweep) -> dict[str, Any]:
-    """Entries of a sweep, with loads, velocities and steps as they were replaced since reading."""
-    entries, read = {**sweep.entries}, sweep.source.parts.declared.sweep
-    for name, unit in (("loads", "N"), ("velocities", "m/s")):
-        if (values := getattr(sweep, name)) != getattr(read, name):
-            entries = replace_value(entries, f"sweep.{name}", [f"{one!r} {unit}" for one in values])
-    for name in ("fields", "steps"):
-        if (value := getattr(sweep, name)) != getattr(read, name):
-            entries = replace_value(entries, f"sweep.{name}", value)
-    return entries
 
 
 def file_contents(sweep: Sweep) -> dict[str, Array]:
@@ -92,7 +89,7 @@ def _read(stored: _Stored) -> Sweep:
         name, written, variants = str(read["name"]), dict(read["entries"]), _variants(read)
         notes = tuple(Remark(*one) for one in read.get("notes", ()))
         sources = tuple(FromLibrary(*one) for one in read.get("sources", ()))
-        stations = _stations(read.get("stations"))
+        stations = Stations(**read["stations"]) if read.get("stations") else None
     except Exception as error:  # a forged text may have any shape
         raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
     source = Source(written, SceneReader(Contents(dict(stored.arrays)), is_stored=True))
@@ -117,7 +114,3 @@ def _variants(text: Any) -> Variants:
     pairs = zip(several, values, strict=True)
     rows = (Row(dict(zip(labels, own, strict=True)), dict(one)) for own, one in pairs)
     return Variants(columns, tuple(rows))
-
-
-def _stations(text: Any) -> Stations | None:
-    return text and Stations(**text)

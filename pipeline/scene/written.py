@@ -83,7 +83,11 @@ def scene_entries(sweep: Sweep, entries: Entries | None = None) -> dict[str, str
     left_out = {"title", *(one.key for one in sweep.variants.columns if one.is_seed)}
     leaves = _leaves(entries or sweep.entries)
     texts = {path: in_words(value) for path, value in leaves if path not in left_out}
-    return texts | _judged(sweep)
+    named = {PATHS[name]: (name, one) for name, one in sweep.judged.items() if name in PATHS}
+    return texts | {
+        path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
+        for path, (name, one) in named.items()
+    }
 
 
 def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]]:
@@ -94,15 +98,6 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
     for path in {**words[0], **words[1]}:
         if plain[0].get(path) != plain[1].get(path):
             yield path, words[0].get(path, ""), words[1].get(path, "")
-
-
-def _judged(sweep: Sweep) -> dict[str, str]:
-    """Conditions under which a sweep is judged, in words, by the path of the entry they replace."""
-    named = {PATHS[name]: (name, one) for name, one in sweep.judged.items() if name in PATHS}
-    return {
-        path: display(one, VARIABLE_UNITS.get(name, "")) if isinstance(one, float) else str(one)
-        for path, (name, one) in named.items()
-    }
 
 
 def _leaves(tables: Any) -> Iterator[tuple[str, Any]]:
