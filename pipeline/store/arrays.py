@@ -38,16 +38,14 @@ _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and lab
 
 
 class _BoundedZstd(ZstdCodec):
-    """Zarr's Zstd codec, limited to unpack no more bytes than a chunk of the array can have.
-
-    Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
-    """
+    """Zarr's Zstd codec, which unpacks no more bytes than a chunk of the array can have."""
 
     async def _decode_single(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
         return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
 
     def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
         dtype = chunk_spec.dtype.to_native_dtype()
+        # Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
         size = _MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize
         content = np.zeros(size * math.prod(chunk_spec.shape), np.uint8)
         self._zstd_codec.decode(chunk_bytes.to_bytes(), content)
