@@ -108,10 +108,7 @@ def _unfit_track(scene: Any) -> Misfits:
 
 @_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _OF_BODY))
 def _unfit_bodies(scene: Any) -> Misfits:
-    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate.
-
-    `scene` has the tables of a scene file.
-    """
+    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
     for name in ("pin", "disk"):
         body, length = getattr(scene, name), scene.pin.length
         if body.diameter and body.track_length:

@@ -59,10 +59,7 @@ class Kind:
             return None
 
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        """Read a value as `read` does; raise an `UnfitError` if it is wrong.
-
-        Faults within a list are added to `faults` instead. Kinds with their own `read` have none.
-        """
+        """Read a value, or raise an `UnfitError`; faults within a list are added to `faults`."""
         raise NotImplementedError
 
 
@@ -132,10 +129,7 @@ class Number(Kind):
         return float(value)
 
     def _require_fit(self, value: float, smallest: float, largest: float) -> None:
-        """Raise `UnfitError` if a value is outside the kind's bounds, or too large or small.
-
-        The absolute value must be from `smallest` to `largest`, or 0.
-        """
+        """Raise `UnfitError` if a value is outside the kind's bounds, or its size is."""
         if not (self.above < value < self.below and self.at_least <= value <= self.at_most):
             raise UnfitError(f"{quoted(value)} is out of range")
         if value and not smallest <= abs(value) <= largest:

@@ -61,15 +61,11 @@ def resolve_library(entries: Entries, faults: Faults) -> tuple[Entries, tuple[Fr
 def _filled(
     table: Any, name: str | None, kind: str, place: str, taken: list[FromLibrary], faults: Faults
 ) -> Any:
-    """Add to a table the entries that it lacks, from a material or an oil of the library.
-
-    The table names the material or oil as ``like``. Without ``like``, an incomplete table takes the
-    material of its own `name`. Added entries are appended to `taken`. `kind` is "materials" or
-    "oils", and `place` the table's key path.
-    """
+    """Table with the entries that it lacks, from the library; they are added to `taken`, too."""
     known = library()[kind]
     if not isinstance(table, dict):
         return table
+    # Without `like`, an incomplete table takes the material of its own name.
     is_whole = table.keys() >= {*table_of(MaterialTable).needed}
     like = table.get("like", name if name in known and not is_whole else None)
     if not isinstance(like, str) or not like:

@@ -250,19 +250,15 @@ def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Write a line of a scene file, followed by a comment: `meaning`, then `form`.
-
-    `mark` stands before the line: "#" makes a comment of it, "" does not. Only the first sentence
-    of the meaning is written, or its first clause if the sentence is long. `form` is text such as
-    " (run by stages)" for a key that only one form of its table has.
-    """
+    """Line of a scene file after a `mark` ("#" or none), with its meaning and form as a comment."""
     plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
+    # The first sentence alone, or its first clause if the sentence is long.
     sentence = re.split(r"[;.](?: |$)", plain)[0]
     clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]
     return f"{mark + line:{_MEANT}} # {clause}{form}"
 
 
-def example(entry: Entry, default: Any = None) -> Any:
+def example(entry: Entry, default: Any) -> Any:
     """Value of an entry to show in a new file: its example, its default, or any allowed value."""
     return _allowed(entry.kind, default) if entry.example is None else entry.example
 

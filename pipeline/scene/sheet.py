@@ -252,7 +252,7 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
     return max(BETWEEN, key=fitness)
 
 
-def read_lines(path: Path, names: Names, sheet: str | None = None) -> list[Lines]:
+def read_lines(path: Path, names: Names, sheet: str | None) -> list[Lines]:
     """Read the non-empty rows of a text file, or of each sheet of a workbook.
 
     Returns one `Lines` for a text file, or one for each sheet. `sheet` is the only sheet to read;

@@ -175,7 +175,7 @@ def unit_of_table(unit: str) -> str:
     return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
 
 
-def as_entry(cell: str, unit: str = "") -> str | float:
+def as_entry(cell: str, unit: str) -> str | float:
     """Convert a cell to the value of an entry: a number, or text with the column's unit."""
     for number in (int, float) if not unit else ():
         with suppress(ValueError):
