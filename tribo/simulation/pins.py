@@ -2,6 +2,7 @@
 
 To add a shape, add a class with the attributes of `Pin`, and its name to `PINS`. If it has a size
 that no other shape has, add an entry for this size to the scene file (`pipeline.scene.format`).
+A shape with the size ``length`` is a line contact: a scene file computes it without free ends.
 """
 
 from __future__ import annotations
