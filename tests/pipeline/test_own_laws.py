@@ -15,6 +15,9 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.store.create import writing
+from pipeline.sweep.plan import points
+from tests.helpers.points import run_point
 from tests.helpers.processes import ROOT
 from tests.helpers.scenes import SCENE, STEEL
 from tests.pipeline.conftest import commit_all
@@ -127,6 +130,25 @@ def test_a_resume_with_another_law_is_refused_and_says_which(folder, laws):
     assert "wear.source_sha256: " in line
 
 
+@pytest.mark.parametrize(
+    ("name", "values"), [("Galling", (1.2e-15, 6e-15, 2e8)), ("Hastened", (1.2e-15, 1.0, 0.7))]
+)
+def test_a_law_by_pressure_or_velocity_shares_no_ramp_that_differs(laws, name, values):
+    """A worker's points, of which half are of a resumed run, have the bits of points alone."""
+    law = getattr(laws, name)(*values)
+    loads = {"sweep.loads": ["400 N", "600 N"], "sweep.velocities": ["1 m/s", "2 m/s"]}
+    sweep = scene({"wear": law}, **loads)
+    half = points(sweep)[::2]
+    with writing("own.zarr", sweep) as store:
+        store.commit([run_point(sweep, point).record(with_fields=True) for point in half])
+    assert pipeline.run_sweep(sweep, "own.zarr", workers=1).computed == 2
+    end = pipeline.end_of_point("own.zarr")
+    for point in points(sweep):
+        *_, state = tribo.simulate(sweep.scene, point.load, point.velocity)
+        volume = end["wear_volume"].sel(load=point.load, velocity=point.velocity).item()
+        assert volume == tribo.measures(sweep.scene, state)["wear_volume"]
+
+
 def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     kinds = {
         "wear": laws.Fading(*RATES),
@@ -147,7 +169,7 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     assert "severe wear is" in irg("margin", "own.zarr", *PLACE)
     assert irg("diff", "own.zarr", "own.zarr")
     with pytest.raises(tribo.InputError, match="laws:Fading is a Python object"):
-        stored.wear.over(0.0, 1.0)
+        stored.wear.over(0.0, 1.0, 5e8, 1.0)
     with pytest.raises(tribo.InputError, match="laws:Blunt is a Python object"):
         stored.pin.profile(stored.grid)
 

@@ -12,6 +12,7 @@ from tribo.simulation.implicit_end import end_implicitly
 from tribo.simulation.loading_step import advance, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.step_wear import wear_of_step
 from tribo.types import Array
 from tribo.wear import Stage
 
@@ -38,7 +39,10 @@ def refine_step(
         shape = scene.grid.shape
         pressure = _prolong(state.pressure, shape)
         on_grid = replace(
-            before, pressure=pressure, wear_depth=_interpolate(wear_depth, shape), displacement=None
+            before,
+            pressure=_prolong(before.pressure, shape),  # by which a law wears
+            wear_depth=_interpolate(wear_depth, shape),
+            displacement=None,
         )
         finer = advance(scene, on_grid, station, velocity, pressure, scheme="implicit")
         state = replace(finer, iterations=state.iterations + finer.iterations, history=after)
@@ -51,11 +55,8 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
     `before` and `after` are the states at both ends of the step, and `station` is its end. If
     nothing wears, or the load falls to zero, it is the wear depth of `before`.
     """
-    way = before.sliding_distance, after.sliding_distance
-    wear, distance = (
-        scene.wear_at(velocity, way, before.pressure),
-        abs(velocity) * (after.time - before.time),
-    )
+    distance = abs(velocity) * (after.time - before.time)
+    wear = wear_of_step(scene, before, distance, velocity)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
     if wear is None or stage.normal_load != after.normal_load:  # a load that falls to zero
         return before.wear_depth

@@ -11,6 +11,7 @@ from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.step_wear import wear_of_step
 from tribo.simulation.temperature import add_temperature
 from tribo.thermal import HeatHistory
 from tribo.types import Array
@@ -92,8 +93,7 @@ def advance(
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)
-    slid = state.sliding_distance
-    wear = scene.wear_at(velocity, (slid, slid + distance), state.pressure)
+    wear = wear_of_step(scene, state, distance, velocity)
     passed = state.pressure if guess is None else guess
     for contact_pass in passes(scene, state, station, wear, distance, observed, scheme):
         # At the disk's own position the last two states give the best guess; elsewhere, the contact

@@ -2,8 +2,9 @@
 
 A pin that wears point by point becomes the negative of the patch that it faces. A pin that wears by
 mean pressures along y becomes the negative of ridges of the disk along y. Most of this happens
-within a few steps. The depth of a step's imprint depends on the wear rate and the velocity alone.
-So loads that share a ramp have the same parts of its steps.
+within a few steps. The depth of a step's imprint depends on the velocity and the wear rate alone,
+and the rate on the state before the step. So loads that share a ramp have the same parts of its
+steps.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from tribo.loading import Station
 from tribo.simulation.disk_positions import imprint_of
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.step_wear import wear_of_step
 
 _MOST = 4  # parts of a step
 ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
@@ -28,7 +30,8 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
     parts that in each the roughness wears only a shallow imprint into the pin, but at most 4, and
     only one with 25 increments or more.
     """
-    count = _part_count(scene, before, abs(velocity) * (station.time - before.time), velocity)
+    distance = abs(velocity) * (station.time - before.time)
+    count = _part_count(scene, before, distance, velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
     yield station
@@ -37,7 +40,7 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
 def _part_count(scene: Scene, before: State, distance: float, velocity: float) -> int:
     if not (scene.fidelity.imprint and distance) or scene.sweeps_over:
         return 1
-    wear = scene.wear_at(velocity, (0.0, distance), before.pressure)
+    wear = wear_of_step(scene, before, distance, velocity)
     if wear is None:
         return 1
     most = min(_MOST, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))

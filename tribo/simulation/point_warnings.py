@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from enum import IntFlag
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from tribo.simulation.present_heat import excess_of_present_heat, stations_so_fa
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_measures import touching_elements
+from tribo.simulation.step_wear import wear_of_step
 from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
@@ -368,7 +370,8 @@ def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
         return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
-    wear = scene.wear_at(velocity, (0.0, state.sliding_distance), state.pressure)
+    since = replace(state, sliding_distance=0.0)  # the mean rate since the start
+    wear = wear_of_step(scene, since, state.sliding_distance, velocity)
     if not wear:
         return
     distance = velocity * _longest_step(scene, state)

@@ -25,7 +25,7 @@ from tribo.surface import (
 )
 from tribo.thermal import HeatedLength
 from tribo.types import Array
-from tribo.wear import RollingWear, Wear, WearLaw, WearPattern, require_wear, wear_over
+from tribo.wear import Wear, WearLaw, WearPattern, require_wear
 
 # Fewest elements along x that resolve the shape of the wear.
 _FEWEST_ELEMENTS = 24
@@ -108,8 +108,8 @@ class Scene:
             self.heights()
         if self.motion and self.wears_by_law:
             raise InputError(
-                "wear follows a law by the distance slid, which needs a pin at rest, and there is "
-                "a motion; leave out one of them"
+                "wear follows a law of your own, which needs a pin at rest, and there is a motion; "
+                "leave out one of them"
             )
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
@@ -144,7 +144,7 @@ class Scene:
 
     @property
     def wears_by_law(self) -> bool:
-        """True if the pin wears by a law whose rate depends on the distance slid."""
+        """True if the pin wears by a law of a user, whose rate may differ in each step."""
         return self.wear is not None and not isinstance(self.wear, Wear)
 
     @property
@@ -166,26 +166,6 @@ class Scene:
         positions of the disk.
         """
         return self.contact_pattern == "local" and not self.sweeps_over
-
-    def wear_at(
-        self, sliding: float, distances: tuple[float, float], pressure: Array
-    ) -> Wear | None:
-        """Wear of the pin in one step, at a constant wear rate; None if the scene has no wear.
-
-        `sliding` is the sliding velocity [m/s], which decides whether the pin rolls.
-        `distances` are the distances slid since the start, at the step's start and end [m], and
-        `pressure` is that of the contact at the step's start [Pa]. A wear law counts with its mean
-        rate between these distances.
-        """
-        if self.wear is None or self.contact_pattern is None:
-            return None
-        wear = replace(
-            wear_over(self.wear, *distances, pressure, abs(sliding)), pattern=self.contact_pattern
-        )
-        windows = self.windows_worn(sliding) if self.motion else 1.0
-        if windows == 1:
-            return wear
-        return RollingWear(wear.specific_wear_rate, wear.pattern, min(1.0, 1 / windows))
 
     @property
     def sweeps_over(self) -> bool:

@@ -1,4 +1,4 @@
-"""Wear of the pin: Archard's law in steps, and laws whose rate changes with the distance slid."""
+"""Wear of the pin: Archard's law in steps, and laws of a user, with a rate for each step."""
 
 from tribo.wear.archard import EXPLICIT_LIMIT as EXPLICIT_LIMIT
 from tribo.wear.archard import WEAR_PATTERNS as WEAR_PATTERNS

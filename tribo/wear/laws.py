@@ -1,4 +1,4 @@
-"""Wear laws of a user, whose rate may depend on distance, pressure and velocity: their protocol.
+"""Wear laws of a user, whose rate depends on distance, pressure and velocity: their protocol.
 
 A law is any object with the attributes of `WearLaw`. If its method `over` returns anything but a
 `tribo.Wear`, `wear_over` raises an `InvariantError`.
@@ -8,38 +8,35 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-
 from tribo.errors import InputError, InvariantError, law_errors
-from tribo.types import Array
 from tribo.wear.archard import Wear, WearPattern
 
 
 class WearLaw(Protocol):
-    """A law of wear in proportion to pressure, at a rate that may change from step to step.
+    """A law of wear in proportion to pressure, with one specific wear rate in each step.
 
-    The rate of a step may depend on the distance slid, on the mean pressure of the contact and on
-    the sliding velocity.
+    The rate may depend on the distance slid, on the pressure in the contact and on the sliding
+    velocity.
 
     Examples
     --------
-    A rate that has fallen to a half after 2 m:
+    A rate that falls as the pin slides, to a half after 2 m, and grows with the velocity:
 
     >>> import math
     >>> from dataclasses import dataclass
     >>> import tribo
     >>> @dataclass(frozen=True)
     ... class Fading:
-    ...     rate: float
+    ...     rate: float  # at 1 m/s
     ...     distance: float
     ...     pattern: str = "swept"
     ...
     ...     def over(self, begin, end, pressure, velocity):
     ...         mean = math.log((self.distance + end) / (self.distance + begin)) / (end - begin)
-    ...         return tribo.Wear(self.rate * self.distance * mean, self.pattern)
+    ...         return tribo.Wear(self.rate * velocity * self.distance * mean, self.pattern)
     >>> law: tribo.WearLaw = Fading(6e-15, 2.0)
-    >>> f"{law.over(2.0, 2.001, 1e9, 1.5).specific_wear_rate:.1e} m²/N"
-    '3.0e-15 m²/N'
+    >>> f"{law.over(2.0, 2.001, pressure=5e8, velocity=1.5).specific_wear_rate:.1e} m²/N"
+    '4.5e-15 m²/N'
     """
 
     @property
@@ -51,21 +48,22 @@ class WearLaw(Protocol):
         """
 
     def over(self, begin: float, end: float, pressure: float, velocity: float) -> Wear:
-        """A `Wear` whose rate is the law's mean from sliding distance `begin` to `end` [m].
+        """A `Wear` with the law's mean rate in a step, from sliding distance `begin` to `end` [m].
 
-        `pressure` is the mean pressure of the contact where the step begins [Pa], 0 before the
-        first contact, and `velocity` the sliding velocity [m/s].
+        `pressure` is the nominal pressure at the step's begin [Pa]: the load over the area that
+        the contact spans, width × length under a line contact, else the ellipse of its two widths.
+        It is 0 before the first contact. So a rate by pressure is of first order in the steps.
+        `velocity` is the sliding velocity, not negative [m/s].
         """
 
 
 def wear_over(
-    wear: Wear | WearLaw, begin: float, end: float, pressure: Array | float, velocity: float
+    wear: Wear | WearLaw, begin: float, end: float, pressure: float, velocity: float
 ) -> Wear:
     """A `Wear` with a constant rate: the mean from sliding distance `begin` to `end` [m].
 
-    `wear` is a law, or a `Wear`, which has a constant rate and is returned unchanged. `pressure` is
-    that of the contact where the step begins [Pa], 0 outside the contact, and `velocity` the
-    sliding velocity [m/s]. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
+    `wear` is a law, called with the arguments of `WearLaw.over`, or a `Wear`, which is returned
+    unchanged. If `end` does not exceed `begin`, a law gives a `Wear` with the rate 0.
 
     Raises
     ------
@@ -77,9 +75,7 @@ def wear_over(
     if not end > begin:
         return Wear(0.0, wear.pattern)
     with law_errors(f"wear law {wear!r}"):
-        touching = np.compress(np.ravel(pressure) > 0, np.ravel(pressure))
-        mean = float(touching.mean()) if touching.size else 0.0
-        found: object = wear.over(begin, end, mean, velocity)
+        found: object = wear.over(begin, end, pressure, velocity)
     if not isinstance(found, Wear):
         raise InvariantError(
             f"wear law: its wear over {begin:g} to {end:g} m is {found!r}; it must be a tribo.Wear"

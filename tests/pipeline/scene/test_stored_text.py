@@ -98,7 +98,7 @@ def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
     assert again.contact_pattern == "swept"
     assert digest(again) == digest(sweeps[0].scene) != digest(sweeps[1].scene)
     with pytest.raises(LawError, match="of which a store has only the name"):
-        again.wear.over(0.0, 1.0)
+        again.wear.over(0.0, 1.0, 5e8, 1.0)
 
 
 SWEEP = """

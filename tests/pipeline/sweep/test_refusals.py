@@ -75,7 +75,7 @@ REFUSALS = {
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
     "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
     # laws of a user's own
-    "stored": (lambda: STORED.over(0.0, 1.0), "laws:Law is a Python object"),
+    "stored": (lambda: STORED.over(0.0, 1.0, 5e8, 1.0), "laws:Law is a Python object"),
     "stored heights": (lambda: STORED.heights(None), "laws:Law is a Python object"),
     "stored pin": (lambda: STORED.profile, "laws:Law is a Python object"),
     "builtin": (lambda: law_record(tribo.Rule("mean_rise", max, "", "")), "max> is no function"),
