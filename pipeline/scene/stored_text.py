@@ -90,7 +90,7 @@ def _read(stored: _Stored) -> Sweep:
         notes = tuple(Remark(*one) for one in read.get("notes", ()))
         sources = tuple(FromLibrary(*one) for one in read.get("sources", ()))
         stations = Stations(**read["stations"]) if read.get("stations") else None
-    except Exception as error:  # a forged text may have any shape
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
     source = Source(written, SceneReader(Contents(dict(stored.arrays)), is_stored=True))
     try:

@@ -202,17 +202,17 @@ def _parse(place: StorePlace, content: bytes) -> Root:
             fault = _COPY
         found = metadata[ABOUT]["attributes"]
         version = found["format"]
-        if version == FORMAT and found["digest"] == _digest(found, metadata):
-            arrays, facts = _read_inputs(place, found["inputs"]), found
-    except (DamagedError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        if version == FORMAT and found["digest"] == _digest(found, metadata) and _are_facts(found):
+            facts = found
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     if version != FORMAT:
         fault = f"of another version of this program: of format {version}, and not {FORMAT}"
-    # What follows is no part of the block: a fault of this program is not damage of the store.
+    # From here on only errors that speak of the store: a fault of this program is not damage.
     if facts:
-        with suppress(SweepTextError):
+        try:
             root = Root(
-                sweep=parse_sweep(facts["scene"], arrays),
+                sweep=parse_sweep(facts["scene"], _read_inputs(place, facts["inputs"])),
                 text=facts["scene"],
                 axes=facts["axes"],
                 ids=facts["ids"],
@@ -220,9 +220,31 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 history=facts["history"],
                 found=document,
             )
-            if root.axes.keys() <= root.variables.keys():  # names of axes become names of files
+            if _fit_axes(root):
                 return root
+        except (SweepTextError, DamagedError) as error:
+            fault = f"{fault} ({error})"
     raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
+
+
+def _are_facts(facts: Any) -> bool:
+    """True if `facts` have the types that `Root.documents` writes."""
+    axes, sizes = facts["axes"].values(), [*facts["points_per_chunk"].values()]
+    sizes += facts["inputs"].values()
+    return (
+        all(isinstance(one, list) for one in [*axes, facts["ids"], facts["history"]])
+        and all(isinstance(one, str | int | float) for labels in axes for one in labels)
+        and all(isinstance(one, int) for one in [*sizes, *facts["ids"]])
+        and all(isinstance(one, str) for one in [facts["scene"], *facts["history"]])
+        and min(sizes) > 0
+    )
+
+
+def _fit_axes(root: Root) -> bool:
+    """True if the axes are those of the variables; names of axes become names of files."""
+    names, dims = root.variables.keys(), root.variables["status"].dims
+    needed = {dim for one in root.variables.values() for dim in one.dims} - {DIM}
+    return needed <= root.axes.keys() <= names and root.block.keys() == {*dims}
 
 
 def read_metadata(place: StorePlace) -> dict[str, Document]:

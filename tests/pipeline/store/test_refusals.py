@@ -141,6 +141,12 @@ REFUSALS = {
     "exchanged": (lambda: measured(exchange), "zarr.json is damaged, or not"),
     "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
               "zarr.json is damaged, or not"),
+    "why": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["pin"].update(radius=-1))),
+            "the text of a sweep: pin.radius: -1 has no unit; give"),
+    "chunks": (changed(forged(lambda texts, _: texts["store"].update(points_per_chunk={}))),
+               "zarr.json is damaged, or not"),
+    "labels": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
+               "zarr.json is damaged, or not"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
     "copy": (by_xarray, "zarr.json is that of a copy by xarray, which can be read"),
     # files

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import pipeline
 import tribo
 from pipeline.store.place import ROOT, StoreError
+from pipeline.store.root import Root
 from pipeline.store.schema import path_of
 from tests.helpers import tiny
 from tests.helpers.stores import commit, contents
@@ -98,13 +99,25 @@ def test_a_root_that_another_program_writes_in_another_form_is_read(forged, alon
     assert contents(forged).keys() == contents(alone).keys()
 
 
-def test_a_fault_of_this_program_is_not_called_damage_of_the_store(path, monkeypatch):
-    sweep = tiny.sweep(title="read with a fault")
+@pytest.mark.parametrize("kind", [TypeError, AttributeError, KeyError])
+@pytest.mark.parametrize(
+    ("room", "name"),
+    [
+        (tribo.Scene, "__post_init__"),
+        (tribo.Ramp, "__post_init__"),
+        (Root, "__init__"),
+    ],
+)
+def test_a_fault_of_this_program_is_not_called_damage_of_the_store(
+    path, monkeypatch, room, name, kind
+):
+    sweep = tiny.sweep(title=f"read with a {kind.__name__} of {room.__name__}")
     commit(path, sweep, ())
 
-    def faulty(*_):
-        raise TypeError("a fault of this program")
+    def faulty(*_, **__):
+        raise kind("a fault of this program")
 
-    monkeypatch.setattr(tribo.Scene, "__post_init__", faulty)
-    with pytest.raises(TypeError, match="a fault of this program"):
-        pipeline.open_sweep(path)
+    monkeypatch.setattr(room, name, faulty)
+    for read in (pipeline.open_sweep, pipeline.summary):
+        with pytest.raises(kind, match="a fault of this program"):
+            read(path)
