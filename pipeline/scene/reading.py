@@ -58,10 +58,6 @@ class SceneReader:
     parts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
     first: tuple[Entries, Any] = ({}, None)  # entries without faults, and as they were read
 
-    def __getstate__(self) -> dict[str, Any]:
-        """State to pickle, without the cached objects."""
-        return vars(self) | {"parts": {}, "first": ({}, None)}
-
     def read(self, entries: Entries) -> Parts:
         """Convert entries to `Parts`; raise an `InputError` with the first fault."""
         faults = Faults(self.is_stored, allows_store_only=True)

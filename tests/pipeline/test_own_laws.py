@@ -18,7 +18,7 @@ import tribo
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
 from tests.helpers.points import run_point
-from tests.helpers.processes import ROOT
+from tests.helpers.processes import ROOT, python
 from tests.helpers.scenes import SCENE, STEEL
 from tests.pipeline.conftest import commit_all
 
@@ -213,6 +213,59 @@ def test_a_store_judged_by_a_criterion_refuses_verdicts_by_its_name(folder, laws
     told = []
     pipeline.run_sweep(scene({}), "small.zarr", progress=told.append)
     assert any("temperature.criterion: laws:_median in the store" in str(one) for one in told)
+
+
+MAIN = (
+    LAWS
+    + """
+
+import sys
+import pipeline
+
+if __name__ == "__main__":
+    steel = pipeline.load_scene("small.toml").scene.pin.material
+    laws = {
+        "wear": Fading(6e-15, 1e-15, 1.5),
+        "surface": Dimples(2e-7, 1e-4),
+        "pin": Blunt(2e-3, 3.4e-3, steel, flat=float(sys.argv[1])),
+        "criterion": hottest,
+    }
+    over = {"wear.parameters.distance": [0.5, 4.0]}
+    few = {"sweep.loads": ["400 N"], "sweep.velocities": ["2 m/s"], "sweep.over": over}
+    sweep = pipeline.load_scene("small.toml", laws=laws, overrides=few)
+    try:
+        outcome = pipeline.run_sweep(sweep, "own.zarr", workers=1)
+    except pipeline.StoreMismatchError as error:
+        sys.exit(str(error))
+    assert not outcome.failed, outcome.failed
+    ds = pipeline.open_sweep("own.zarr")
+    for case in sweep.cases:
+        end = pipeline.end_of_point(pipeline.at(ds, **dict(zip(over, dict(case.name).values()))))
+        *_, state = tribo.simulate(case.scene, 400.0, 2.0)
+        assert end["wear_volume"].item() == tribo.measures(case.scene, state)["wear_volume"]
+        assert case.scene.wear == Fading(6e-15, 1e-15, case.scene.wear.distance)
+    print("computed", outcome.computed, "of", outcome.done)
+"""
+)
+
+
+def test_laws_of_a_script_of_all_kinds_run_on_workers_and_are_known_again(folder):
+    """A script's classes are `__main__`'s; two laws of one class differ in a field of a sweep."""
+
+    def script(flat="1e-7"):
+        return python("script.py", flat, cwd=folder)
+
+    (folder / "script.py").write_text(MAIN)
+    for computed in (2, 0):
+        done = script()
+        assert f"computed {computed} of 2" in done.stdout, done.stderr
+    _, *lines = script("2e-7").stderr.splitlines()
+    words = "pin.parameters.flat: 1e-07 in the store, 2e-07 in the scene"
+    assert {line.partition(": ")[2] for line in lines} == {words}
+    (folder / "script.py").write_text(MAIN + "# changed\n")
+    _, *lines = script().stderr.splitlines()
+    paths = {line.split(": ")[1] for line in lines}
+    assert paths == {f"{of}.source_sha256" for of in ("wear", "pin", "disk.surface")}
 
 
 CELL = """
