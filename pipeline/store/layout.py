@@ -60,6 +60,12 @@ def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
     """
     values = {"load": sweep.loads, "velocity": sweep.velocities}
     plane = {name: in_order([*before.get(name, ()), *added]) for name, added in values.items()}
+    rows = {name: in_order(values) for name, values in kept.variants.axes.items()}
+    # A column that a dimension determines has a value for each of its labels, in the same order.
+    rows |= {
+        column.name: [values[label] for label in rows[column.along]]
+        for column, values in kept.variants.coordinates.items()
+    }
     scenes = [case.scene for case in kept.given]
     stations = choose_stations(kept)
     ramps = {ramp_of(scene): scene for scene in scenes}.values()
@@ -68,26 +74,12 @@ def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
         steps = max(steps, _ROOM * kept.scene.fidelity.increments + 1)
     return {
         **plane,
-        **row_axes(kept),
+        **rows,
         "step": [*range(1 - max(steps, len(before.get("step", ()))), 1)],
         "cooler_share": [*QUANTILES],
         "bulk_ratio": [*BULK_RATIOS],
         "x": scenes[0].grid.coordinates(0).tolist(),
         "y": scenes[0].grid.coordinates(1).tolist(),
-    }
-
-
-def row_axes(sweep: Sweep) -> Axes:
-    """Values along each dimension of the table of variants, such as "realization".
-
-    Numbers ascend, texts keep their order. Keys are names of dimensions, and of columns of the
-    table that a dimension determines. Such a column has a value for each value of the dimension, in
-    the same order.
-    """
-    axes: Axes = {name: in_order(values) for name, values in sweep.variants.axes.items()}
-    followers = sweep.variants.coordinates.items()
-    return axes | {
-        column.name: [values[label] for label in axes[column.along]] for column, values in followers
     }
 
 
