@@ -40,7 +40,7 @@ def judged_by(several: Iterable[Conditions]) -> str:
     """
     each = [
         (
-            severe_words(one),
+            f"{one.criterion.severe} {display(known_critical_temperature(one), '°C')}",
             heating_words(one),
             one.corrections.text if one.corrections else "no correction",
         )
@@ -48,9 +48,3 @@ def judged_by(several: Iterable[Conditions]) -> str:
     ]
     parts = [" or ".join(dict.fromkeys(part)) for part in zip(*each, strict=True)]
     return f"severe wear: {'; '.join(part for part in parts if part != 'no correction')}"
-
-
-def severe_words(conditions: Conditions) -> str:
-    """Words on the limit of severe wear, such as "more than 10 % of the contact above 145 °C"."""
-    critical = display(known_critical_temperature(conditions), "°C")
-    return f"{conditions.criterion.severe} {critical}"
