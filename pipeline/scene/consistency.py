@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
 import tribo
@@ -40,21 +40,15 @@ def check_tables(scene: Any, changed: Collection[str], faults: Faults) -> None:
             faults.extend(Fault(path, words) for path, words in find(scene))
 
 
-def unknown_material(name: Any, materials: Mapping[str, Any]) -> str:
-    """Say that the material `name` is unknown; empty if it is in `materials`, or is None."""
-    if not name or name in materials:
-        return ""
-    known = {**materials, **library()["materials"]}
-    hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
-    problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-    return f"{problem}; give {choices}, or add a table for it"
-
-
 @_check("materials", "pin.material", "disk.material")
 def _unknown_materials(scene: Any) -> Misfits:
+    own = scene.materials or {}
     for body in ("pin", "disk"):
-        if words := unknown_material(getattr(scene, body).material, scene.materials or {}):
-            yield f"{body}.material", words
+        if (name := getattr(scene, body).material) and name not in own:
+            known = {**own, **library()["materials"]}
+            hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
+            problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+            yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
 
 
 @_check("window.pixels", "fidelity.pixels_per_element")

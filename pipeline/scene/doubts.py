@@ -45,22 +45,18 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Warnings of values outside their usual range, where several entries determine the value."""
     for name, material in (sweep.source.parts.declared.materials or {}).items():
-        yield key_path(key_path("materials", name), "hardness"), soft_or_hard(material)
+        share = material.hardness / material.elastic_modulus
+        usual = USUAL_HARDNESS if math.isfinite(share) else None
+        words = unusual(share, usual, "times the elastic modulus")
+        yield key_path(key_path("materials", name), "hardness"), words
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.loads)
     if isinstance(loading, Ramp):  # its reference load sets the steps
-        usual = highest / 100, highest * 100
-        yield "loading.reference_load", unusual(loading.reference_load, usual, "N")
+        span = highest / 100, highest * 100
+        yield "loading.reference_load", unusual(loading.reference_load, span, "N")
     if facts.surface and facts.surface.measured:
         kind = number_at("disk.roughness.ra")
         yield "disk.roughness.ra", unusual(facts.surface.ra, kind.usual, kind.unit)
-
-
-def soft_or_hard(material: Any) -> str:
-    """Warning that a material's ratio of hardness to elastic modulus is unusual; else empty."""
-    share = material.hardness / material.elastic_modulus
-    usual = USUAL_HARDNESS if math.isfinite(share) else None
-    return unusual(share, usual, "times the elastic modulus")
 
 
 def _narrow_window(sweep: Sweep, facts: Facts) -> str:
