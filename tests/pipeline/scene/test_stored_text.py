@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -20,8 +21,9 @@ from pipeline.store.create import writing
 from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.variants import surfaces
-from tests.helpers import tiny
-from tests.helpers.scenes import SCENE
+from tests.helpers import synthetic, tiny
+from tests.helpers.entries import rows
+from tests.helpers.scenes import SCENE, STEEL
 
 
 def back(sweep):
@@ -210,3 +212,23 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     rows = [sweep.case(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
     assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows
+
+
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        tiny.full(roughness=SCANNED),
+        tiny.sweep(loading=RECORD),
+        tiny.sweep(variants=surfaces((7, 1))),
+        tiny.sweep(
+            variants=rows("pin", {"a": {"pin": tribo.Cylinder(1e-3, 3e-3, STEEL)}, "b": {}})
+        ),
+        tiny.sweep(disk=replace(STEEL, hardness=math.inf)),
+        synthetic.scene(oil=synthetic.OIL),
+    ],
+    ids=["scan", "record", "surfaces", "rows by hand", "elastic", "oil"],
+)
+def test_a_sweep_of_any_kind_comes_back_equal(sweep):
+    again = back(sweep)
+    assert again == sweep
+    assert again.variants.names == sweep.variants.names

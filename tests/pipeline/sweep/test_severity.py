@@ -108,3 +108,19 @@ def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
         critical = velocity * (limit / (factor * limit)) ** (1 / exponent)
         error = boundary_velocity_error(factor * limit, limit, exponent)
         assert error == pytest.approx(critical / velocity - 1, abs=1e-14)
+
+
+@pytest.mark.parametrize("disk", [None, 318.15])
+def test_a_moment_of_a_simulation_has_the_rises_that_are_stored_of_it(disk):
+    plain_sweep = tiny.sweep()
+    track = tribo.Track.under(plain_sweep.scene.pin, plain_sweep.scene.disk, 0.05)
+    corrections = tribo.Corrections(track=track).under(plain_sweep.scene.loading)
+    conditions = replace(OWN, corrections=corrections, disk_temperature=disk)
+    warm = tiny.sweep(conditions=conditions, unequal_bulks=disk is not None)
+    result = run_point(warm, 600.0, 1.5)
+    expected = rises_above_colder(result.columns, conditions)
+    plain = rises_above_colder(result.columns, replace(conditions, corrections=None))
+    assert expected["mean_rise"][-1] > 1.001 * plain["mean_rise"][-1]
+    assert momentary_rise(warm.scene, result.state, conditions) == pytest.approx(
+        worst_rises(result.columns, 600.0, conditions), rel=1e-6
+    )

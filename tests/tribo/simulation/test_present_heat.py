@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
-from tribo import Ball, Grid, MeasuredLoad, Ramp
+from tribo import Ball, Grid, MeasuredLoad, Ramp, Wear
 from tribo.simulation.present_heat import excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
@@ -59,3 +60,18 @@ def test_a_load_that_jumps_late_errs_by_far_more_than_one_that_grows(velocity, l
     assert true > least
     foretold = excess_of_present_heat(late, last(late, 600.0, velocity))
     assert 0.5 * true < foretold < 1.1 * true
+
+
+@pytest.mark.parametrize(
+    ("scene", "load", "velocity"),
+    [
+        (small_scene(roughness=False, increments=20), 600.0, 0.001),
+        (WORN, 600.0, 1.0),
+        (replace(WORN, disk=ALUMINA, wear=Wear(1.2e-14, "local")), 600.0, 0.001),
+        (BALL, 20.0, 1.0),
+    ],
+    ids=["smooth", "worn", "alumina", "ball"],
+)
+def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
+    foretold = excess_of_present_heat(scene, last(scene, load, velocity))
+    assert foretold / true_excess(scene, load, velocity) == WITHIN
