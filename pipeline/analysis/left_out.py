@@ -11,9 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.analysis.curve import Curve
+from pipeline.sweep.severity import RISE_SLOPES
 from tribo.types import Array, Indices, Mask
-
-_SLOPES = 0.25, 1.2  # of ln(rise) over ln(velocity), as the search assumes
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +45,7 @@ class Alignment:
         level = np.median(y[known])
         return cls(
             loads, velocities, rises, rows,
-            means[0] + (level - means[1]) / np.clip(slopes, *_SLOPES),
+            means[0] + (level - means[1]) / np.clip(slopes, *RISE_SLOPES),
         )  # fmt: skip
 
     def shifts(self, loads: Array) -> Array:

@@ -1,7 +1,7 @@
 """Where wear turns severe along the velocities of one load, from as few points as possible.
 
 y = ln(rise/limit) is known at the computed points. Between and beyond them y − ln(µ) rises with
-ln(velocity), with slopes in `_SLOPES`: this bounds y, so that its sign is known or open.
+ln(velocity), with slopes in `RISE_SLOPES`: this bounds y, so that its sign is known or open.
 """
 
 from __future__ import annotations
@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.sweep.severity import RISE_SLOPES
 from tribo.types import Array, Indices, Mask
 
-# d(y − ln µ)/d ln(velocity): 0.5 to 1 by theory. Smooth, heavily worn contacts have less than 0.25,
-# which moves the search to other points, but hides no crossing if friction is constant.
-_SLOPES = 0.25, 1.2
 _STEEPEST = 3.0  # slope beyond which a computed one is no evidence: a rise may begin at 0
 _CURVATURE = 0.3  # bound of d²(y − ln µ)/d ln(velocity)²
 _ROUGH = 0.003  # the rise of a rough contact differs by 0.2 % from a smooth curve at each velocity
@@ -59,7 +57,7 @@ class Line:
         heat = (self.y - self.friction[::_PARTS])[self.known]  # y − ln(µ)
         slopes = np.diff(heat) / np.diff(x)
         # Wider than usual if computed points have shown other slopes.
-        shown, (gentle, steep) = slopes[np.abs(slopes) < _STEEPEST], _SLOPES
+        shown, (gentle, steep) = slopes[np.abs(slopes) < _STEEPEST], RISE_SLOPES
         gentle, steep = min(gentle, shown.min(initial=gentle)), max(steep, shown.max(initial=steep))
         away = at - x[:, None]
         ends = [
