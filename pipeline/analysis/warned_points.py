@@ -22,7 +22,8 @@ from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from pipeline.sweep.shown import shown
 from tribo import CRITERIA, Criterion, WarningKind
-from tribo.simulation.point_warnings import SLOW, SLOWEST
+from tribo.constants import SLOWEST
+from tribo.simulation.point_warnings import SLOW
 from tribo.types import Array, Indices, Mask
 
 

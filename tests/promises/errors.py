@@ -34,8 +34,8 @@ from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, Criterion, TriboError, WarningKind
+from tribo.constants import SLOWEST
 from tribo.simulation import Trunks
-from tribo.simulation.point_warnings import SLOWEST
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")

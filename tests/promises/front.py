@@ -26,8 +26,8 @@ from tests.helpers.entries import changed
 from tests.promises.families import cases
 from tests.promises.truth import deciding_rises, known
 from tribo import PRESETS, TriboError, simulate, warnings
+from tribo.constants import SLOWEST
 from tribo.simulation import Trunks, forget_kernels
-from tribo.simulation.point_warnings import SLOWEST
 
 PROMISED = "draft", "standard", "fine"
 NUMBERS = 16

@@ -18,17 +18,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from tribo.constants import FEWEST_INCREMENTS, HOLD_GROWTH
 from tribo.errors import InputError, require_integer, require_positive
 
 MOST_STEPS = 100_000
 """Most steps that a load may take; a scene that asks for more is refused as a mistake."""
-# Growth of ln(impulse) in a hold that takes as many steps as there are increments. Measured on 18
-# holds of 4 to 300 s, of smooth surfaces and of rough ones on 60 rows of elements, at wear rates of
-# 1e-16 to 1e-14 m²/N. With a growth of 4, the rise by preset `standard` was within 2.4 % of a rise
-# computed with eight times as many steps on the pixels. With 10 the rise is within 0.3 % of that
-# with 4.
-_GROWTH = 10.0
-_FEWEST_SHARE = 0.25  # least share of the reference load's increments that a load takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +108,8 @@ class Ramp:
         """
         share = normal_load / self.reference_load * (1 + 1e-12)
         halvings = 0
-        if 0 < share < _FEWEST_SHARE:
-            halvings = math.ceil(math.log2(_FEWEST_SHARE) - math.log2(share))
+        if 0 < share < FEWEST_INCREMENTS:
+            halvings = math.ceil(math.log2(FEWEST_INCREMENTS) - math.log2(share))
         return math.ldexp(self.reference_load / increments, -halvings)
 
     def lowest(self, normal_load: float) -> float:
@@ -129,7 +123,7 @@ class Ramp:
         >>> [ramp.lowest(load) for load in (800.0, 200.0, 199.0)]
         [200.0, 200.0, 100.0]
         """
-        return _FEWEST_SHARE * self.increment(normal_load, increments=1)
+        return FEWEST_INCREMENTS * self.increment(normal_load, increments=1)
 
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0
@@ -166,7 +160,7 @@ class Ramp:
             return
         before = max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
         grown = math.log1p(self.hold / before)
-        steps = max(1, math.ceil(increments * grown / _GROWTH * (1 - 1e-12)))
+        steps = max(1, math.ceil(increments * grown / HOLD_GROWTH * (1 - 1e-12)))
         for step in range(1, steps):
             yield before * math.expm1(grown * step / steps)
         yield self.hold

@@ -9,13 +9,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from tribo.constants import EVEN_STEPS, FITTED_SHARES, LOAD_NOISE
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
-_NOISE = 0.02  # noise of a constant load, as a share of the reference load
-_EVEN = 0.2  # steps are equal in time if shares of travel and of time differ by less
-_FITTED = (0.1, 0.9)  # shares of the reference load between which the rise is fitted
 _MOST_OF_COURSE = 500  # rows, so that a store holds them in some 20 kB
 
 
@@ -188,7 +186,7 @@ class MeasuredLoad:
         >>> f"{rate:.1f} N/s from {onset:.2f} s"
         '150.0 N/s from 0.50 s'
         """
-        begin, end = (self.time_at(share) for share in _FITTED)
+        begin, end = (self.time_at(share) for share in FITTED_SHARES)
         inside = (self.times > begin) & (self.times < end)
         t = np.concatenate(([begin], self.times[inside], [end]))
         F = np.interp(t, self.times, self.loads)
@@ -228,14 +226,14 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
     rows = record.times < end
     times = np.append(record.times[rows], end)
     loads = np.maximum(0.0, np.append(record.loads[rows], record.peak))
-    backlash = _NOISE * record.peak
+    backlash = LOAD_NOISE * record.peak
     follower, travel = loads[0], [0.0]
     for load in loads[1:].tolist():
         position = min(max(follower, load - backlash), load + backlash)
         travel.append(travel[-1] + abs(position - follower))
         follower = position
     travelled, elapsed = np.array(travel) / travel[-1], (times - begin) / (end - begin)
-    if np.abs(travelled - elapsed).max() < _EVEN:  # equal steps need fewer kernels of heat
+    if np.abs(travelled - elapsed).max() < EVEN_STEPS:  # equal steps need fewer kernels of heat
         return None
     return (travelled + elapsed) / 2, times
 

@@ -17,6 +17,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.constants import (
+    DEEP_IMPRINT,
+    FEW_POSITIONS,
+    FEWEST_POSITIONS,
+    MORE_PARTS,
+    MOST_PARTS,
+    MOST_POSITIONS,
+    PIXELS_OF_POSITIONS,
+    SHIFT,
+)
 from tribo.loading import MeasuredLoad, Station
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
@@ -25,29 +35,8 @@ from tribo.simulation.state import State
 from tribo.types import Array
 from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
-# Most parts of a step of wear. Measured in 25 steps, under balls and crowned pins of 2 to 40 mm,
-# with wear of 9 to 64 times the roughness and correlation lengths of 8 to 30 µm: with 8 parts, the
-# rise exceeded on 10 % of the contact is within 0.9 % of its value with 48 parts. With 2 parts it
-# is up to 5.2 % too high.
-_MOST_PARTS = 8
-_IMPRINT = 0.3  # imprint in a part beyond which a step has more parts, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
-# Most positions of the disk over which a temperature is averaged, and most pixels in the Hertzian
-# contacts at all these positions together. Between 50, 100, 200 and 400 steps, rises under five
-# balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one position, and by 0.03
-# to 0.9 % as a mean over positions. Under pins that wear heavily this mean differed by up to 2.6 %
-# between 50 and 100 steps. Under a ball of 2 mm at 10 N that wears off 2.4 µm the mean changes by
-# 0.5 % from 9 to 19 positions, and by 0.8 % from 19 to 38.
-_MOST_POSITIONS, _PIXELS = 100, 1e5
-# If there would be fewer positions than this, the unshifted disk is enough: between positions the
-# rise under the shipped ball differs by 0.4 %.
-_FEWEST_POSITIONS = 5
-# With at least the first number of positions, a step of wear has the second number of times as many
-# parts. Without this, the mean rise under one of these balls, on 140 elements, differed by 3.0 %
-# between the numbers of steps, instead of 0.5 %.
-_FEW, _MORE_PARTS = 20, 3
-_SHIFT = 4  # [pixels] shifts are multiples of this, so that larger elements allow the same shifts
 
 
 class Pass(NamedTuple):
@@ -68,7 +57,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)
-    return math.ceil(min(max(finer * imprint / _IMPRINT, 1.0), finer * _MOST_PARTS))
+    return math.ceil(min(max(finer * imprint / DEEP_IMPRINT, 1.0), finer * MOST_PARTS))
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
@@ -89,7 +78,7 @@ def _part_factor(scene: Scene) -> int:
     """Factor on the number of parts of a step of wear: above 1 if few elements touch, else 1."""
     loading = scene.loading
     highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
-    return _MORE_PARTS if position_count(scene, highest) >= _FEW else 1
+    return MORE_PARTS if position_count(scene, highest) >= FEW_POSITIONS else 1
 
 
 def passes(
@@ -115,7 +104,7 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count, most = part_count(scene, wear, distance), _part_factor(scene) * _MOST_PARTS
+    count, most = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     length = float(ends.sum() - (ends[0] + ends[-1]) / 2)
@@ -146,13 +135,13 @@ def further_positions(scene: Scene, normal_load: float) -> list[tuple[int, int]]
     """Shifts of the disk over which a temperature is averaged, in addition to no shift.
 
     The shifts are in elements along x and y; none if one position is enough. They are multiples of
-    `_SHIFT` pixels where the window allows it, so that all fidelities average over the same
+    `SHIFT` pixels where the window allows it, so that all fidelities average over the same
     positions.
     """
     if not scene.sweeps_over:
         return []
     block = scene.fidelity.pixels_per_element
-    units = [math.lcm(math.gcd(n, _SHIFT), block) // block for n in scene.pixels.shape]
+    units = [math.lcm(math.gcd(n, SHIFT), block) // block for n in scene.pixels.shape]
     return [_position(scene, n, units) for n in range(1, position_count(scene, normal_load))]
 
 
@@ -162,8 +151,8 @@ def position_count(scene: Scene, normal_load: float) -> int:
     mean_pressure = scene.pin.hertz(normal_load, modulus).peak_pressure / 1.5
     touching = normal_load / scene.pin.patches(scene.grid) / mean_pressure
     pixels = touching / scene.pixels.element_area
-    count = int(_PIXELS / max(pixels, _PIXELS / _MOST_POSITIONS))
-    return count if count >= _FEWEST_POSITIONS else 1
+    count = int(PIXELS_OF_POSITIONS / max(pixels, PIXELS_OF_POSITIONS / MOST_POSITIONS))
+    return count if count >= FEWEST_POSITIONS else 1
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:

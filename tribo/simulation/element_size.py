@@ -24,6 +24,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.constants import (
+    FEWEST_ACROSS,
+    FEWEST_ROWS,
+    FULL_SHARE,
+    LARGER_ON_POSITIONS,
+    MANY_TOUCHING,
+    SUMMIT_QUANTILE,
+    TIGHTEST_TOLERANCE,
+)
 from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import cached_summits
@@ -31,16 +40,6 @@ from tribo.simulation.disk_positions import position_count
 from tribo.simulation.scene import Scene
 from tribo.surface import rms_slope
 from tribo.types import Array
-
-# Elements across a smooth contact. With 12 under a ball its rise was up to 2 % low, with 8 up to
-# 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
-# 8 %, with 2 up to 28 %.
-FEWEST_ACROSS, FEWEST_ROWS = 12, 6
-_FULL = 2.0  # area by Eq. (1) over the nominal area, from which on summits no longer stand apart
-_MANY = 2000  # touching elements from which on contacts have the tolerance of the fidelity
-TIGHTEST = 1e-3  # least tolerance of a contact, for few elements
-_ON_POSITIONS = 2.0  # factor on the size of elements where the rise is a mean over positions
-_HIGHEST = 0.9  # quantile of the heights from which on pixels belong to summits
 
 
 class Summits(NamedTuple):
@@ -97,7 +96,7 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
         count = expected.touching / math.prod(widths)
         wide = summit_width(scene) / fidelity.elements_per_summit
         if scene.sweeps_over:  # the temperature is a mean over positions, or almost so
-            count, wide = count * position_count(scene, lowest), _ON_POSITIONS * wide
+            count, wide = count * position_count(scene, lowest), LARGER_ON_POSITIONS * wide
         widest = min(across, wide) if count >= fidelity.fewest_summits else 1.0
     fewest, block = max(fidelity.fewest_elements, 1), fidelity.pixels_per_element
     sizes = (n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= alike)
@@ -105,12 +104,15 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     most = min(math.sqrt(alike / fewest), across) / size
     history = max(1, min(fidelity.history_coarsening, int(most)))
     # With few elements each one matters: a loose tolerance or a long step must not miss any.
-    share, tolerance = min(1.0, expected.touching / size**2 / _MANY), fidelity.contact_tolerance
+    share, tolerance = (
+        min(1.0, expected.touching / size**2 / MANY_TOUCHING),
+        fidelity.contact_tolerance,
+    )
     changed = replace(
         fidelity,
         pixels_per_element=size,
         history_coarsening=history,
-        contact_tolerance=max(share * tolerance, min(tolerance, TIGHTEST)),
+        contact_tolerance=max(share * tolerance, min(tolerance, TIGHTEST_TOLERANCE)),
         imprint=share * fidelity.imprint,
     )
     return scene if changed == fidelity else replace(scene, fidelity=changed)
@@ -148,7 +150,7 @@ def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _Ex
     nominal = on_window / (hertz.peak_pressure * (math.pi / 4 if pin.length else 2 / 3))
     slope = summits.slope or math.inf
     rough = on_window * max(1 / scene.hardness, math.sqrt(2 * math.pi) / (modulus * slope))
-    is_smooth = summits is SMOOTH or rough >= _FULL * nominal
+    is_smooth = summits is SMOOTH or rough >= FULL_SHARE * nominal
     rough = min(rough, nominal)
     pixels = (nominal if is_smooth else rough) / scene.pixels.element_area
     across = 2 * hertz.half_width / scene.pixels.spacing[0]
@@ -172,6 +174,6 @@ def _run_length(heights: Array, axis: int) -> float:
 
     Pixels are on summits if they are among the highest tenth of all pixels.
     """
-    high = heights >= np.quantile(heights, _HIGHEST)
+    high = heights >= np.quantile(heights, SUMMIT_QUANTILE)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tribo.constants import IMPLICIT_END, NEW_LOAD, RIM_PRESSURE
 from tribo.loading import Station
 from tribo.simulation.loading_step import advance
 from tribo.simulation.parts_of_steps import between
@@ -17,13 +18,6 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
-
-_END = 1 / 6  # share of the step that is taken implicitly
-# The end is repeated if elements that did not touch one step earlier carry more than the first
-# share of the load. Their mean pressure over that of the contact must exceed the second number:
-# below it they are the rim of a rough contact, where repeating moved the rise of 1 of 28 points by
-# 1.5 %, of the others by at most 0.6 %.
-_NEW, _RIM = 0.01, 0.75
 
 
 def end_implicitly(
@@ -37,7 +31,7 @@ def end_implicitly(
     if not _comes_into_contact(scene, before, after, velocity):
         return after
     near = after.pressure
-    middle = advance(scene, before, between(before, station, 1 - _END), velocity, near)
+    middle = advance(scene, before, between(before, station, 1 - IMPLICIT_END), velocity, near)
     end = advance(scene, middle, station, velocity, near, scheme="implicit")
     states = (after, middle, end)
     return replace(
@@ -65,7 +59,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
     # not lose in the first, and there carries up to (1 − γ)/γ = 2.4 times its share. The worn shape
     # is right all the same, since the next stages make up for it.
     load = float(after.pressure[new].sum() / after.pressure.sum())
-    return load > max(_NEW, _RIM * np.count_nonzero(new) / np.count_nonzero(worn))
+    return load > max(NEW_LOAD, RIM_PRESSURE * np.count_nonzero(new) / np.count_nonzero(worn))
 
 
 def _is_worn(scene: Scene, state: State) -> Mask:

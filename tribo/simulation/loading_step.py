@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from tribo.constants import FARTHEST_STEP
 from tribo.contact import ContactSolution, solve_contact
 from tribo.loading import Station
 from tribo.simulation.cache import elastic_bodies
@@ -16,8 +17,6 @@ from tribo.simulation.temperature import add_temperature
 from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
-
-_FARTHEST = 2.0  # largest step of the load, over the last step, for which contacts are extrapolated
 
 
 def start(scene: Scene) -> State:
@@ -211,7 +210,7 @@ def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array
     if state.normal_load == 0.0:
         return None, None
     change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
-    if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
+    if state.previous_load == 0.0 or abs(change) >= FARTHEST_STEP * abs(before):
         return state.pressure, None
     ratio = change / before
     pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)

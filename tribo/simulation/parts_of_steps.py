@@ -13,14 +13,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+from tribo.constants import ENOUGH_STEPS, MOST_PARTS_OF_LOAD
 from tribo.loading import Station
 from tribo.simulation.disk_positions import imprint_of
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.step_wear import wear_of_step
-
-_MOST = 4  # parts of a step
-ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 
 def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> Iterator[Station]:
@@ -43,7 +41,7 @@ def _part_count(scene: Scene, before: State, distance: float, velocity: float) -
     wear = wear_of_step(scene, before, distance, velocity)
     if wear is None:
         return 1
-    most = min(_MOST, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
+    most = min(MOST_PARTS_OF_LOAD, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
     imprint = imprint_of(scene, wear, distance) / scene.fidelity.imprint
     return math.ceil(min(max(imprint, 1.0), most))
 

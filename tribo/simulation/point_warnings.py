@@ -9,10 +9,25 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tribo.constants import (
+    FEW_ELEMENTS,
+    FEW_PIXELS,
+    FEW_SWEPT,
+    FEW_WORN,
+    FEWEST_ACROSS,
+    FEWEST_PIXELS,
+    FEWEST_ROWS,
+    FEWEST_TURNS,
+    HEAVY_WEAR,
+    LEAST_SUMMIT,
+    SLOWEST,
+    TOO_WARM,
+    WIDEST,
+)
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import part_count
-from tribo.simulation.element_size import FEWEST_ACROSS, FEWEST_ROWS, summit_width
+from tribo.simulation.element_size import summit_width
 from tribo.simulation.pins import Ball
 from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
 from tribo.simulation.scene import Scene
@@ -23,29 +38,6 @@ from tribo.surface import SelfAffineRoughness, average_roughness
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
-# Fewest touching elements, where they are larger than pixels by the user's own choice. With fewer,
-# the coarse grid before the last step misses summits that wear, and boundaries err by up to 80 %.
-_FEW_ELEMENTS = 400
-# Fewest touching pixels. With 211 to 400 of them, presets err by at most 0.6 of their bounds, which
-# is no more than with over 400; fewer were not tested. Measured on the even-numbered scenes of
-# `tests.promises.front`.
-_FEW_PIXELS = 200
-# Fewest elements under a ball or crowned pin that rough patches of the disk pass. With fewer, the
-# rise differs by up to 0.9 % with the number of steps, and by more with the surface, although it is
-# a mean over positions of the disk.
-_FEW_SWEPT = 1000
-# Fewest elements, large or small, under heavy wear. Under balls worn by 9 to 64 times the
-# roughness, the rises with 25 and with 100 steps differed by up to 2.5 % on 1123 to 2172 elements,
-# and by up to 1.7 % on 2536 to 3076.
-_FEW_WORN = 3000
-_HEAVY = 9.0  # depth of heavy wear, over Ra of the elements
-FEWEST_PIXELS = 2.0  # in a correlation length, to resolve the slopes of the roughness
-FEWEST_TURNS = 10  # turns of a rolling pin over which its wear is even around it to about a tenth
-WIDEST = 0.3  # half-width in radii up to which a pin is about a parabola and a half-space
-_TOO_WARM = 0.01  # relative error of the rise above which heat model "elapsed" gets a warning
-_NARROW = 0.7  # elements across a summit, below which the rise was up to 16 % too low
-SLOWEST = 0.3
-"""Least exponent of the rise as a power of velocity at which presets keep their stated accuracy."""
 SLOW = (
     "the rise grows more slowly than the velocity to the power of 0.3, so that the boundary "
     "velocity errs two to three times as much as the preset promises; ask for an accuracy"
@@ -187,11 +179,11 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
         )
     block = scene.pixels.shape[0] // len(state.pressure)
     wide = summit_width(scene) / block
-    if block > 1 and wide < _NARROW and not scene.sweeps_over:
+    if block > 1 and wide < LEAST_SUMMIT and not scene.sweeps_over:
         yield (
             WarningKind.COARSE_PIXELS,
-            f"touching summits are {wide:.2g} elements wide; below {_NARROW:g} the rise is too low "
-            f"by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
+            f"touching summits are {wide:.2g} elements wide; below {LEAST_SUMMIT:g} the rise is "
+            f"too low by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
@@ -280,11 +272,11 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
 def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if so few elements touch that the temperature of the contact is uncertain."""
     smallest, is_worn = elements_are_pixels(scene, state), _is_heavily_worn(scene, state)
-    few = _FEW_ELEMENTS
+    few = FEW_ELEMENTS
     if is_worn:
-        few = _FEW_WORN
+        few = FEW_WORN
     elif smallest:
-        few = _FEW_SWEPT if scene.sweeps_over else _FEW_PIXELS
+        few = FEW_SWEPT if scene.sweeps_over else FEW_PIXELS
     elif scene.fidelity.elements_per_summit:  # as large as the surface allows
         few //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
     if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
@@ -312,7 +304,7 @@ def _is_heavily_worn(scene: Scene, state: State) -> bool:
     """
     if not scene.sweeps_over or (heights := elastic_bodies(scene).heights) is None:
         return False
-    return bool(state.wear_depth.max() > _HEAVY * average_roughness(heights))
+    return bool(state.wear_depth.max() > HEAVY_WEAR * average_roughness(heights))
 
 
 def elements_are_pixels(scene: Scene, state: State) -> bool:
@@ -344,7 +336,7 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     if scene.remembers_heat:
         return
     excess = excess_of_present_heat(scene, state)
-    if excess < _TOO_WARM:
+    if excess < TOO_WARM:
         return
     yield (
         WarningKind.PRESENT_HEAT,

@@ -7,6 +7,7 @@ import math
 from collections.abc import Container, Iterator
 from dataclasses import dataclass, field, replace
 
+from tribo.constants import FEWEST_ELEMENTS, LOCAL_TOLERANCE
 from tribo.errors import InputError
 from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
@@ -26,13 +27,6 @@ from tribo.surface import (
 from tribo.thermal import HeatedLength
 from tribo.types import Array
 from tribo.wear import Wear, WearLaw, WearPattern, require_wear
-
-# Fewest elements along x that resolve the shape of the wear.
-_FEWEST_ELEMENTS = 24
-# Largest tolerance of contacts under local wear, where the error of each contact stays in the worn
-# shape. On 25 random scenes, rises by `draft` were up to 3.5 % off with a tolerance of 0.1, and up
-# to 0.4 % with this one.
-_LOCAL_TOLERANCE = 0.03
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -249,7 +243,7 @@ class Scene:
     def contact_tolerance(self) -> float:
         """Residual at which the contact solver stops: the fidelity's, or less for local wear."""
         tolerance = self.fidelity.contact_tolerance
-        return min(tolerance, _LOCAL_TOLERANCE) if self.wears_locally else tolerance
+        return min(tolerance, LOCAL_TOLERANCE) if self.wears_locally else tolerance
 
     def heights(self) -> Array | None:
         """Heights of the disk on the pixels [m], shape ``pixels.shape``; None if it is smooth."""
@@ -319,7 +313,7 @@ class Scene:
         fits = (
             factor
             for factor in range(self.fidelity.history_coarsening, 1, -1)
-            if nx % factor == ny % factor == 0 and nx // factor >= _FEWEST_ELEMENTS
+            if nx % factor == ny % factor == 0 and nx // factor >= FEWEST_ELEMENTS
         )
         return next(fits, 1)
 

@@ -17,6 +17,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from tribo.constants import LONGEST_STRETCH
 from tribo.contact import ElasticHalfSpace
 from tribo.errors import InputError
 from tribo.types import Array
@@ -27,9 +28,6 @@ WearScheme = Literal["implicit", "explicit", "sdirk2"]
 
 EXPLICIT_LIMIT = 2.0
 """Value of `Wear.stiffness` from which on the explicit scheme is unstable."""
-
-
-_LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its stages' low loads
 
 
 class Stage(NamedTuple):
@@ -83,7 +81,7 @@ class RungeKutta:
         past = sum(b * F for b, F in zip(self.weights, carried, strict=True))
         # Stages that carry hardly any load, as where it falls to zero, do not show where the pin
         # wears. So one stage at the mean load wears it, and one without wear ends the step.
-        if mean_load > _LONGEST_STRETCH * past:
+        if mean_load > LONGEST_STRETCH * past:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
             return
