@@ -1,7 +1,8 @@
 """Constants that change an answer: how a point is divided, and from where on it is doubted.
 
-`make promises` judges all of them together with the presets: it compares rises and boundaries of
-random scenes with their references. The measurement that chose a constant stands beside it.
+`make promises` judges them together, with the presets: it compares rises of random scenes with
+those of `reference`. It sees no error that `reference` has, too, and does not judge the limits of
+the model, `FEWEST_TURNS` and `WIDEST`. Where a measurement chose a constant, it stands beside it.
 """
 
 # Elements of the contact
@@ -31,7 +32,7 @@ LOCAL_TOLERANCE = 0.03
 # computed with eight times as many steps on the pixels. With 10 the rise is within 0.3 % of that
 # with 4.
 HOLD_GROWTH = 10.0
-FEWEST_INCREMENTS = 0.25  # least share of the reference load's increments that a load takes
+LEAST_SHARE_OF_INCREMENTS = 0.25  # least share of the reference load's increments that a load takes
 
 LOAD_NOISE = 0.02  # noise of a constant load, as a share of the reference load
 EVEN_STEPS = 0.2  # steps are equal in time if shares of travel and of time differ by less
@@ -40,7 +41,7 @@ FITTED_SHARES = (0.1, 0.9)  # shares of the reference load between which the ris
 # Largest step of the load, over the last step, for which contacts are extrapolated.
 FARTHEST_STEP = 2.0
 
-MOST_PARTS_OF_LOAD = 4  # parts of a step
+MOST_PARTS_OF_STEP = 4  # parts of a step
 ENOUGH_STEPS = 25  # steps of a ramp that resolve the worn pin without parts
 
 IMPLICIT_END = 1 / 6  # share of the step that is taken implicitly
@@ -58,8 +59,8 @@ LONGEST_STRETCH = 2.0  # largest factor on a step's distance to make up for its 
 # with wear of 9 to 64 times the roughness and correlation lengths of 8 to 30 µm: with 8 parts, the
 # rise exceeded on 10 % of the contact is within 0.9 % of its value with 48 parts. With 2 parts it
 # is up to 5.2 % too high.
-MOST_PARTS = 8
-DEEP_IMPRINT = 0.3  # imprint in a part beyond which a step has more parts, up to that number
+MOST_PARTS_OF_WEAR = 8
+DEEP_IMPRINT = 0.3  # imprint in a part beyond which a step has more parts
 # Most positions of the disk over which a temperature is averaged, and most pixels in the Hertzian
 # contacts at all these positions together. Between 50, 100, 200 and 400 steps, rises under five
 # balls and crowned pins on 56 to 563 elements differed by 0.8 to 7.4 % at one position, and by 0.03

@@ -18,7 +18,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from tribo.constants import FEWEST_INCREMENTS, HOLD_GROWTH
+from tribo.constants import HOLD_GROWTH, LEAST_SHARE_OF_INCREMENTS
 from tribo.errors import InputError, require_integer, require_positive
 
 MOST_STEPS = 100_000
@@ -108,8 +108,8 @@ class Ramp:
         """
         share = normal_load / self.reference_load * (1 + 1e-12)
         halvings = 0
-        if 0 < share < FEWEST_INCREMENTS:
-            halvings = math.ceil(math.log2(FEWEST_INCREMENTS) - math.log2(share))
+        if 0 < share < LEAST_SHARE_OF_INCREMENTS:
+            halvings = math.ceil(math.log2(LEAST_SHARE_OF_INCREMENTS) - math.log2(share))
         return math.ldexp(self.reference_load / increments, -halvings)
 
     def lowest(self, normal_load: float) -> float:
@@ -123,7 +123,7 @@ class Ramp:
         >>> [ramp.lowest(load) for load in (800.0, 200.0, 199.0)]
         [200.0, 200.0, 100.0]
         """
-        return FEWEST_INCREMENTS * self.increment(normal_load, increments=1)
+        return LEAST_SHARE_OF_INCREMENTS * self.increment(normal_load, increments=1)
 
     def stations(
         self, normal_load: float, increments: int, hold_increments: int = 0

@@ -22,7 +22,7 @@ from tribo.constants import (
     FEW_POSITIONS,
     FEWEST_POSITIONS,
     MORE_PARTS,
-    MOST_PARTS,
+    MOST_PARTS_OF_WEAR,
     MOST_POSITIONS,
     PIXELS_OF_POSITIONS,
     SHIFT,
@@ -57,7 +57,7 @@ def part_count(scene: Scene, wear: Wear, distance: float) -> int:
     """
     imprint = imprint_of(scene, wear, distance)
     finer = _part_factor(scene)
-    return math.ceil(min(max(finer * imprint / DEEP_IMPRINT, 1.0), finer * MOST_PARTS))
+    return math.ceil(min(max(finer * imprint / DEEP_IMPRINT, 1.0), finer * MOST_PARTS_OF_WEAR))
 
 
 def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
@@ -104,7 +104,7 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count, most = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS
+    count, most = part_count(scene, wear, distance), _part_factor(scene) * MOST_PARTS_OF_WEAR
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     length = float(ends.sum() - (ends[0] + ends[-1]) / 2)

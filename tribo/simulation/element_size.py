@@ -104,10 +104,8 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
     most = min(math.sqrt(alike / fewest), across) / size
     history = max(1, min(fidelity.history_coarsening, int(most)))
     # With few elements each one matters: a loose tolerance or a long step must not miss any.
-    share, tolerance = (
-        min(1.0, expected.touching / size**2 / MANY_TOUCHING),
-        fidelity.contact_tolerance,
-    )
+    share = min(1.0, expected.touching / size**2 / MANY_TOUCHING)
+    tolerance = fidelity.contact_tolerance
     changed = replace(
         fidelity,
         pixels_per_element=size,

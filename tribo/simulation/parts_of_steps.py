@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tribo.constants import ENOUGH_STEPS, MOST_PARTS_OF_LOAD
+from tribo.constants import ENOUGH_STEPS, MOST_PARTS_OF_STEP
 from tribo.loading import Station
 from tribo.simulation.disk_positions import imprint_of
 from tribo.simulation.scene import Scene
@@ -41,7 +41,7 @@ def _part_count(scene: Scene, before: State, distance: float, velocity: float) -
     wear = wear_of_step(scene, before, distance, velocity)
     if wear is None:
         return 1
-    most = min(MOST_PARTS_OF_LOAD, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
+    most = min(MOST_PARTS_OF_STEP, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
     imprint = imprint_of(scene, wear, distance) / scene.fidelity.imprint
     return math.ceil(min(max(imprint, 1.0), most))
 
