@@ -16,8 +16,11 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.logs import Log, read_log
-from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table, read_trace
-from pipeline.laboratory.trace import Candidate
+from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table
+from pipeline.laboratory.records import read_trace
+from pipeline.laboratory.spoken import toml_of
+from pipeline.laboratory.trace import Trace
+from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import Stages, Test
@@ -25,6 +28,12 @@ from pipeline.scene.runs import run_faults
 from pipeline.scene.sheet import Sheet
 from pipeline.sweep.remarks import remarks
 from tribo import InputError
+
+_STAGE = (
+    "start [s]", "duration [s]", "load [N]", "velocity [m/s]", "friction begin", "friction steady",
+    "friction highest", "friction end", "temperature [degC]",
+)  # fmt: skip
+"""Columns of a table of stages."""
 
 
 def surface(options: argparse.Namespace) -> Result:
@@ -50,8 +59,12 @@ def tests(options: argparse.Namespace) -> Result:
     read = read_table(path, named, OF_TRACE)
     if is_one_run(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
         return _trace_result(path, read, options)
-    if options.output:
-        raise InputError(f"{path} is no record of friction over time, which -o draws; leave it out")
+    for name in ("output", "outcome", "scuffed_at"):
+        if getattr(options, name):
+            option = "-o" if name == "output" else f"--{name.replace('_', '-')}"
+            raise InputError(
+                f"{path} is no record of friction over time, which {option} needs; leave it out"
+            )
     return _log_result(path, read_log(path, named | {"words": dict(options.word)}), named)
 
 
@@ -85,30 +98,80 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
     """Result of ``irg tests`` for a trace, a record of friction over time, with the table `read`.
 
-    It has the stages, the transition, lines to paste into a scene file, and a figure if `options`
-    name a file for it.
+    It has the stages and the largest rises of friction, a figure if `options` name a file for it,
+    and lines of a scene file if they say what happened.
     """
     trace = read_trace(read)
-    tests = trace.tests()
-    toml = [*_trace_toml(tests, read.missing, trace.scuff)]
-    scuff = trace.scuff
+    stages, rises = [*_stage_rows(trace)], trace.rises
+    is_told = options.outcome or options.scuffed_at
+    toml = [*toml_of(trace, read.missing, options.scuffed_at)] if is_told else []
+    times = [float(trace.time[one.row]) for one in rises]
     document = {
         "file": str(path), **_describe(read.sheet, read.export),
-        "transition_time": None if scuff is None else float(trace.time[scuff.row]),
-        "stages": [
-            one._asdict() | {"rows": [one.rows.start, one.rows.stop]} for one in trace.stages
+        "stages": [dict(zip(_STAGE, row, strict=True)) for row in stages],
+        "rises": [
+            {"time [s]": time, "from": one.low, "to": one.high}
+            for time, one in zip(times, rises, strict=True)
         ],
-        "candidates": [one._asdict() for one in trace.candidates],
-        "tests": tests, "toml": "\n".join(toml),
+        "toml": "\n".join(toml),
     }  # fmt: skip
     text: list[str | pd.DataFrame] = [*_file_lines(path, read.sheet, read.export)]
-    text += [f"a trace of friction, {len(trace.time)} rows", *trace.lines(), "", *toml]
+    text += [f"a trace of friction, {len(trace.time)} rows in motion", ""]
+    shown = [[number, *map(_shown, row)] for number, row in enumerate(stages, 1)]
+    text += [frame_of(("stage", *_STAGE), shown), "", *_rise_lines(trace)]
+    if toml:
+        text += ["", *toml]
+    else:
+        time = f"{times[0]:.4g} s" if times else "812 s"
+        text += [
+            "say what happened, by the picture (-o trace.png) and the worn surface:",
+            "  --outcome mild",
+            f'  --scuffed-at "{time}"',
+        ]
     draw = None
     if options.output:
         from pipeline.laboratory.picture import draw_trace  # Matplotlib is slow to import
 
         draw = partial(draw_trace, trace, path.name)
     return Result(document, text, draw=draw)
+
+
+def _stage_rows(trace: Trace) -> Iterator[tuple[Any, ...]]:
+    """Yield the values of each stage, in the order of `_STAGE`; both ends of a ramp as a list."""
+    for stage in trace.stages:
+        time = trace.time[stage.rows]
+        levels = [[*one] if isinstance(one, tuple) else one for one in (stage.load, stage.velocity)]
+        warm = trace.temperature_of(stage.rows)
+        yield (
+            float(time[0]), trace.duration_of(stage), *levels, *trace.friction_of(stage),
+            None if warm is None else shown_in(warm, "°C"),
+        )  # fmt: skip
+
+
+def _shown(value: Any) -> str | None:
+    """Value of a stage with four digits; both ends of a ramp as "500 to 600"."""
+    if isinstance(value, list):
+        return " to ".join(f"{one:.4g}" for one in value)
+    return None if value is None else f"{value:.4g}"
+
+
+def _rise_lines(trace: Trace) -> Iterator[str]:
+    """Yield a line on each of the largest lasting rises of friction, with its time and place."""
+    for one in trace.rises:
+        time = float(trace.time[one.row])
+        place = [
+            f"{command.values[one.row]:.4g} {UNITS[name]}"
+            for name, command in trace.commands.items()
+        ]
+        number = trace.stage_at(time)
+        is_within = one.row in range(*trace.stages[number].rows.indices(len(trace.time)))
+        where = f"in stage {number + 1}" if is_within else "beside the stages"
+        yield (
+            f"friction rises from {one.low:.3g} to {one.high:.3g} at {time:.4g} s, {where}"
+            f"{', at ' * bool(place)}{' and '.join(place)}"
+        )
+    if not trace.rises:
+        yield "no rise of friction by a tenth or more"
 
 
 def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
@@ -183,20 +246,3 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
     columns = log.renamed | named["columns"]
     entries = {"file": path.name, "words": log.words, **named, "columns": columns}
     yield from (f"{name} = {as_toml(value)}" for name, value in entries.items() if value)
-
-
-def _trace_toml(
-    tests: Iterable[Mapping[str, Any]], missing: Mapping[str, str], scuff: Candidate | None
-) -> Iterator[str]:
-    """Yield the tests of a trace as lines for a scene file, with comments at missing values.
-
-    `missing` has the reasons by the name of the value. `scuff` is the rise of friction that counts
-    as scuffing; None without scuffing.
-    """
-    for test in tests:
-        is_transition = scuff and not {*test} & {"outcome", "mild_up_to", "severe_at"}
-        yield "[[measured]]" if is_transition else "[[tested]]"
-        for name, value in test.items():
-            why = missing.get(name, f'in no column; give --given "{name}={value}"')
-            more = f"  # {why}" if str(value).startswith("...") else ""
-            yield f"{name} = {as_toml(value)}{more}"

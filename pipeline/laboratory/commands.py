@@ -75,6 +75,11 @@ _TESTS = (
     ),
     o.SHEET,
     Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
+    Option("--outcome", choices=("mild",), help="print the lines of a trace that stayed mild"),
+    Option(
+        "--scuffed-at", metavar="TIME", type=values.quantity("812 s"),
+        help='print the lines of a trace that scuffed at this time after its first row, as "812 s"',
+    ),
     o.output("FILE.png", "figure of a trace: its stages, and the rises of friction"),
 )  # fmt: skip
 

@@ -42,14 +42,11 @@ def draw_trace(trace: Trace, title: str) -> Figure:
         for axes in (friction, commands):
             axes.axvspan(begin, end, color=GREY, alpha=0.06 + 0.06 * (number % 2), linewidth=0)
         friction.text((begin + end) / 2, 1.01, str(number), transform=where, ha="center")
-    for one in trace.candidates:
-        is_scuff = not one.why_not
-        colour = VERMILION if is_scuff else GREY
-        at = trace.time[one.row]
-        friction.plot([at, at], [one.low, one.high], color=colour, marker="o", markersize=4)
-        words = "scuffing" if is_scuff else one.why_not
+    for rise in trace.rises:
+        at = trace.time[rise.row]
+        friction.plot([at, at], [rise.low, rise.high], color=VERMILION, marker="o", markersize=4)
         friction.annotate(
-            words, (at, one.high), textcoords="offset points", xytext=(-6, -4), ha="right",
-            va="top", color=colour,
+            f"{at:.4g} s", (at, rise.high), textcoords="offset points", xytext=(-6, -4), ha="right",
+            va="top", color=VERMILION,
         )  # fmt: skip
     return figure

@@ -11,27 +11,26 @@ import numpy as np
 
 from pipeline.laboratory.exports import Export, find_export, has_cell
 from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
-from pipeline.laboratory.trace import LEAST_ROWS, Trace, at_rest
+from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import did_you_mean, fault_lines, quoted
+from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.format import Stages, Test
 from pipeline.scene.names import Heading
 from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_lines, sheet_of
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
-from tribo.types import Array
 
 OF_TESTS = *dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys]), "transition_load"
 """Quantities that a log may have."""
-_NEEDED = "time", "friction", "load", "velocity"
-OF_TRACE = *_NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"
+NEEDED = "time", "friction", "load", "velocity"
+"""Quantities from which stages and rises of a trace follow."""
+OF_TRACE = *NEEDED, "friction_force", "friction_torque", "bulk_temperature", "outcome"
 """Quantities that a trace may have; an outcome tells a log from a trace."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
 # Left out if the outcome is of several words, as the question may suggest their opposite.
 _NEAR = re.compile(r" \(did you mean [^)]*\)")
 _MOST = 0.95  # share of rows in which time must rise for a single run
-_MOST_FRICTION = 2.0  # largest plausible median of friction
 _OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak
 
 
@@ -233,67 +232,3 @@ def is_one_run(sheet: Sheet) -> bool:
     steps = np.diff(sheet.numbers("time")) if is_trace(sheet) else np.zeros(1)
     del sheet.faults[before:]  # a log needs no time
     return bool(np.mean(steps > 0) > _MOST)
-
-
-def read_trace(read: Read) -> Trace:
-    """Convert a table to a trace of friction over time; raises an `InputError` with all faults.
-
-    Rows with gaps, and rows at rest, are left out of the trace and of the table's sheet.
-    """
-    sheet, export, missing = read
-    if "friction" not in sheet.places:  # all missing quantities are named at once
-        sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]
-    require(sheet, ["time", "friction"])
-    columns = {
-        name: sheet.numbers(name) for name in (*_NEEDED, "bulk_temperature") if name in sheet.places
-    }
-    add_hints(sheet)
-    if sheet.faults:
-        raise InputError(fault_lines(sheet.name, sheet.faults))
-    if export.restarts or "step" in sheet.heading("time").title.lower():
-        columns["time"] = _unwrap_time(columns["time"])
-    for name in ("friction", "velocity"):  # their signs change with the stroke
-        if name in columns:
-            columns[name] = np.abs(columns[name])
-    if "load" in columns and np.sum(columns["load"] < 0) > len(sheet.rows) / 2:
-        columns["load"] = -columns["load"]
-        sheet.form.append("loads below 0 are normal forces downwards")
-    needed = [values for name, values in columns.items() if name != "bulk_temperature"]
-    _drop(sheet, columns, "has a gap", ~np.isfinite(needed).all(axis=0))
-    fallen = np.flatnonzero(np.diff(columns["time"]) < 0)
-    if fallen.size:
-        before, now = columns["time"][fallen[0] : fallen[0] + 2]
-        raise InputError(
-            f"{sheet.name}, row {sheet.rows[fallen[0] + 1].number}: time falls from {before:.4g} "
-            f"to {now:.4g} s, but a trace is one run; give each run in a file of its own, or by "
-            "--where, in the order of time"
-        )
-    rest = [at_rest(columns[x]) for x in ("load", "velocity") if x in columns and sheet.rows]
-    if sheet.rows and (level := np.median(columns["friction"])) > _MOST_FRICTION:
-        raise InputError(
-            f"{sheet.name}: friction is {level:.4g}; in a contact it is at most "
-            f"{_MOST_FRICTION:g}; give a column of the coefficient itself, or of friction force"
-        )
-    _drop(sheet, columns, "is at rest", np.any([np.zeros(len(sheet.rows), bool), *rest], axis=0))
-    if len(sheet.rows) < LEAST_ROWS:
-        needed_words = f"{len(sheet.rows)} rows in motion; a trace needs {LEAST_ROWS}"
-        raise InputError("; ".join(filter(None, (f"{sheet.name}: {needed_words}", sheet.counted))))
-    return Trace(**columns)
-
-
-def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
-    """Leave out rows, for a reason, from the table and from the arrays in `columns`.
-
-    `rows` is a mask, True for rows to leave out.
-    """
-    numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
-    sheet.leave_out(dict.fromkeys(numbers, reason))
-    columns |= {name: values[~rows] for name, values in columns.items()}
-
-
-def _unwrap_time(time: Array) -> Array:
-    """Continuous time [s] from a time that restarts with each step."""
-    steps = np.diff(time)
-    usual = float(np.nanmedian(steps[steps > 0]))
-    jumps = np.where(steps < 0, usual - steps, 0.0)
-    return np.asarray(time + np.concatenate([[0.0], np.cumsum(jumps)]))

@@ -11,7 +11,6 @@ import numpy as np
 STAGES = 100.0 * np.repeat([1, 2, 3, 4], 40)  # N
 TIME = np.arange(len(STAGES)) * 1.0  # s
 IS_SEVERE = TIME >= 140.0
-SEVERE, MILD = 400.0, 300.0
 SPEED = 0.5  # m/s
 TRACK = 20.0  # mm
 TURNS = SPEED / (2 * np.pi * TRACK / 1e3) * 60  # rpm
