@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.schema import AT_END, STEPPED, VARIABLES
+from pipeline.store.schema import DATA, VARIABLES
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 
 _LONGEST = 2000  # characters of a message, so that somebody can read it
-_COVERED = {*STEPPED, *AT_END, "message", "warning_flags"}
+_COVERED = {*DATA, "message", "warning_flags"}
 
 
 def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:

@@ -11,7 +11,7 @@ from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 
-FORMAT = 15
+FORMAT = 16
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -82,6 +82,13 @@ FIELDS = {
     "rise": _field("K", f"temperature rise of the pin at the end of the ramp {_RISE}"),
     "wear_depth": _field("m", "wear depth of the pin at the end of the ramp"),
 }
+SAMPLING = {
+    "rise_sampling": Variable(
+        (*PLANE, "cooler_share"), "1", "relative deviation of the rise from patch to patch"
+    ),
+    "mean_rise_sampling": Variable(PLANE, "1", "relative deviation of the mean rise, likewise"),
+}
+"""Variables of the contact at the end, estimated from this contact alone."""
 BULK_COLUMNS = {
     "mean_bulk_response": Variable(_STEP, "1", "mean rise per kelvin by which the disk is warmer"),
     "bulk_rise_quantile": Variable(_AT_BULKS, "K", f"quantile of the rise above the pin {_RISE}"),
@@ -114,12 +121,14 @@ INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS = "about", "fields"
 """Zarr groups: one for texts and facts of the store, one for the fields over x and y."""
-VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | SAMPLING | FIELDS | BULK_FIELDS
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
 """Fields, which are stored only as they are when the simulation of a point ends."""
+DATA = STEPPED | SAMPLING | AT_END
+"""All results of a simulation."""
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:

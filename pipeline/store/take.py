@@ -6,7 +6,7 @@ from typing import Any
 
 from pipeline.store.checksum import checksum
 from pipeline.store.layout import blocks
-from pipeline.store.schema import AT_END, DONE, STEPPED
+from pipeline.store.schema import DATA, DONE
 from pipeline.store.verify import fault_of, read_block, stored_entries
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
@@ -21,7 +21,7 @@ def take_points(store: Store, other: Store) -> int:
     variants are called. Points with a wrong checksum are not copied. Nothing is copied if the
     stores keep results at different times, or `other` lacks a variable of `store`.
     """
-    data = store.arrays.keys() & {*STEPPED, *AT_END}
+    data = store.arrays.keys() & DATA.keys()
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():
         return 0
     wanted: dict[tuple[Any, ...], list[Point]] = {}

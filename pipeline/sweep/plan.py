@@ -41,6 +41,7 @@ Moment = Mapping[str, float | Array]
 
 _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
+_NO_SAMPLING = {"rise_sampling": _NO_QUANTILES, "mean_rise_sampling": math.nan}
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
@@ -85,6 +86,11 @@ class PointResult:
         blocks = (self.shape[0], -1, self.shape[1], pressure.shape[1] // self.shape[1])
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
+    @property
+    def sampling(self) -> dict[str, Any]:
+        """Relative deviations of the rises from patch to patch, by variable of the dataset."""
+        return self.state.heat.sampling if self.state.heat else _NO_SAMPLING
+
     def record(self, with_fields: bool) -> PointRecord:
         """Return the record of the point for a store, with contact fields if `with_fields`."""
         fields = self.fields if with_fields else {}
@@ -92,6 +98,7 @@ class PointResult:
             point=self.point,
             data={
                 **{name: v for name, v in self.columns.items() if name not in _MADE},
+                **self.sampling,
                 **{name: v.astype(np.float32) for name, v in fields.items()},
             },
             message="; ".join(map(str, self.warnings)),
@@ -189,7 +196,8 @@ def run_point(
         states: list[State] = []
         for contact in contacts(scene, load, velocity, trunks, heat_steps, note):
             if contact.index in own:
-                states.append(_heated(fitted, velocity, contact))
+                is_last = contact.index == kept[-1].index
+                states.append(_heated(fitted, velocity, contact, is_last))
             progress(Progress(done=contact.index, total=kept[-1].index))
         records = [*states[-1].course, *(record_at(fitted, state) for state in states)]
         columns = {key: np.array([record[key] for record in records]) for key in records[0]}
@@ -205,11 +213,11 @@ def run_point(
     )
 
 
-def _heated(scene: Scene, velocity: float, contact: State) -> State:
+def _heated(scene: Scene, velocity: float, contact: State, is_sampled: bool = False) -> State:
     """Copy of a solved contact with its temperature and distance at a sliding velocity [m/s]."""
     warm = contact.heat
     if warm is None and contact.pressure.any():
-        warm = heat(scene, contact, velocity)
+        warm = heat(scene, contact, velocity, is_sampled)
     return replace(contact, sliding_distance=abs(velocity) * contact.time, heat=warm)
 
 

@@ -158,7 +158,7 @@ def differing(arrays, index, result):
     """Yield names of variables of a point that are not, bit for bit, the computed result."""
     expected = {**result.record("pressure" in arrays).data}
     for name, values in expected.items():
-        stored = arrays[name][index]
+        stored, values = np.atleast_1d(arrays[name][index]), np.atleast_1d(values)
         if stored[-len(values) :].tobytes() != values.tobytes():
             yield name
         elif name in STEPPED and _is_known(stored[: -len(values)]).any():

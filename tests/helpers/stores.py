@@ -94,7 +94,7 @@ def assert_is_as_computed(path, expected):
         place = loads.index(point.load), velocities.index(point.velocity)
         assert stored["message"][place] == record(point).message
         for name, values in record(point).data.items():
-            present = stored[name][place]
+            present, values = np.atleast_1d(stored[name][place]), np.atleast_1d(values)
             assert present[-len(values) :].tobytes() == values.tobytes(), (point, name)
             before = present[: -len(values)]
             assert not before.any() if name == "own_grid" else np.isnan(before).all(), (point, name)

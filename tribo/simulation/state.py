@@ -6,7 +6,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from tribo.thermal import HeatHistory
+import numpy as np
+
+from tribo.thermal import HeatHistory, jackknife_error
 from tribo.types import Array
 
 
@@ -39,6 +41,9 @@ class Heat:
     bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
         Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
         `tribo.thermal.BULK_RATIOS`.
+    quantile_without, mean_without : ndarray, shapes (8, len(QUANTILES)) and (8,)
+        `rise_quantile` and `mean_rise` without each of eight groups of elements in turn [K], see
+        `tribo.thermal.sampling`; None for a smooth disk, or if they were not asked for.
 
     Examples
     --------
@@ -57,6 +62,22 @@ class Heat:
     bulk_response: Array | None = None
     mean_bulk_response: float = math.nan
     bulk_rise_quantile: Array | None = None
+    quantile_without: Array | None = None
+    mean_without: Array | None = None
+
+    @property
+    def sampling(self) -> dict[str, Any]:
+        """Relative standard deviations of the rises from patch to patch, by variable of a sweep.
+
+        They are estimated from this contact alone: ``rise_sampling``, one for each of
+        `tribo.QUANTILES`, and ``mean_rise_sampling``. On a smooth disk they are 0.
+        """
+        if self.quantile_without is None or self.mean_without is None:
+            return {"rise_sampling": np.zeros(len(self.rise_quantile)), "mean_rise_sampling": 0.0}
+        return {
+            "rise_sampling": jackknife_error(self.quantile_without),
+            "mean_rise_sampling": float(jackknife_error(self.mean_without)),
+        }
 
     @property
     def columns(self) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from tribo.simulation.cache import heat_map, heat_spectrum
 from tribo.simulation.invariants import check_heat, guard_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
+from tribo.simulation.surface_groups import surface_groups
 from tribo.thermal import (
     Conductor,
     HeatHistory,
@@ -21,13 +22,14 @@ from tribo.thermal import (
     contact_quantiles,
     partition_heat,
     partition_with_history,
+    rises_without_groups,
     settling_time,
 )
 from tribo.types import Array, Mask
 
 
 @guard_range("the temperature of a contact")
-def heat(scene: Scene, state: State, velocity: float) -> Heat:
+def heat(scene: Scene, state: State, velocity: float, is_sampled: bool = False) -> Heat:
     """Temperature rises of a state, per unit friction coefficient; `InputError` if nothing touches.
 
     The rise is computed for equal bulk temperatures of pin and disk. If `Scene.unequal_bulks` is
@@ -37,6 +39,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
 
     The temperature depends on pressure and time of the contact, but not on the wear before. So
     thermal constants, elements and velocity [m/s] may differ from the values used for the contact.
+    If `is_sampled`, the result also has `Heat.sampling`.
 
     Examples
     --------
@@ -47,7 +50,7 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     """
     scene = refined_scene(scene, state)
     passing = (replace(state, pressure=pressure) for pressure in state.passing)
-    return mean_heat([_present_heat(scene, one, velocity) for one in (state, *passing)])
+    return mean_heat([_present_heat(scene, one, velocity, is_sampled) for one in (state, *passing)])
 
 
 def mean_heat(heats: Sequence[Heat]) -> Heat:
@@ -71,17 +74,19 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
         rise_quantile=mean("rise_quantile"),
         iterations=sum(one.iterations for one in heats),
         mean_bulk_response=float(mean("mean_bulk_response")),
+        quantile_without=None if first.quantile_without is None else mean("quantile_without"),
+        mean_without=None if first.mean_without is None else mean("mean_without"),
         bulk_rise_quantile=None if first.bulk_rise_quantile is None else mean("bulk_rise_quantile"),
     )
 
 
-def _present_heat(scene: Scene, state: State, velocity: float) -> Heat:
+def _present_heat(scene: Scene, state: State, velocity: float, is_sampled: bool) -> Heat:
     """Temperature rises of the contact per unit friction, and the pin's share of the heat.
 
     The heat follows from the pressure of `state`, and is taken to have acted since time 0.
     """
     contact = state.pressure > 0
-    summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
+    summary = _summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
     if not scene.unequal_bulks:
         return summary
     return _add_response(scene, summary, _response(scene, state, velocity, contact), contact)
@@ -124,7 +129,7 @@ def add_temperature(scene: Scene, before: State, state: State, velocity: float) 
     friction = friction_heat(scene, state, velocity)
     split, heat_history = since(before.heat_history, friction, 0.0)
     _check_split(scene, friction, contact, split)
-    summary = _summary(scene, split, contact) if contact.any() else None
+    summary = _summary(scene, split, contact, is_sampled=True) if contact.any() else None
     state = replace(state, heat=summary, heat_history=heat_history)
     if not scene.unequal_bulks:
         return state
@@ -134,10 +139,13 @@ def add_temperature(scene: Scene, before: State, state: State, velocity: float) 
     return replace(state, heat=summary, response_history=history)
 
 
-def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
+def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool) -> Heat:
     on_contact = split.rise[contact]
     # Quantiles interpolate between nodes, so each row that a plane's element stands for counts.
     rows = scene.rows_per_element
+    without: tuple[Array | None, Array | None] = None, None
+    if is_sampled and scene.roughness is not None:
+        without = rises_without_groups(split.rise, contact, surface_groups(scene))
     return Heat(
         rise=split.rise,
         rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
@@ -145,6 +153,8 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
         mean_rise=float(on_contact.mean()),
         pin_heat_share=split.pin_share,
         iterations=split.iterations,
+        quantile_without=without[0],
+        mean_without=without[1],
     )
 
 

@@ -154,3 +154,25 @@ def rms_slope(heights: Array, spacing: tuple[float, float]) -> float:
         difference = np.roll(heights, -1, axis) - np.roll(heights, 1, axis)
         squares += float(np.mean((difference / (2 * step)) ** 2))
     return float(np.sqrt(squares))
+
+
+def correlation_lengths(heights: Array, spacing: tuple[float, float]) -> tuple[float, float]:
+    """Distances [m] along x and y at which the autocorrelation of `heights` [m] falls to 1/e.
+
+    `spacing` has the sides of a pixel [m]. The surface is taken to repeat itself. A distance is at
+    least one pixel, and at most half a side.
+
+    Examples
+    --------
+    >>> x = np.arange(400)[:, None] * np.ones(4)
+    >>> correlation_lengths(np.cos(2 * np.pi * x / 40), (1e-6, 1e-6))
+    (8e-06, 2e-06)
+    """
+    power = np.abs(np.fft.rfft2(heights - heights.mean())) ** 2
+    correlation = np.fft.irfft2(power, heights.shape)
+    lines = correlation[: len(heights) // 2, 0], correlation[0, : heights.shape[1] // 2]
+    lags = [
+        next((lag for lag, value in enumerate(line) if value < correlation[0, 0] / np.e), len(line))
+        for line in lines
+    ]
+    return lags[0] * spacing[0], lags[1] * spacing[1]

@@ -55,7 +55,13 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
     """
     if not contact.any():
         raise InputError("no element is in contact; quantiles of the temperature need at least one")
-    ordered = np.sort(rise[contact])
+    return sorted_quantiles(np.sort(rise[contact]))
+
+
+def sorted_quantiles(ordered: Array) -> Array:
+    """Quantiles of ascending values, one for each of `QUANTILES`; NaN without values."""
+    if not ordered.size:
+        return np.full(len(QUANTILES), np.nan)
     places = np.asarray(QUANTILES) * (ordered.size - 1)
     # The same as np.quantile, which takes several times as long for this many quantiles.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)

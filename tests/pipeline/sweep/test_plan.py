@@ -138,10 +138,10 @@ def test_the_course_is_that_of_the_states_at_the_increments(physics):
 
 
 def test_heat_that_is_not_found_at_an_increment_costs_no_end(monkeypatch):
-    def failing(scene, state, velocity):
+    def failing(scene, state, velocity, is_sampled):
         if state.normal_load == 250.0:
             raise tribo.ConvergenceError("the heat did not converge", solution=None)
-        return heat(scene, state, velocity)
+        return heat(scene, state, velocity, is_sampled)
 
     whole = run_point(SWEEP, 600.0, 1.0).columns
     monkeypatch.setattr(plan, "heat", failing)

@@ -1,0 +1,77 @@
+"""The sampling error of one contact (tribo/thermal/sampling.py) against other seeds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline import load_scene
+from tests.helpers.scenes import small_scene
+from tribo import QUANTILES, simulate
+from tribo.simulation import heat
+from tribo.thermal import contact_quantiles, jackknife_error, rises_without_groups
+
+HOTTEST_TENTH = QUANTILES.index(0.9)
+
+
+def test_rises_without_a_group_are_those_of_the_rest():
+    rng = np.random.default_rng(3)
+    rise, contact = rng.random((40, 24)), rng.random((40, 24)) < 0.3
+    groups = rng.integers(0, 8, (40, 24))
+    quantiles, means = rises_without_groups(rise, contact, groups)
+    for group in range(8):
+        rest = contact & (groups != group)
+        assert quantiles[group] == pytest.approx(contact_quantiles(rise, rest))
+        assert means[group] == pytest.approx(rise[rest].mean())
+
+
+def test_the_error_of_many_independent_rises_is_that_of_their_quantile():
+    rng = np.random.default_rng(5)
+    rises, groups = (
+        rng.exponential(100.0, (60, 40, 40)),
+        np.arange(40) // 5 + np.zeros((40, 1), int),
+    )
+    everywhere = np.ones((40, 40), bool)
+    errors = [jackknife_error(rises_without_groups(r, everywhere, groups)[0]) for r in rises]
+    spread = np.log([contact_quantiles(r, everywhere) for r in rises]).std(axis=0, ddof=1)
+    for place in (QUANTILES.index(0.5), HOTTEST_TENTH):
+        assert np.sqrt(np.mean(np.square(errors), axis=0))[place] == pytest.approx(
+            spread[place], rel=0.3
+        )
+
+
+def test_values_that_are_zero_have_no_error():
+    assert jackknife_error(np.zeros((8, 3))).tolist() == [0.0, 0.0, 0.0]
+
+
+def errors_and_spread(scene, load, velocity, seeds):
+    """Errors that each of several surfaces states, and the standard deviation between them."""
+    errors, rises = [], []
+    for seed in range(seeds):
+        own = replace(scene, roughness=replace(scene.roughness, seed=seed))
+        *_, state = simulate(own, load, velocity)
+        found = heat(own, state, velocity, is_sampled=True)
+        errors.append(found.sampling["rise_sampling"][HOTTEST_TENTH])
+        rises.append(found.rise_quantile[HOTTEST_TENTH])
+    return float(np.sqrt(np.mean(np.square(errors)))), float(np.std(np.log(rises), ddof=1))
+
+
+@pytest.mark.parametrize(
+    ("name", "load", "velocity"),
+    [("first_try", 200.0, 3.5), ("first_try", 600.0, 1.5), ("pin_on_disk", 100.0, 0.3)],
+)
+@pytest.mark.slow
+def test_one_patch_tells_within_a_factor_of_two_how_sixteen_patches_differ(name, load, velocity):
+    scene = load_scene(name).changed("fidelity.preset", "draft").scene
+    error, spread = errors_and_spread(scene, load, velocity, 16)
+    assert spread / 2 < error < 2 * spread
+
+
+def test_a_patch_tells_how_patches_differ_and_a_smooth_disk_has_no_error():
+    error, spread = errors_and_spread(small_scene(), 400.0, 2.0, 12)
+    assert spread / 2 < error < 2 * spread
+    smooth = small_scene(roughness=False)
+    *_, state = simulate(smooth, 400.0, 2.0)
+    found = heat(smooth, state, 2.0, is_sampled=True).sampling
+    assert not found["rise_sampling"].any()
+    assert found["mean_rise_sampling"] == 0.0

@@ -1,0 +1,47 @@
+"""Groups of elements, for the sampling error of a contact; see `tribo.thermal.sampling`.
+
+Each group is a sample of the surface. Along a line contact strips across the whole contact are
+alike. Under a ball they are not: the strip in the middle has most of the contact, and eight strips
+erred by 2 to 17 times. There, square cells of four correlation lengths are dealt to the groups in
+turn.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+
+from tribo.simulation.scene import Scene
+from tribo.surface import SelfAffineRoughness, correlation_lengths
+from tribo.thermal.sampling import GROUPS
+from tribo.types import Indices
+
+_CELL = 4.0  # side of a cell in correlation lengths
+_NEXT_COLUMN = 3  # groups from a cell to the next one along x; 1 along y
+
+
+@functools.lru_cache(maxsize=4)  # each point of a sweep asks for it
+def surface_groups(scene: Scene) -> Indices:
+    """Number of the group of each element, from 0 to 7, shape ``grid.shape``."""
+    (nx, ny), spacing = scene.grid.shape, scene.grid.spacing
+    if scene.grid.periodic[1]:
+        return np.broadcast_to(np.arange(ny) * GROUPS // ny, (nx, ny))
+    lengths = _correlation_lengths(scene)
+    side = _CELL * math.sqrt(math.prod(lengths))
+    x, y = (
+        (np.arange(n) * size / side).astype(int) for n, size in zip((nx, ny), spacing, strict=True)
+    )
+    groups: Indices = (_NEXT_COLUMN * x[:, None] + y[None, :]) % GROUPS
+    return groups
+
+
+def _correlation_lengths(scene: Scene) -> tuple[float, float]:
+    """Correlation lengths of the disk's surface along x and y [m]; infinite for a smooth disk."""
+    if isinstance(scene.roughness, SelfAffineRoughness):
+        return scene.roughness.correlation_length
+    heights = scene.heights()
+    if heights is None:
+        return math.inf, math.inf
+    return correlation_lengths(heights, scene.pixels.spacing)

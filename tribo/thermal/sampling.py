@@ -1,0 +1,52 @@
+"""Sampling error of one contact: how much its temperatures differ from one patch to the next.
+
+A patch of a rough surface has few summits that carry much of the load, and another patch of the
+same surface has others. A jackknife (Efron & Stein, Ann. Statist. 9, 1981) estimates this from a
+single contact: its area is divided into groups, and each value θ is computed anew without each
+group g in turn. With n groups the variance of θ is (n − 1)/n Σ (θ_g − mean of θ_g)².
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.thermal.quantiles import sorted_quantiles
+from tribo.types import Array, Indices, Mask
+
+GROUPS = 8
+"""Number of groups of elements."""
+
+
+def rises_without_groups(rise: Array, contact: Mask, groups: Indices) -> tuple[Array, Array]:
+    """Quantiles and mean of the rise over the contact without each group of elements in turn [K].
+
+    They have the shapes (GROUPS, len(QUANTILES)) and (GROUPS,), and are NaN if a group has all of
+    the contact. `groups`, of shape (nx, ny), has the number of each element's group, from 0.
+    """
+    on_contact = rise[contact]
+    order = np.argsort(on_contact)
+    ordered, group = on_contact[order], groups[contact][order]
+    rests = [ordered[group != number] for number in range(GROUPS)]
+    quantiles = [sorted_quantiles(rest) for rest in rests]
+    means = [rest.mean() if rest.size else np.nan for rest in rests]
+    return np.array(quantiles), np.array(means)
+
+
+def jackknife_error(without: Array) -> Array:
+    """Relative standard deviation of values, from the values without each group in turn.
+
+    The groups are on the first axis of `without`. The result is 0 where the values are 0.
+
+    Examples
+    --------
+    The mean of eight independent numbers has the standard deviation s/√8:
+
+    >>> numbers = np.array([9.0, 12.0, 8.0, 11.0, 10.0, 13.0, 7.0, 10.0])
+    >>> without = (numbers.sum() - numbers) / 7
+    >>> f"{10 * jackknife_error(without):.4f} {numbers.std(ddof=1) / np.sqrt(8):.4f}"
+    '0.7071 0.7071'
+    """
+    count, mean = len(without), without.mean(axis=0)
+    spread = np.sqrt((count - 1) / count * ((without - mean) ** 2).sum(axis=0))
+    relative: Array = spread / np.where(mean == 0, 1.0, mean)
+    return relative
