@@ -10,7 +10,8 @@ from typing import Any
 
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
-from pipeline.sweep.model import Case, Sweep
+from pipeline.sweep.case import Case
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations

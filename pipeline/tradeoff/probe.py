@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.scene.written import with_fidelity
-from pipeline.sweep.model import Case, Point, Sweep
+from pipeline.sweep.case import Case
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import tasks
 from pipeline.sweep.selection import with_dividing_elements
 from pipeline.sweep.severity import momentary_rise, rise_limit
