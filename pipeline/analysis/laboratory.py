@@ -30,7 +30,7 @@ from tribo import InputError
 NOT_KNOWN = "not known"
 _AGREES = "yes", "no", NOT_DECIDED, NOT_KNOWN
 USUAL_SCATTER = 0.05
-"""Relative standard deviation of a transition's velocity if it states none."""
+"""Relative standard deviation of a transition's velocity."""
 _DEVIATIONS = 2.0  # a transition agrees within this many standard deviations of its velocity
 _BESIDE = 0.1  # a test is near a place within this relative distance in load and velocity
 _SAME = 1e-6  # relative rounding difference of equal loads or velocities
@@ -134,6 +134,8 @@ def comparison(own: PointField, test: Measurement) -> Comparison:
         If the test's load is outside the sweep, or too few points near the test are computed for
         the model to predict its outcome.
     """
+    if test.changes:
+        raise InputError("it has entries of its own, which the plane does not have")
     line = own.lines("velocity", *places_of(test.normal_load, test.velocity))
     low, high = (float(end[0]) for end in line.transitions.computed)
     end = float(np.clip(test.velocity, low, high))
@@ -207,8 +209,8 @@ def test_parts(frame: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
     yield from notes_of(frame)
     yield (
         f"each at its own friction and bulk temperature; a transition agrees within "
-        f"{_DEVIATIONS:g} standard deviations of its velocity, {100 * USUAL_SCATTER:g} % each if "
-        "it states none; a test agrees if the model has its outcome even with the temperature error"
+        f"{_DEVIATIONS:g} standard deviations of its velocity, {100 * USUAL_SCATTER:g} % "
+        "each; a test agrees if the model has its outcome even with the temperature error"
     )
 
 
@@ -259,7 +261,7 @@ def _test_answer(test: Measurement, field: PointField, found: Comparison) -> tup
             said = f"severe on {is_severe.sum()} of {len(is_severe)} surfaces"
         agrees = NOT_DECIDED if verdict == NOT_DECIDED else "yes" if verdict == outcome else "no"
         return said, temperature, agrees if found.is_known else NOT_KNOWN
-    scatter = test.velocity_scatter or USUAL_SCATTER * test.velocity
+    scatter = USUAL_SCATTER * test.velocity
     near = abs(found.turn - test.velocity) <= _DEVIATIONS * scatter
     said = f"at {found.turn:.3g} m/s" if 0 < found.turn < math.inf else verdict
     if not found.is_known:

@@ -55,7 +55,7 @@ def measured_over_computed(data: Results) -> Figure:
     scatter = model_error(data, field)
     _draw_band(axes, np.array(ends), scatter)
     for number, test, one in found:
-        error = 0.0 if test.outcome else test.velocity_scatter or USUAL_SCATTER * test.velocity
+        error = 0.0 if test.outcome else USUAL_SCATTER * test.velocity
         axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
         beside = ", outside the computed points" * (one.critical != one.turn)
         mark_test(axes, number, test, (one.critical, test.velocity), beside)

@@ -26,7 +26,7 @@ from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
 
 MAY_LACK = (
-    "friction", "velocity_scatter", "mild_up_to", "severe_at", "number", "load", "velocity",
+    "friction", "mild_up_to", "severe_at", "number", "load", "velocity",
 )  # fmt: skip
 """Entries of a test whose cells may be empty; a test without load or velocity is left out."""
 _DISTINGUISHING = "number", "run", "friction"  # entries that tell a repeated test from a copy

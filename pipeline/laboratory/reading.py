@@ -20,7 +20,8 @@ from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_lines, sheet_of
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 
-OF_TESTS = *dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys]), "transition_load"
+_LISTED = dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys])
+OF_TESTS = *(name for name in _LISTED if name != "with"), "transition_load"
 """Quantities that a log may have."""
 NEEDED = "time", "friction", "load", "velocity"
 """Quantities from which stages and rises of a trace follow."""

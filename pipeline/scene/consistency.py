@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from typing import Any
 
 import tribo
-from pipeline.quantities import display
+from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, RandomSurface
 from pipeline.scene.library import library
 from pipeline.scene.parts import track_length
 from pipeline.scene.runs import run_faults
+from pipeline.scene.units import UnitError, to_si
 from tribo.simulation.pins import sizes_of
 
 _OF_BODY = "diameter", "width", "track_length"
@@ -143,6 +145,13 @@ def _unfit_friction(scene: Any) -> Misfits:
 def _unfit_tests(scene: Any) -> Misfits:
     for number, problem in run_faults(scene.tested or ()):
         yield f"tested[{number}].run", problem
+    for number, test in enumerate(scene.measured or ()):
+        for name in ("load", "velocity") if test.step else ():
+            value = getattr(test, name)
+            with suppress(UnitError):  # it is a step of the other
+                if to_si(test.step, like=f"1 {UNITS[name]}") >= value:
+                    words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
+                    yield f"measured[{number}].step", f"{quoted(test.step)} {words}"
     lists = (("measured", scene.measured), ("tested", scene.tested))
     oils = {
         f"{name}[{number}]": "no oil" if test.oil is None else quoted(str(test.oil))

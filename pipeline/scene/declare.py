@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import keyword
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
@@ -81,10 +82,15 @@ class Entry(NamedTuple):
 def table_of(table: type[Any]) -> Table:
     """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
-    keys = {one.name: _entry(hints[one.name], one) for one in fields(table)}
+    keys = {one.name.rstrip("_"): _entry(hints[one.name], one) for one in fields(table)}
     name = table.__name__.removesuffix("Table")
     words = re.sub("(?<=.)(?=[A-Z])", " ", name).lower()
     return Table(keys, table, getattr(table, "form_name", words))
+
+
+def attribute_of(key: str) -> str:
+    """Name of the attribute with the value of a key; words of Python get an underscore."""
+    return f"{key}_" if keyword.iskeyword(key) else key
 
 
 def _entry(hint: Any, field: Field[Any]) -> Entry:
@@ -269,9 +275,10 @@ class Table(Kind):
                 faults.refuse(key_path(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():
-            entries[key] = None if faults.is_complete else entry.default
+            name = attribute_of(key)
+            entries[name] = None if faults.is_complete else entry.default
             if key in value:
-                entries[key] = entry.kind.read(value[key], key_path(place, key), faults)
+                entries[name] = entry.kind.read(value[key], key_path(place, key), faults)
             elif entry.is_needed:
                 faults.refuse(key_path(place, key), f"missing; give {entry.kind}")
         return self.make(**entries)
@@ -291,6 +298,20 @@ class Tables(Kind):
         if not isinstance(value, dict) or not value:
             raise UnfitError(f"{quoted(value)} is not a table that holds tables")
         return {key: self.of.read(one, key_path(place, key), faults) for key, one in value.items()}
+
+
+class Changes(Kind):
+    """Kind of scene entry: a table with other values of the scene's entries, by their paths.
+
+    Each value is as in the scene file, and is read with the entries that it changes.
+    """
+
+    words = 'a table of entries by their paths, such as { "pin.radius" = "3 mm" }'
+    holds = dict
+
+    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+        require(value, dict, "is not a table")
+        return dict(flat(value))
 
 
 @dataclass(frozen=True)

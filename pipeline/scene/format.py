@@ -10,6 +10,7 @@ import tribo
 from pipeline import extras
 from pipeline.scene.declare import (
     ByPath,
+    Changes,
     Declared,
     Either,
     Example,
@@ -24,6 +25,7 @@ from pipeline.scene.kinds import (
     Kind,
     Number,
     OneOf,
+    OneQuantity,
     Quantity,
     Scalar,
     Share,
@@ -301,24 +303,32 @@ class SweepTable(Declared):
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
 
-class TransitionTable(Declared):
+class TestTable(Declared):
     form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
     velocity: A[float, VELOCITY, "Sliding velocity."]
-    velocity_scatter: A[float | None, Quantity("0.1 m/s"),
-        "Standard deviation of the velocity; by default 5 % of it."] = None
     friction: A[float | None, FRICTION,
         "Measured coefficient of friction; by default the scene's."] = None
     bulk_temperature: A[float | None, BULK,
         "Bulk temperature of both bodies; by default the scene's."] = None
     hold: A[float | None, DURATION,
         "Time at the full load; by default that of `[loading]`."] = None
+    with_: A[dict[str, Any] | None, Changes(),
+        "Other entries of the scene that differ in this test, by their paths, such as "
+        '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
+        "The critical temperature, its criterion, `[oil]` and `[model]` are those of the scene.",
+        Example({"pin.radius": "3 mm"})] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default its place in the file or log."] = None
     oil: A[str | int | None, NAME,
         "Oil of the test. A scene takes the tests of one oil."] = None
 
-class _RunTable(TransitionTable):
+class TransitionTable(TestTable):
+    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
+        "Step of velocity or of load by which the transition was reached: wear was still mild one "
+        "step before.", Example("0.25 m/s")] = None
+
+class _RunTable(TestTable):
     run: A[str | int | None, NAME,
         "Run of the test, by default its own. Tests of one run have one specimen, and count as "
         "one."] = None

@@ -210,6 +210,24 @@ class Quantity(Kind):
         return float(exact)
 
 
+@dataclass(frozen=True)
+class OneQuantity(Kind):
+    """Kind of scene entry: a quantity of one of several dimensions, kept as it is written."""
+
+    kinds: tuple[Quantity, ...]
+
+    def __str__(self) -> str:
+        return " or ".join(map(str, self.kinds))
+
+    def _read(self, value: Any, place: str, faults: Faults) -> str:
+        require(value, str, "has no unit")
+        of = {si_unit(kind.example): kind for kind in self.kinds}.get(si_unit(value))
+        if of is None:
+            raise UnfitError(f"{quoted(value)} is another quantity")
+        of._read(value, place, faults)  # raises if it is out of range
+        return str(value)
+
+
 def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
     """Warning that `value` [SI] is outside its usual range; else empty.
 

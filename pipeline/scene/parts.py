@@ -28,7 +28,6 @@ from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
-from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.sources import FromLibrary
 from tribo.loading.record import fault as record_fault
 from tribo.simulation.pins import sizes_of
@@ -47,12 +46,11 @@ _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number i
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Scene, conditions, tests and oil, made from the entries of a scene file."""
+    """Scene, conditions and oil, made from the entries of a scene file."""
 
     declared: Any  # the file, read into its declared classes
     scene: tribo.Scene
     conditions: Conditions
-    tests: tuple[Measurement, ...]  # transitions first
     oil: tribo.Oil | None  # tells the regime of lubrication; enters no simulation
     preset: str | None  # preset that the fidelity equals
     contents: Mapping[str, str]  # digests of the contents of files, by the paths of their entries

@@ -28,10 +28,9 @@ from pipeline.scene.parts import (
     roughness_of,
     wear_of,
 )
-from pipeline.scene.runs import expand_tests, tests_of
+from pipeline.scene.runs import expand_tests
 from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
-from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation.pins import sizes_of
@@ -103,7 +102,6 @@ class SceneReader:
             declared=scene,
             scene=physics,
             conditions=_conditions_of(scene, physics, laws.get("criterion")),
-            tests=tuple(Measurement.of(vars(test)) for test in tests_of(scene)),
             oil=oil,
             preset=preset,
             contents=digests,

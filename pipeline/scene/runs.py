@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import LOAD, VELOCITY, Stages, Test, TransitionTable
+from pipeline.scene.format import LOAD, VELOCITY, Stages, Test, TestTable
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
@@ -26,7 +26,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     for key in ("measured", "tested"):
         tests, listed = list[Any](), getattr(scene, key)
         for index, entry in enumerate(listed or ()):
-            if not isinstance(entry, TransitionTable):
+            if not isinstance(entry, TestTable):
                 problem = "a log is read with its scene file; give its tests"
                 faults.refuse(f"{key}[{index}]", problem)
                 continue

@@ -94,8 +94,9 @@ def load_scene(
                 surfaces(seeds),
                 notes=faults.notes,
                 sources=parts.sources,
+                faults=faults,
             )
-            for extend in extensions:
+            for extend in () if faults else extensions:
                 sweep = extend(sweep)
             _require_few_points(sweep)
     except (tribo.InputError, tribo.InvariantError) as error:

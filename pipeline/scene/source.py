@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from pipeline.scene.cases_of_tests import TestReader, with_changes
+from pipeline.scene.faults import Faults
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
 from pipeline.sweep.case import Case
@@ -17,7 +19,7 @@ from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import SEED, Variant, Variants
-from tribo import SelfAffineRoughness
+from tribo import InputError, SelfAffineRoughness
 
 
 @dataclass(frozen=True)
@@ -88,26 +90,34 @@ def read_sweep(
     notes: Sequence[Remark] = (),
     sources: tuple[FromLibrary, ...] = (),
     stations: Stations | None = None,
+    faults: Faults | None = None,
 ) -> Sweep:
-    """Read the scene of a `source` and the cases of `variants`; `InputError` for a fault."""
-    parts = source.parts
-    declared = parts.declared
+    """Read the scene of a `source` and the cases of `variants`; `InputError` for a fault.
+
+    Faults of tests are added to `faults`, if it is given, and their tests left out.
+    """
+    parts, found = source.parts, Faults() if faults is None else faults
+    declared, base = parts.declared, _case_of((), parts)
+    entries = source.reader.complete(source.written, parts)
+    tests = TestReader(source.reader, source.written, entries, parts).tests(base, found)
+    if faults is None and found:
+        raise InputError(f"{found[0].key}: {found[0].problem}")
     return Sweep(
         name=name,
         title=declared.title or name,
         caveat=declared.caveat,
-        base=_case_of((), parts),
+        base=base,
         cases=_cases(source, variants),
         variants=variants,
         loads=declared.sweep.loads,
         velocities=declared.sweep.velocities,
         fields=declared.sweep.fields,
         steps=declared.sweep.steps,
-        tests=parts.tests,
+        tests=tests,
         notes=notes,
         sources=sources,
         stations=stations,
-        entries=source.reader.complete(source.written, parts),
+        entries=entries if found else with_changes(entries, tests),
         source=source,
     )
 

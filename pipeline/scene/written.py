@@ -10,7 +10,7 @@ from typing import Any
 import tribo
 from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
-from pipeline.scene.declare import ByPath, Either, List, Table, Tables, table_of
+from pipeline.scene.declare import ByPath, Either, List, Table, Tables, attribute_of, table_of
 from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.units import si_unit, to_si, typeset
@@ -34,7 +34,10 @@ def entries_of(kind: Kind, value: Any) -> Any:
         case Either():
             return entries_of(form_of(kind, value), value)
         case Table(keys):
-            texts = {key: entries_of(one.kind, getattr(value, key)) for key, one in keys.items()}
+            found = (
+                (key, one.kind, getattr(value, attribute_of(key))) for key, one in keys.items()
+            )
+            texts = {key: entries_of(of, one) for key, of, one in found}
             return {key: text for key, text in texts.items() if text is not None}
         case List(of):
             return [entries_of(of, one) for one in value]

@@ -3,35 +3,89 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
+
+from pipeline.sweep.case import Case
+from pipeline.sweep.conditions import changed_conditions
+from tribo import InputError
 
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
+TEST = "test"
+"""Dimension that numbers the tests of a scene in the names of their cases."""
+_PLACE = "friction", "bulk_temperature", "disk_temperature"
+"""Conditions of a place, which each test has of its own."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A test on a rig: a measured transition to severe wear, or a point with its outcome."""
+    """A test on a rig: a measured transition to severe wear, or a point with its outcome.
+
+    `own` is the case of the test as it is simulated: the scene on its first surface, with what the
+    test itself changes. Its conditions leave out the critical temperature, which `case` adds.
+    """
 
     normal_load: float  # on the whole pin [N]
     velocity: float  # [m/s]
     friction: float | None = None
-    velocity_scatter: float | None = None  # standard deviation [m/s]
     bulk_temperature: float | None = None  # the same in both bodies [K]
     hold: float | None = None  # at the full load [s]
     outcome: Literal["mild", "severe"] | None = None  # None at a transition
     number: str | None = None  # number or name in answers
     run: str | None = None  # shared by the tests of one specimen
+    load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
+    velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
+    # Other entries of the scene by path, as written.
+    changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
+    own: Case | None = field(default=None, compare=False, repr=False)
+    critical_temperature: float | None = field(default=None, compare=False)  # of the scene [K]
 
-    @classmethod
-    def of(cls, entry: Mapping[str, Any]) -> Measurement:
-        """Make a test from its `entry` in a scene, with values in SI."""
-        names = {k: str(entry[k]) for k in ("number", "run") if entry.get(k) is not None}
-        own = {"normal_load" if k == "load" else k: v for k, v in entry.items() if k != "oil"}
-        return cls(**own | names)
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Load [N] and velocity [m/s] of each point of the test.
+
+        There are two for a transition with a step: the last where wear was mild, and the first
+        where it was severe.
+        """
+        here = self.normal_load, self.velocity
+        before = self.normal_load - self.load_step, self.velocity - self.velocity_step
+        return (here,) if before == here else (before, here)
+
+    @property
+    def simulated(self) -> Case:
+        """The case to simulate, whose conditions have no critical temperature."""
+        if self.own is None:
+            raise InputError("this test belongs to no scene; take it from the tests of one")
+        return self.own
+
+    @property
+    def case(self) -> Case:
+        """Scene of the test, and its own conditions with the critical temperature of the scene.
+
+        Raises an `InputError` if the bulk of the test is not below the critical temperature.
+        """
+        conditions = self.simulated.conditions
+        limited = replace(conditions, critical_temperature=self.critical_temperature)
+        return replace(self.simulated, conditions=limited)
+
+    def judge(self, changes: Mapping[str, Any]) -> Measurement:
+        """The test under other conditions of the scene, without its friction and bulk.
+
+        `changes` has them by name, as `changed_conditions` takes them.
+        """
+        own = {name: one for name, one in changes.items() if name not in _PLACE}
+        critical = own.pop("critical_temperature", self.critical_temperature)
+        if self.own is None:
+            return self
+        case = replace(self.own, conditions=changed_conditions(self.own.conditions, own))
+        return replace(self, own=case, critical_temperature=critical)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields as plain data, without those that are None (except friction)."""
-        always = ("normal_load", "velocity", "friction")
-        return {k: v for k, v in asdict(self).items() if v is not None or k in always}
+        names = (
+            "normal_load", "velocity", "friction", "bulk_temperature", "hold", "outcome", "number",
+            "run",
+        )  # fmt: skip
+        values = {name: getattr(self, name) for name in names}
+        return {k: v for k, v in values.items() if v is not None or k == "friction"}

@@ -65,7 +65,7 @@ class Sweep:
     steps : {"course", "end"} or None
         Steps to store; None for the default.
     tests : tuple of Measurement
-        Tests of the scene; those that measured a transition come first.
+        Tests of the scene, each with its own case; those that measured a transition come first.
     notes : sequence of Remark
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
@@ -200,7 +200,10 @@ class Sweep:
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        scene = self.case(point.variant).scene
+        return self.hash_scene(self.case(point.variant).scene)
+
+    def hash_scene(self, scene: Scene) -> str:
+        """SHA-256 of a scene, computed once for this sweep."""
         if scene not in self._hashes:
             self._hashes[scene] = digest(scene)
         return self._hashes[scene]
@@ -228,15 +231,19 @@ class Sweep:
         return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self.rows))}
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
-        """The sweep with the conditions of all cases replaced as by `changed_conditions`."""
+        """The sweep with the conditions of all cases replaced as by `changed_conditions`.
+
+        Tests keep their friction and bulk temperature.
+        """
         if not changes:
             return self
         base, *cases = (
             replace(case, conditions=changed_conditions(case.conditions, changes))
             for case in (self.base, *self.cases)
         )
+        tests = tuple(test.judge(changes) for test in self.tests)
         judged = {**self.judged, **changes}
-        return replace(self, base=base, cases=tuple(cases), judged=judged)
+        return replace(self, base=base, cases=tuple(cases), tests=tests, judged=judged)
 
     def alone(self) -> Self:
         """The sweep of the scene itself, without variants."""

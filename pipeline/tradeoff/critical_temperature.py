@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -136,12 +136,11 @@ def critical_temperatures(
             f"the scene {sweep.name} has no measured transition; give it a [[measured]] with "
             "load and velocity"
         )
-    conditions = sweep.conditions
     transitions = tuple(
         Transition(
             entry.normal_load,
             entry.velocity,
-            conditions.replace_friction(entry.friction).friction_at(entry.velocity),
+            entry.simulated.conditions.friction_at(entry.velocity),
         )
         for entry in sweep.measured
     )
@@ -181,7 +180,7 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     """
     changes: dict[Label, dict[str, Any]] = {}
     for number, test in enumerate(sweep.measured):
-        row: dict[str, Any] = {"temperature.critical": None}
+        row: dict[str, Any] = {"temperature.critical": None, **test.changes}
         if test.friction is not None:  # a measured value replaces friction curves
             row |= {CURVE: None, "friction.coefficient": test.friction}
         if test.bulk_temperature is not None:
@@ -197,7 +196,8 @@ def _transition_rows(sweep: Sweep, seeds: Variants) -> Sweep:
     for name, values, unit in (("loads", loads, "N"), ("velocities", velocities, "m/s")):
         entries[f"sweep.{name}"] = [f"{value!r} {unit}" for value in sorted({*values})]
     source: Source = sweep.source
-    return source.read_again(sweep, replace_values(source.written, entries), table)
+    made = source.read_again(sweep, replace_values(source.written, entries), table)
+    return replace(made, tests=())  # their rows stand for them
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 import tribo
+from pipeline.scene.cases_of_tests import attach_case
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import (
     Archard,
@@ -60,7 +61,17 @@ def changed(sweep, **values):
     for name, value in (_objects(sweep) | rest).items():
         if not _has(made, name, value):
             made = _with_object(made, name, value)
-    return replace(made, entries=add_laws({**made.entries}, made.base))
+    return replace(_with_cases(made), entries=add_laws({**made.entries}, made.base))
+
+
+def _with_cases(sweep):
+    """Copy of a sweep whose tests have its scene, if they change no entry."""
+    critical = sweep.base.conditions.critical_temperature
+    tests = (
+        test if test.changes else attach_case(test, number, sweep.base, critical)
+        for number, test in enumerate(sweep.tests)
+    )
+    return replace(sweep, tests=tuple(tests))
 
 
 def _objects(sweep):
@@ -238,7 +249,11 @@ def _test(name, test):
     kind = TransitionTable if name == "measured" else Test
     values = _fields(test)
     values["load"] = values.pop("normal_load")
-    return _table(kind, SimpleNamespace(oil=None, **values))
+    steps = {"N": values.pop("load_step"), "m/s": values.pop("velocity_step")}
+    step = next((f"{value!r} {unit}" for unit, value in steps.items() if value), None)
+    values["with_"] = values.pop("changes") or None
+    del values["own"], values["critical_temperature"]
+    return _table(kind, SimpleNamespace(oil=None, step=step, **values))
 
 
 def _oil(oil):

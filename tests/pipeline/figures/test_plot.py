@@ -169,7 +169,7 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
 def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_friction():
     transitions = (
         Measurement(600.0, 1.5, 0.1),
-        Measurement(400.0, 2.25, 0.091, velocity_scatter=0.2),
+        Measurement(400.0, 2.25, 0.091),
     )
     mild = Measurement(200.0, 3.0, outcome="mild")
     beyond, unknown = Measurement(200.0, 3.5, 0.07), Measurement(900.0, 1.0)
@@ -187,7 +187,7 @@ def test_each_test_is_drawn_over_the_velocity_of_the_closed_form_at_its_own_fric
         critical = ratio ** (1 / synthetic.VELOCITY_EXPONENT)
         ((x, y),) = (place for place in drawn if place[1] == test.velocity)
         assert x == pytest.approx(critical, rel=1e-3)
-        error = 0.0 if test.outcome else test.velocity_scatter or 0.05 * y
+        error = 0.0 if test.outcome else 0.05 * y
         assert np.ptp(drawn[x, y][:, 1]) == pytest.approx(2 * error)
     (far,) = (place for place in drawn if place[1] == beyond.velocity)
     limit = synthetic.limit(friction=beyond.friction)

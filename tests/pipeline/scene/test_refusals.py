@@ -156,12 +156,27 @@ QUANTITIES = {
     "share": (lambda: share_of("ten"), '"ten": give a share such as 10% or 0.1'),
 }
 
+
+def held():
+    """Read a scene whose load is recorded, with a test that has a hold."""
+    Path("load.csv").write_text("time [s],load [N]\n0,0\n1,100\n2,200\n")
+    own = {"tested": [{**TEST, "hold": "3 s"}], "without": "measured"}
+    return scene((RAMP, 'file = "load.csv"'), **own)
+
+
 TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
     "no list": (entry("sweep.loads", []), "[] is empty"),
     "oils": (entry("tested", [{**TEST, "oil": "A"}, {**TEST, "oil": "B"}], without="measured"),
              'tested[1].oil: "B", but tested[0] has "A"; a scene takes the tests of one oil'),
+    "entry of a test": (entry("tested", [{**TEST, "with": {"pin.radius": 3}}], without="measured"),
+                        "tested[0].with: pin.radius: 3 has no unit"),
+    "entry of a test later": (lambda: scene().changed("tested", [{**TEST, "with": {"wear.x": 3}}]),
+                              "tested[0].with: wear.x: unknown key"),
+    "step of a test": (entry("measured", [{"load": "4 N", "velocity": "1 m/s", "step": "3 mm"}]),
+                       '"3 mm" is another quantity'),
+    "hold of a record": (held, "hold is 3 s, but the load follows a record"),
     "another oil": (entry("tested", [{**TEST, "oil": "A"}]), '"A", but measured[0] has no oil;'),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),

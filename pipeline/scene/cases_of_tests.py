@@ -1,0 +1,189 @@
+"""Tests of a scene as cases of their own: the scene with what each test changes."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pipeline.scene.faults import Faults, quoted
+from pipeline.scene.parts import Parts
+from pipeline.scene.reading import SceneReader
+from pipeline.scene.runs import tests_of
+from pipeline.scene.units import si_unit, to_si
+from pipeline.sweep.case import Case
+from pipeline.sweep.measurement import TEST, Measurement
+from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
+from tribo import InputError, Ramp, Scene
+
+_OWN = {
+    "friction": ("friction",),
+    "bulk_temperature": ("temperature.bulk",),
+    "hold": ("loading.hold",),
+}
+"""Entries of the scene that entries of a test replace, by name of the entry of the test."""
+_OF_ALL = (
+    "extends", "without", "title", "caveat", "sweep", "measured", "tested", "oil", "model",
+    "temperature.critical", "temperature.failing_share", "temperature.criterion",
+)  # fmt: skip
+"""Entries that are the same in all tests of a scene."""
+
+
+def test_of(entry: Any) -> Measurement:
+    """Make a test from its table in a scene, read into SI."""
+    names: dict[str, Any] = {
+        name: str(value)
+        for name in ("number", "run")
+        if (value := getattr(entry, name, None)) is not None
+    }
+    step, steps = getattr(entry, "step", None), dict[str, Any]()
+    if step is not None:
+        name, one = ("load", "1 N") if si_unit(step) == si_unit("1 N") else ("velocity", "1 m/s")
+        steps[f"{name}_step"] = to_si(step, like=one)
+    return Measurement(
+        normal_load=entry.load,
+        velocity=entry.velocity,
+        friction=entry.friction,
+        bulk_temperature=entry.bulk_temperature,
+        hold=entry.hold,
+        outcome=getattr(entry, "outcome", None),
+        changes=entry.with_ or {},
+        **names,
+        **steps,
+    )
+
+
+@dataclass(frozen=True)
+class TestReader:
+    """Reads the tests of a scene.
+
+    `written` are the entries of the scene as a file has them, `entries` the complete ones, and
+    `parts` what `reader` has read from them.
+    """
+
+    reader: SceneReader
+    written: Entries
+    entries: Entries
+    parts: Parts
+
+    def tests(self, base: Case, faults: Faults) -> tuple[Measurement, ...]:
+        """Tests of the scene, each with the case to simulate; faults are added to `faults`.
+
+        `base` is the scene itself. A test without `with` or a hold of its own shares its scene.
+        """
+        read, made = functools.cache(lambda key: self._changed_parts(json.loads(key))), []
+        of_key = {"measured": itertools.count(), "tested": itertools.count()}
+        for number, test in enumerate(map(test_of, tests_of(self.parts.declared))):
+            place, case = f"{_list_of(test)}[{next(of_key[_list_of(test)])}]", base
+            wrong = [*_misplaced(test)]
+            if test.changes and not wrong:
+                parts, found = read(json.dumps(dict(test.changes)))
+                wrong += [f"{fault.key}: {fault.problem}" for fault in found]
+                faults.notes += [note for note in found.notes if note.place in test.changes]
+                if parts and parts.scene.unequal_bulks != base.scene.unequal_bulks:
+                    problem = "this changes the unequal bulks, which must be the same in all tests"
+                    wrong.append(f"{problem}; give bulk_temperature")
+                elif parts:
+                    case = _case_of(parts, base)
+                    if not self.reader.is_stored:
+                        test = replace(test, changes=self._complete(parts, test.changes))
+            for problem in wrong:
+                faults.refuse(f"{place}.with", problem)
+            with faults.at(place):
+                made.append(attach_case(test, number, case, base.conditions.critical_temperature))
+        return tuple(made)
+
+    def _complete(self, parts: Parts, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Changes of a test as a store needs them, whatever library and presets are later.
+
+        `parts` were read with the changes.
+        """
+        written = self._written_with(given)
+        full = self.reader.complete(written, parts, self.parts)
+        before = {path: self.entries.get(path) for path in full}
+        added = {path: one for path, one in changes(before, full) if path not in given}
+        files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
+        return {**given, **added, **files}
+
+    def _written_with(self, own: Mapping[str, Any]) -> dict[str, Any]:
+        """Entries of the scene with a test's own, and without tests."""
+        without = {k: one for k, one in self.written.items() if k not in ("measured", "tested")}
+        if "fidelity.preset" in own:  # the preset replaces all other choices
+            without = replace_value(without, "fidelity", None)
+        return replace_values(without, own)
+
+    def _changed_parts(self, own: Mapping[str, Any]) -> tuple[Parts | None, Faults]:
+        faults = Faults(self.reader.is_stored, allows_store_only=True)
+        return self.reader.read_all(self._written_with(own), faults), faults
+
+
+def _case_of(parts: Parts, base: Case) -> Case:
+    """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
+    names = "friction", "bulk_temperature", "disk_temperature", "corrections"
+    own = {name: getattr(parts.conditions, name) for name in names}
+    conditions = replace(base.conditions, critical_temperature=None, **own)
+    return replace(base, scene=parts.scene, preset=parts.preset, conditions=conditions)
+
+
+def attach_case(
+    test: Measurement, number: int, case: Case, critical_temperature: float | None
+) -> Measurement:
+    """The test with its own case: `case` with the hold, friction and bulk of the test."""
+    scene = _held(case.scene, test.hold)
+    own = replace(case.conditions, critical_temperature=None).under(scene.loading)
+    if test.bulk_temperature is not None:
+        own = replace(own, bulk_temperature=test.bulk_temperature, disk_temperature=None)
+    own = own.replace_friction(test.friction)
+    if own.friction and not scene.friction_heat:
+        scene = replace(scene, friction_heat=True)
+    own_case = replace(
+        case, name=((TEST, number),), scene=scene, conditions=own, friction_band=None
+    )
+    return replace(test, own=own_case, critical_temperature=critical_temperature)
+
+
+def with_changes(entries: Entries, tests: Iterable[Measurement]) -> dict[str, Any]:
+    """`entries` of a scene, with the complete changes of its tests."""
+    rows = dict(entries)
+    of_key = {"measured": itertools.count(), "tested": itertools.count()}
+    for test in tests:
+        number = next(of_key[_list_of(test)])
+        if test.changes:
+            listed = rows[_list_of(test)] = [*rows[_list_of(test)]]
+            listed[number] = listed[number] | {"with": dict(test.changes)}
+    return rows
+
+
+def _list_of(test: Measurement) -> str:
+    """Name of the list of the scene that a test is in."""
+    return "tested" if test.outcome else "measured"
+
+
+def _misplaced(test: Measurement) -> Iterator[str]:
+    """Faults of paths in the changes of a test that it states itself, or cannot have."""
+    for path in test.changes:
+        if any(_is_in(path, other) for other in _OF_ALL):
+            yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
+        for name, others in _OWN.items():
+            if getattr(test, name) is not None and any(_is_in(path, one) for one in others):
+                yield f"{quoted(path)} is set by the {name} of this test; give one of them"
+
+
+def _is_in(path: str, other: str) -> bool:
+    """True if an entry is another one, or in its table, or its table has the other one."""
+    return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")
+
+
+def _held(scene: Scene, hold: float | None) -> Scene:
+    """The scene with a test's own time at the full load [s]."""
+    if hold is None or getattr(scene.loading, "hold", None) == hold:
+        return scene
+    if not isinstance(scene.loading, Ramp):
+        raise InputError(
+            f"hold is {hold:g} s, but the load follows a record, which has its own end; leave out "
+            "the hold, or give a loading with rate and reference_load"
+        )
+    return replace(scene, loading=replace(scene.loading, hold=hold))
