@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from pipeline.analysis.warned_points import Warned
+    from pipeline.store.progress import Summary
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -98,6 +99,13 @@ def wrapped(text: Iterable[str | pd.DataFrame]) -> list[str | pd.DataFrame]:
 def counted(number: int, one: str, several: str) -> str:
     """Number with its noun, such as "1 load" or "3 loads"; `one` and `several` are the nouns."""
     return f"{number} {one if number == 1 else several}"
+
+
+def counted_tests(state: Summary | None) -> str:
+    """Number of points of tests that are done, such as "tests: 4 of 4 points done"."""
+    if state is None:
+        return ""
+    return f"tests: {state.done} of {state.total} points done"
 
 
 def tell(*messages: str | Progress) -> None:

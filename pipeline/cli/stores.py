@@ -11,7 +11,7 @@ import pipeline
 from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, short
 from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, working, wrapped
+from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working, wrapped
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import Summary, summary_of
 from pipeline.store.write import opened
@@ -36,15 +36,17 @@ def status(options: argparse.Namespace) -> Result:
     text = [state.title, counts]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
     text += [earlier] * bool(state.earlier)
+    text += [counted_tests(state.tests)] * bool(state.tests)
     text += [f"running: {state.running}"] * bool(state.running)
-    text += [error_in_words(sweep), *(f"failed: {point}" for point in state.failed)]
+    failed = *state.failed, *(state.tests.failed if state.tests else ())
+    text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]
     warned = None
     try:
         warned = pipeline.warned(path)
     except StoreError as error:  # points are counted nevertheless
         text.append(f"warnings are not counted: {error}")
     frame = frame_of(_HEADS, [_row(state.name, state, sweep.preset)])
-    code = SOME_FAILED if state.failed else DONE
+    code = SOME_FAILED if failed else DONE
     return Result(text=text, warned=warned, frames=[frame], code=code)
 
 
@@ -100,12 +102,13 @@ def verify(options: argparse.Namespace) -> Result:
     """Answer ``irg verify``: read all data of a store, and list damaged points."""
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, progress)
-    damaged = *check.damaged, *check.shared
-    text = [
-        f"points: {check.done} done and intact, {len(check.damaged)} damaged",
-        *(f"damaged: {damage}" for damage in damaged),
-    ]
-    rows = [(one.load, one.velocity, one.place, one.message) for one in check.damaged]
+    kinds = {"points": check, "tests": check.tests}
+    text, rows = list[str](), list[tuple[object, ...]]()
+    for kind, one in kinds.items():
+        if one:
+            text.append(f"{kind}: {one.done} done and intact, {len(one.damaged)} damaged")
+            text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
+            rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     if check.is_clean:
         return Result(text=text, warned=pipeline.warned(options.store), frames=[frame])

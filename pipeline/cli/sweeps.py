@@ -48,15 +48,17 @@ def run(options: argparse.Namespace) -> Result:
     with elsewhere or nullcontext() as client, output.run_line() as progress:
         outcome = pipeline.run_sweep(sweep, out, client=client, progress=progress, **choices)
     judged = pipeline.at(out)
-    stored = scene_sweep(judged)
+    stored, tests = scene_sweep(judged), outcome.tests
+    failed = *outcome.failed, *(tests.failed if tests else ())
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
         f"in {outcome.wall_time:.1f} s",
-        *(f"failed: {point}" for point in outcome.failed),
+        *[output.counted_tests(outcome.tests)] * bool(outcome.tests),
+        *(f"failed: {point}" for point in failed),
     ]
     if has_unknown_error(stored):
         text.append(error_in_words(stored))
-    if outcome.failed:
+    if failed:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         kind, store = sweep_kind(judged), shlex.quote(str(out))
@@ -68,7 +70,11 @@ def run(options: argparse.Namespace) -> Result:
         "computed": outcome.computed, "failed": len(outcome.failed),
         "wall time [s]": outcome.wall_time,
     }  # fmt: skip
-    code = output.SOME_FAILED if outcome.failed else output.DONE
+    if tests:
+        document["tests"] = {
+            "points": tests.total, "done": tests.done, "failed": len(tests.failed),
+        }  # fmt: skip
+    code = output.SOME_FAILED if failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)
 
 
@@ -181,6 +187,8 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
     steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
+    if cost.tests:
+        yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"

@@ -21,7 +21,7 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import LOST, POLL, Connection
 from pipeline.run.work import CODE, FOLDER, INSTALL, ExecutionError, Work, on_worker
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variant
@@ -60,7 +60,7 @@ class Jobs:
         self._link, self._client = link, link.client
         self._name = uuid.uuid4().hex[:8]  # a scheduler may know other runs
         self._sweep, self._stations = sweep, choose_stations(sweep)
-        self._with_fields, self._works = with_fields, dict[Variant, bytes]()
+        self._with_fields, self._works = with_fields, dict[str, bytes]()
         self._numbers = itertools.count()
         self._ended, self._news = deque[str](), threading.Event()
         # Pending requests for results, each with the futures that it asks for, by key.
@@ -81,13 +81,13 @@ class Jobs:
         return bool(self.running or self.computed or self._without_result)
 
     def _work(self, variant: Variant) -> bytes:
-        """What a task carries of its case, pickled once."""
-        if variant not in self._works:
-            scene = self._sweep.case(variant).scene
-            scene_hash = self._sweep.scene_hash(Point(0.0, 0.0, variant))
+        """What a task carries of its case, pickled once for each scene."""
+        scene = self._sweep.case(variant).scene
+        scene_hash = self._sweep.hash_scene(scene)
+        if scene_hash not in self._works:
             work = Work(scene, scene_hash, self._stations, self._with_fields)
-            self._works[variant] = work.pickled()
-        return self._works[variant]
+            self._works[scene_hash] = work.pickled()
+        return self._works[scene_hash]
 
     def submit(self, job: Job) -> None:
         """Give a task to Dask."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
 from pipeline.store.create import writing
 from pipeline.store.place import PathLike
-from pipeline.store.progress import FailedPoint, summary_of
+from pipeline.store.progress import FailedPoint, Summary, summary_of
 from pipeline.store.root import find_sweep
 from pipeline.store.schema import ASKED, FAILED, require_free_names
 from pipeline.store.take import take_points
@@ -28,7 +28,7 @@ from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import tasks
+from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.task_queue import TaskQueue
@@ -47,6 +47,7 @@ class Outcome:
     computed: int  #: Number of points that this run completed.
     failed: tuple[FailedPoint, ...]  #: Points that failed, now or in an earlier run.
     wall_time: float  #: Duration of this run [s].
+    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
 @np.errstate(under="ignore")
@@ -134,10 +135,9 @@ def run_sweep(
     with writing(out, sweep, report) as store:
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
-        if retry_failed:
-            store.forget(
-                store.points_at(np.nonzero((store.asked == ASKED) & (store.flags == FAILED)))
-            )
+        for group in filter(None, (store, store.tests) if retry_failed else ()):
+            failed = (group.asked == ASKED) & (group.flags == FAILED)
+            group.forget(group.points_at(np.nonzero(failed)))
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
@@ -149,20 +149,33 @@ def run_sweep(
                 store.ask_for(beside_boundary(store, sweep, boundary_only))
             return TaskQueue(tasks(store.pending(), sweep))
 
-        queue = waiting()
-        tally = Tally(store, shown_progress(progress))
-        if queue:
-            most = len(queue) if boundary_only is None else cores()
+        of_tests = TaskQueue(_tasks_of_tests(store))
+        queue, tally, at_tests = waiting(), Tally(store, shown_progress(progress)), 0
+        if queue or of_tests:
+            most = len(queue) + len(of_tests) if boundary_only is None else cores()
             with connected(
                 client, min(workers or cores(), most), patience, report, dashboard
             ) as link:
+                if store.tests and of_tests:
+                    with Writer(store.tests) as writer:
+                        compute(link, store.tests.sweep, writer, of_tests, tally)
+                    at_tests = tally.computed
                 while queue:
                     with Writer(store) as writer:
                         compute(link, sweep, writer, queue, tally)
                     queue = waiting()  # the next points of a search; none without one
         summary = summary_of(store)
-    counts = summary.total, summary.done, tally.computed
-    return Outcome(*counts, failed=summary.failed, wall_time=time.monotonic() - began)
+    counts = summary.total, summary.done, tally.computed - at_tests
+    return Outcome(
+        *counts,
+        failed=summary.failed,
+        wall_time=time.monotonic() - began,
+        tests=summary.tests,
+    )
+
+
+def _tasks_of_tests(store: Store) -> Iterable[Task]:
+    return tasks(store.tests.pending(), store.tests.sweep) if store.tests else ()
 
 
 def _require_cluster(client: Client | None) -> None:

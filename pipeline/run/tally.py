@@ -16,10 +16,13 @@ from pipeline.sweep.stages import Progress, Report, silent
 
 
 class Tally:
-    """Counts points as they are written; estimates the time left from the mean time of a point."""
+    """Counts points as they are written; estimates the time left from the mean time of a point.
+
+    Points of tests count as those of the plane do.
+    """
 
     def __init__(self, store: Store, progress: Report) -> None:
-        self.store = store
+        self._groups = [group for group in (store, store.tests) if group]
         self._progress, self._began = progress, time.monotonic()
         self._seconds = 0.0
         self.computed = 0
@@ -30,7 +33,7 @@ class Tally:
         computed = [record.wall_time for record in records if record.data is not None]
         self.computed += len(computed)
         self._seconds += sum(computed)
-        asked = self.store.flags[self.store.asked == ASKED]
+        asked = np.concatenate([one.flags[one.asked == ASKED] for one in self._groups])
         done, failed, pending = (int(np.sum(asked == flag)) for flag in (DONE, FAILED, PENDING))
         time_to_go = None
         if self.computed:

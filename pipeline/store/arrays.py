@@ -82,15 +82,20 @@ def array_documents(
     return {name: json.loads(memory[f"{path_of(name)}/{ROOT}"].to_bytes()) for name in wanted}
 
 
-def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, Any]:
-    """Open the arrays of a Zarr store, by name; `documents` has their metadata."""
+def open_arrays(
+    store: Store, documents: Mapping[str, Document], prefix: str = ""
+) -> dict[str, Any]:
+    """Open the arrays of a Zarr store, by name; `documents` has their metadata.
+
+    `prefix` is the path of the group that has them, with a slash, or empty for the root.
+    """
     # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
     # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}
     arrays = {}
     for name, document in documents.items():
         metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**COMPRESSION)]}
-        place = StorePath(store, path_of(name))
+        place = StorePath(store, prefix + path_of(name))
         arrays[name] = zarr.Array(zarr.AsyncArray(metadata, place, settings))
     return arrays
 
@@ -98,9 +103,9 @@ def open_arrays(store: Store, documents: Mapping[str, Document]) -> dict[str, An
 class Encoder:
     """Encodes parts of arrays as Zarr chunks."""
 
-    def __init__(self, documents: Mapping[str, Document]) -> None:
+    def __init__(self, documents: Mapping[str, Document], prefix: str = "") -> None:
         self._memory: dict[str, Any] = {}
-        self._arrays = open_arrays(MemoryStore(self._memory), documents)
+        self._arrays = open_arrays(MemoryStore(self._memory), documents, prefix)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
         """Encode `parts`; return the bytes of each chunk by the chunk's key.

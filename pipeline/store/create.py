@@ -11,6 +11,8 @@ import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from pipeline.scene.resume import join
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.arrays import Encoder
@@ -29,17 +31,19 @@ from pipeline.store.place import (
 from pipeline.store.root import (
     CONSOLIDATED,
     Root,
+    TestLayout,
     find_root,
     read_metadata,
     require_same_scene,
     with_others,
 )
-from pipeline.store.schema import path_of, variables_of
+from pipeline.store.schema import PENDING, is_coordinate, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points
+from pipeline.sweep.points_of_tests import grown_slots, judges_holds, most_steps, wanted_slots
 from pipeline.sweep.stages import Report, silent
 
 
@@ -80,16 +84,54 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
             # remains must still describe the arrays.
             if before and "kind" not in before.found[CONSOLIDATED]:
                 place.put({ROOT: before.documents()[ROOT]})
-            parts = [(name, ..., values) for name, values in root.coordinates().items()]
-            own = {path_of(name): array for name, array in root.arrays.items()}
-            held = read_metadata(place) if root.found else {}
-            documents = {f"{path}/{ROOT}": with_others(held.get(path), own[path]) for path in own}
-            arrays = {key: json.dumps(document).encode() for key, document in documents.items()}
-            place.put(Encoder(root.arrays)(parts) | arrays | groups)
+            if before and before.tests and not _keeps_tests(before, root):
+                _empty_tests(Store(place, before, lock), root)
+            chunks, held = dict[str, bytes](), read_metadata(place) if root.found else {}
+            for group in filter(None, (root, root.tests)):
+                parts = [(name, ..., values) for name, values in group.coordinates().items()]
+                chunks |= Encoder(group.arrays, group.prefix)(parts)
+                for path, array in group.paths().items():
+                    document = with_others(held.get(path), array)
+                    chunks[f"{path}/{ROOT}"] = json.dumps(document).encode()
+            place.put(chunks | groups)
             place.put(last)
     store = Store(place, root, lock)
     store.mark_asked(points(sweep))
+    if store.tests:
+        store.tests.mark_asked(store.tests.root.points)
     return store
+
+
+def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
+    """Layout of the points of tests in a store with the tests of a sweep.
+
+    Results of the layout before stay where they are, unless the tests need more steps.
+    """
+    old = before.layout if before else None
+    if not sweep.tests:
+        return old and old._replace(slots=grown_slots(old.slots, sweep))
+    judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
+    steps = most_steps(sweep, slots, judges_hold)
+    if old and steps <= old.steps and judges_hold == old.judges_hold:
+        return old._replace(slots=slots)
+    return TestLayout(wanted_slots(sweep), steps, judges_hold)
+
+
+def _keeps_tests(before: Root, root: Root) -> bool:
+    """True if the points of tests stay where they are in a store that grows."""
+    old, new = before.layout, root.layout
+    return old is not None and new is not None and old[1:] == new[1:]
+
+
+def _empty_tests(store: Store, root: Root) -> None:
+    """Remove all results of tests from a store, whose layout will be that of `root`."""
+    if not (store.tests and root.tests):
+        return
+    tests = store.tests
+    tests.forget(tests.points_at(np.nonzero(tests.flags != PENDING)))
+    names = [name for name in root.tests.arrays if not is_coordinate(name)]
+    fills = [(name, ..., root.tests.arrays[name]["fill_value"]) for name in names]
+    store.place.put(Encoder(root.tests.arrays, root.tests.prefix)(fills))
 
 
 def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
@@ -106,7 +148,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
             if name not in old or values[: len(old[name])] != old[name]:
                 raise _no_room(place, f"{name} can only grow at its upper end")
         grown = {name for name, values in axes.items() if len(values) > len(old[name])}
-        own = {path_of(name) for name in before.variables}
+        own = before.paths().keys() | (before.tests.paths().keys() if before.tests else ())
         for path, array in before.found_metadata.items():
             if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
                 raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
@@ -119,6 +161,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         ids=scene_ids(kept),
         block=block,
         history=[*dict.fromkeys(lines)],
+        layout=_grown_tests(before, sweep),
         found=before.found if before else {},
     )
 

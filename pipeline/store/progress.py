@@ -51,6 +51,7 @@ class Summary:
     #: Number of done points with a warning, also those for which only an earlier run asked.
     warned: int = 0
     running: str | None = None  #: Process that computes points now; None if there is none.
+    tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
 def summary_of(store: Store) -> Summary:
@@ -72,6 +73,7 @@ def summary_of(store: Store) -> Summary:
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
         warned=int(np.count_nonzero((flags == DONE) & (store.read("warning_flags", ...) != 0))),
         running=holder_of(store.place),
+        tests=summary_of(store.tests) if store.tests and store.tests.root.points else None,
     )
 
 

@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.points_of_tests import SCENE_HASH
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
+from tribo.simulation.corrections import NEEDED
 
-FORMAT = 16
+FORMAT = 17
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -119,8 +121,8 @@ RECORDS = {
 
 INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
-ABOUT, AT_ENDS = "about", "fields"
-"""Zarr groups: one for texts and facts of the store, one for the fields over x and y."""
+ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
+"""Zarr groups: texts and facts of the store, fields over x and y, and the points of tests."""
 VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | SAMPLING | FIELDS | BULK_FIELDS
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
@@ -129,6 +131,22 @@ AT_END = FIELDS | BULK_FIELDS
 """Fields, which are stored only as they are when the simulation of a point ends."""
 DATA = STEPPED | SAMPLING | AT_END
 """All results of a simulation."""
+
+
+TEST_STEP = "test_step"
+"""Dimension of the steps at points of tests in a dataset that also has the plane."""
+AT_TESTS = (
+    "status", "message", "warning_flags", "load", "velocity", SCENE_HASH,
+    *dict.fromkeys(
+        (*NEEDED, "max_rise", "rise_quantile", "mean_bulk_response", "bulk_rise_quantile")
+    ),
+)  # fmt: skip
+"""Variables at points of tests that answers need."""
+
+
+def test_variable(name: str) -> str:
+    """Name of a variable at the points of tests, in a dataset that also has the plane."""
+    return f"test_{name}"
 
 
 def attributes_of(variable: Variable) -> dict[str, Any]:

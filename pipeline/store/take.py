@@ -21,13 +21,16 @@ def take_points(store: Store, other: Store) -> int:
     variants are called. Points with a wrong checksum are not copied. Nothing is copied if the
     stores keep results at different times, or `other` lacks a variable of `store`.
     """
+    of_tests = 0
+    if store.tests and other.tests:
+        of_tests = take_points(store.tests, other.tests)
     data = store.arrays.keys() & DATA.keys()
     if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():
-        return 0
+        return of_tests
     wanted: dict[tuple[Any, ...], list[Point]] = {}
     for point in store.pending():
-        wanted.setdefault((store.sweep.scene_hash(point), *point[:2]), []).append(point)
-    count = 0
+        wanted.setdefault((store.root.scene_hash(point), *point[:2]), []).append(point)
+    count = of_tests
     for _, block in blocks(other.flags == DONE, other.block):
         records = []
         for index, here, entries in stored_entries(other, block, read_block(other, block)):
@@ -40,9 +43,9 @@ def take_points(store: Store, other: Store) -> int:
                     entries["message"],
                     entries["warning_flags"],
                     entries["wall_time"],
-                    checksum=checksum(store.sweep.scene_hash(point), point, entries),
+                    checksum=checksum(store.root.scene_hash(point), point, entries),
                 )
-                for point in wanted.get((other.sweep.scene_hash(here), *here[:2]), ())
+                for point in wanted.get((other.root.scene_hash(here), *here[:2]), ())
             ]
         store.commit(records)
         count += len(records)

@@ -44,11 +44,12 @@ class Verification:
     done: int  #: Points that are done and intact.
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
     shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
+    tests: Verification | None = None  #: Result for the points of tests, if there are any.
 
     @property
     def is_clean(self) -> bool:
         """True if nothing was damaged."""
-        return not (self.damaged or self.shared)
+        return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
 
 
 def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
@@ -74,12 +75,17 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     (24, (), True)
     """
     store = Store(place := place_of(path), read_root(place), is_damaged=True)
-    damage = _find_damage(store, progress or silent)
+    return _verify(store, progress or silent)
+
+
+def _verify(store: Store, progress: Report) -> Verification:
+    damage = _find_damage(store, progress)
     return Verification(
         done=int(np.count_nonzero(store.flags == DONE))
         - sum(bool(store.flags[index] == DONE) for index in damage.points),
         damaged=tuple(damage.points.values()),
         shared=tuple(damage.files),
+        tests=_verify(store.tests, silent) if store.tests else None,
     )
 
 
@@ -97,12 +103,17 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
         root = read_root(place)
         require_same_scene(place, root, sweep)
         store = Store(place, root, lock, is_damaged=True)
-        damage = _find_damage(store, silent)
-        # Statuses first, so that a done point is whole even after a kill in between.
-        store.write({}, dict.fromkeys(damage.points, PENDING))
-        with io_errors(place, "written"):
-            place.put(store.encoder(damage.files.values()))
-        return len(damage.points) + len(damage.files)
+        return sum(_mend(group) for group in (store, store.tests) if group)
+
+
+def _mend(store: Store) -> int:
+    """Mark damaged points as pending and repair shared files; return the number of both."""
+    damage = _find_damage(store, silent)
+    # Statuses first, so that a done point is whole even after a kill in between.
+    store.write({}, dict.fromkeys(damage.points, PENDING))
+    with io_errors(store.place, "written"):
+        store.place.put(store.encoder(damage.files.values()))
+    return len(damage.points) + len(damage.files)
 
 
 class _Damage(NamedTuple):
@@ -142,7 +153,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         found = _read(store, name, ...)
         right = np.asarray(values, store.arrays[name].dtype)
         if found is None or not np.array_equal(found, right, equal_nan=right.dtype.kind == "f"):
-            damage.files[name] = name, ..., values
+            damage.files[store.root.prefix + name] = name, ..., values
     return damage
 
 
@@ -209,6 +220,6 @@ def fault_of(store: Store, point: Point, entries: Mapping[str, Any]) -> str:
         return f"{', '.join(lost)} cannot be read"
     if "steps" not in entries:  # it failed
         return "" if entries["message"] else "the reason for its failure is lost"
-    is_right = entries["checksum"] == checksum(store.sweep.scene_hash(point), point, entries)
+    is_right = entries["checksum"] == checksum(store.root.scene_hash(point), point, entries)
     is_whole = is_right and np.isfinite(entries["wall_time"])  # which no checksum covers
     return "" if is_whole else "the data are not those that were computed"

@@ -31,7 +31,7 @@ from pipeline.store.place import (
     place_of,
     read_errors,
 )
-from pipeline.store.root import Root, read_root
+from pipeline.store.root import Group, read_root
 from pipeline.store.schema import (
     ASKED,
     DONE,
@@ -55,18 +55,19 @@ Index = tuple[int, ...]
 class Store:
     """An open store; it may be written if this process holds its lock.
 
-    `dims` are the dimensions of points, and `block` is the number of points in a chunk along each.
+    `tests` is the store of the points of tests, if there are any. `dims` are the dimensions of
+    points, and `block` is the number of points in a chunk along each.
     `flags` has the status of each point, and `asked` whether the last run was to compute it. With
     `is_damaged`, these two are not read, since their chunks may be damaged; they are 0 then.
     """
 
     def __init__(
-        self, place: StorePlace, root: Root, lock: Lock | None = None, is_damaged: bool = False
+        self, place: StorePlace, root: Group, lock: Lock | None = None, is_damaged: bool = False
     ) -> None:
         self.place, self.root, self.lock = place, root, lock
         self.sweep, self.axes = root.sweep, root.axes
-        self.arrays = open_arrays(place.zarr(), root.arrays)
-        self.encoder = Encoder(root.arrays)  # for one thread at a time
+        self.arrays = open_arrays(place.zarr(), root.arrays, root.prefix)
+        self.encoder = Encoder(root.arrays, root.prefix)  # for one thread at a time
         self.dims = root.variables["status"].dims
         self.block = tuple(root.block[dim] for dim in self.dims)
         shape = [len(self.axes[dim]) for dim in self.dims]
@@ -76,6 +77,9 @@ class Store:
             np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
         )
+
+        tests = root.tests
+        self.tests = Store(place, tests, lock, is_damaged) if tests else None
 
     # Indices of points
 
@@ -95,8 +99,7 @@ class Store:
 
     def in_words(self, point: Point) -> str:
         """Write a point as text, with entries as in the scene file, such as ``2 mm``."""
-        written = self.sweep.variants.written(point.variant)
-        return str(point._replace(variant=tuple(written.items())))
+        return self.root.in_words(point)
 
     def key(self, name: str, chunk: Sequence[int]) -> str:
         """Key of a chunk of a variable, such as ``time/c.0.2.0``.
@@ -105,7 +108,7 @@ class Store:
         the index is 0, since one chunk has all values of a point.
         """
         within = [0] * (self.arrays[name].ndim - len(chunk))
-        return f"{path_of(name)}/" + ".".join(map(str, ("c", *chunk, *within)))
+        return f"{self.root.prefix}{path_of(name)}/" + ".".join(map(str, ("c", *chunk, *within)))
 
     # Reading
 
@@ -138,7 +141,7 @@ class Store:
         """Write the records of points: data first, then statuses, so that done points have data."""
         values, statuses = {}, {}
         for record in records:
-            record = packed(record, self.sweep.scene_hash(record.point))
+            record = packed(record, self.root.scene_hash(record.point))
             index = self.index(record.point)
             values[index] = {name: getattr(record, name) for name in _ABOUT}
             statuses[index] = FAILED

@@ -16,6 +16,7 @@ from pipeline.scene.units import require_count
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, record_at, tasks
 from pipeline.sweep.plan import points as points_of
+from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.task_queue import makespan
@@ -42,6 +43,7 @@ class Estimate:
     """Forecast of a sweep's cost: numbers of points, steps and tasks, time [s], disk space [B]."""
 
     points: int  #: Points of the diagram.
+    tests: int  #: Points of the scene's tests, which are computed first.
     steps: int  #: Contacts to solve for these points.
     temperatures: int  #: Heat partitions to solve for these points.
     tasks: int  #: Parallel tasks; points that share a contact are one. More workers would be idle.
@@ -89,15 +91,20 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
-    points = len(every)
+    slots, points = wanted_slots(sweep), len(every)
+    of_tests = sweep_of_tests(sweep, slots, False) if slots else None
+    own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
+    like_the_scene = _TaskTimes(scene, contact_time, heat_time, is_course=False)
+    wall += makespan(own, min(workers, len(own)), like_the_scene)[0] if own else 0.0
     return Estimate(
         points=points,
+        tests=len(own),
         steps=steps,
         temperatures=temperatures,
         tasks=len(every),
         workers=workers,
         seconds=_SECONDS_TO_START + wall * max(1.0, parallel / available),
-        disk_bytes=_STORE_BYTES + points * _point_bytes(scene, state),
+        disk_bytes=_STORE_BYTES + (points + len(own)) * _point_bytes(scene, state),
     )
 
 
