@@ -25,14 +25,19 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import (
     ABOUT,
+    AT_TESTS,
     DONE,
     INPUTS,
     PENDING,
     RECORDS,
+    TEST_STEP,
     attributes_of,
     is_coordinate,
+    test_variable,
 )
 from pipeline.store.write import Store, opened
+from pipeline.sweep.measurement import TEST
+from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
 
 
 def open_store(path: PathLike) -> xr.Dataset:
@@ -68,31 +73,66 @@ class _Backend(BackendEntrypoint):
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
-        done = store.flags == DONE
-        with io_errors(store.place):
-            keys = store.place.keys()
-        for name in itertools.filterfalse(is_coordinate, store.arrays):
-            chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
-            if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
-                raise StoreError(damaged(store.place, name))
-        root = store.root
-        present = root.coordinates()
-        coords = {*present, "own_grid"} - {INPUTS}
-        present |= {"status": store.flags, "asked": store.asked}
-        variables = {}
-        for name, variable in root.variables.items():
-            values = present.get(name)
-            if values is None:
-                values = indexing.LazilyIndexedArray(_Masked(store, name))
-            elif name in root.axes:
-                values = np.array(values, object if variable.dtype == "str" else variable.dtype)
-            shown = attributes_of(variable)
-            shown.pop("coordinates", None)
-            variables[name] = xr.Variable(variable.dims, values, shown)
-        variables["status"].encoding["store"] = str(store.place)
-        steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
-        ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
-        return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
+        return _dataset_of(store).assign_coords(_test_coordinates(store))
+
+
+def _dataset_of(store: Store) -> xr.Dataset:
+    """Points of a store as a dataset whose data are read when they are used."""
+    done = store.flags == DONE
+    with io_errors(store.place):
+        keys = store.place.keys()
+    for name in itertools.filterfalse(is_coordinate, store.arrays):
+        chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
+        if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
+            raise StoreError(damaged(store.place, name))
+    root = store.root
+    present = root.coordinates()
+    coords = {*present, "own_grid"} - {INPUTS}
+    present |= {"status": store.flags, "asked": store.asked}
+    variables = {}
+    for name, variable in root.variables.items():
+        values = present.get(name)
+        if values is None:
+            values = indexing.LazilyIndexedArray(_Masked(store, name))
+        elif name in root.axes:
+            values = np.array(values, object if variable.dtype == "str" else variable.dtype)
+        shown = attributes_of(variable)
+        shown.pop("coordinates", None)
+        variables[name] = xr.Variable(variable.dims, values, shown)
+    variables["status"].encoding["store"] = str(store.place)
+    steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
+    ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
+    return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
+
+
+def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
+    """Results at the points of tests, as coordinates: `xarray` keeps these in all it does.
+
+    The points that the present scene asks for are in the order of its tests.
+    """
+    if not (store.tests and store.tests.root.points):
+        return {}
+    ds = _dataset_of(store.tests)
+    order = sorted(np.flatnonzero(ds[TEST] != NO_TEST).tolist(), key=lambda k: _order(ds, k))
+    ds = ds.isel({TEST_POINT: order}).rename_dims(step=TEST_STEP).drop_vars("step")
+    names = [name for name in AT_TESTS if name in ds.variables]
+    found = {test_variable(name): ds[name].variable for name in names}
+    message = found[test_variable("message")]
+    message.values = message.values.astype(object)
+    return {TEST: ds[TEST].variable, **found}
+
+
+def _order(ds: xr.Dataset, place: int) -> tuple[float, ...]:
+    return tuple(float(ds[name][place]) for name in (TEST, "load", "velocity"))
+
+
+def open_tests(path: PathLike) -> xr.Dataset:
+    """Results at the points of tests in a store, as they are beside the plane in `open_store`."""
+    store = opened(path)
+    shares = {
+        name: store.axes[name] for name in ("cooler_share", "bulk_ratio") if name in store.axes
+    }
+    return xr.Dataset(coords={**shares, **_test_coordinates(store)})
 
 
 class _Masked(BackendArray):

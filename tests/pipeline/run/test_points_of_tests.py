@@ -1,0 +1,254 @@
+"""Points of tests beside the plane: computed first, resumed, grown, copied and checked."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.store.create import writing
+from pipeline.sweep import plan
+from tests.helpers import scenes
+from tests.helpers.stores import killed_after
+
+OWN_WORKERS = True
+SCENE = scenes.SCENE.replace("increments = 10", "increments = 3").replace(
+    'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true',
+    'loads = ["400 N"]\nvelocities = ["1 m/s", "2 m/s"]',
+)
+STEP = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nstep = "1 m/s"\n'
+WORN = (
+    '[[tested]]\nload = "300 N"\nvelocity = "3 m/s"\noutcome = "severe"\nfriction = 0.12\n'
+    'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }\n'
+)
+HELD = '[[tested]]\nload = "500 N"\nvelocity = "1 m/s"\noutcome = "mild"\nhold = "3 s"\n'
+PARTED = HELD.replace("hold", 'with = { "fidelity.increments" = 80 }\nhold').replace("3 s", "60 s")
+
+
+def load(folder, *tests, sweep=""):
+    text = SCENE + sweep + "\n" + "".join(tests)
+    (folder / "lab.toml").write_text(text, encoding="utf-8")
+    return pipeline.load_scene(folder / "lab.toml")
+
+
+def compute(path, sweep, most=None):
+    """Compute points of tests in this process, all or the first ones; return their number."""
+    with writing(path, sweep) as store:
+        tests, done = store.tests, 0
+        for point in tests.pending()[:most]:
+            scene = tests.sweep.case(point.variant).scene
+            tests.commit([plan.run_point(scene, tests.sweep.stations, point).record(False)])
+            done += 1
+    return done
+
+
+def answered(source):
+    """Load, velocity and rise of each test's point under the test's own conditions."""
+    data = pipeline.results(source)
+    held = data.tests
+    tests = [data.sweep.tests[number] for number in held.numbers]
+    rises = [held.rise(k, test.case.conditions) for k, test in enumerate(tests)]
+    return [*zip(held.loads.tolist(), held.velocities.tolist(), rises, strict=True)]
+
+
+def alone(sweep, load, velocity, friction=0.1, **entries):
+    """Rise at a load and velocity in the scene of a sweep with other entries."""
+    scene = sweep.alone()
+    for path, value in entries.items():
+        scene = scene.changed(path.replace("__", "."), value)
+    point = pipeline.run_point(scene, load, velocity)
+    rise = point.verdict(scene.conditions.replace_friction(friction)).contact_rise / friction
+    return pytest.approx(rise, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A sweep with three tests, and its store, which was computed on workers."""
+    folder = tmp_path_factory.mktemp("tests")
+    sweep = load(folder, STEP, WORN, HELD)
+    outcome = pipeline.run_sweep(sweep, folder / "lab.zarr", workers=1)
+    assert (outcome.total, outcome.done, outcome.computed) == (2, 2, 2)
+    assert (outcome.tests.total, outcome.tests.done, outcome.tests.failed) == (4, 4, ())
+    return sweep, folder / "lab.zarr"
+
+
+def test_points_of_tests_have_the_rises_of_their_own_scenes(made):
+    sweep, path = made
+    found = answered(path)
+    assert [one[:2] for one in found] == [(400, 1), (400, 2), (300, 3), (500, 1)]
+    own = {}, {}, {"wear__specific_wear_rate": "3.7e-7 mm^3/(N m)", "friction": 0.12}
+    for (load_of, velocity, rise), changes in zip(
+        found, (*own, {"loading__hold": "3 s"}), strict=True
+    ):
+        assert rise == alone(sweep, load_of, velocity, **changes)
+    plane = pipeline.results(path)
+    assert [rise for *_, rise in found[:2]] == plane.rises(plane.conditions)[0].tolist()
+
+
+def test_the_plane_keeps_no_steps_for_the_holds_of_tests(made, tmp_path):
+    ds = pipeline.open_sweep(made[1])
+    with writing(tmp_path / "none.zarr", load(tmp_path)) as store:
+        assert store.axes["step"] == [*range(1 - len(store.axes["step"]), 1)]
+        assert xr.open_zarr(made[1], chunks=None).sizes["step"] == len(store.axes["step"])
+    assert ds.sizes["test_step"] == 2  # the onset of the hold, and its end
+
+
+def test_an_interrupted_run_goes_on_and_a_second_one_computes_nothing(made, tmp_path):
+    sweep, path = made[0], tmp_path / "lab.zarr"
+    assert compute(path, sweep, most=3) == 3
+    assert pipeline.summary(path).tests.pending == 1
+    outcome = pipeline.run_sweep(sweep, path, workers=1)
+    assert (outcome.tests.done, outcome.computed) == (4, 2)
+    assert answered(path) == answered(made[1])
+    assert compute(path, sweep) == 0
+
+
+def test_a_changed_or_further_test_is_computed_alone_and_no_store_is_refused(tmp_path):
+    path = tmp_path / "lab.zarr"
+    assert compute(path, load(tmp_path, STEP)) == 2
+    assert compute(path, load(tmp_path, HELD, STEP)) == 1
+    changed = WORN.replace("3.7e-7", "1e-7")
+    assert compute(path, load(tmp_path, STEP, WORN)) == 1
+    assert compute(path, load(tmp_path, STEP, changed)) == 1
+    assert compute(path, load(tmp_path, WORN, STEP)) == 0  # seen before
+    sweep = load(tmp_path, STEP, WORN.replace("0.12", "0.2"))
+    assert compute(path, sweep) == 0  # the same simulation
+    wear = {"wear__specific_wear_rate": "3.7e-7 mm^3/(N m)"}
+    assert answered(path)[2] == (300.0, 3.0, alone(sweep, 300.0, 3.0, 0.2, **wear))
+    assert pipeline.verify_store(path).is_clean
+
+
+def test_a_test_with_more_steps_than_the_store_has_room_for_is_taken(tmp_path):
+    path = tmp_path / "lab.zarr"
+    track = SCENE.replace("[disk]\n", '[disk]\ntrack_length = "200 mm"\n')
+    for tests, computed in (((STEP, HELD), 3), ((STEP, HELD, PARTED), 4), ((STEP, PARTED), 0)):
+        (tmp_path / "lab.toml").write_text(track + "\n" + "".join(tests), encoding="utf-8")
+        sweep = pipeline.load_scene(tmp_path / "lab.toml")
+        assert compute(path, sweep) == computed
+        assert pipeline.verify_store(path).is_clean
+        assert np.isfinite([rise for *_, rise in answered(path)]).all()
+
+
+def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(tmp_path, monkeypatch):
+    before, sweep = load(tmp_path, STEP), load(tmp_path, HELD, STEP, WORN)
+    assert compute(tmp_path / "before.zarr", before) == 2
+    kills = 0
+    for count in range(0, 400, 7):
+        path = shutil.copytree(tmp_path / "before.zarr", tmp_path / "lab.zarr")
+        with killed_after(monkeypatch, count) as was_killed, writing(path, sweep):
+            pass
+        with writing(path, before) as store:
+            assert len(store.tests.pending()) == 0
+        assert pipeline.verify_store(path).tests.damaged == ()
+        with writing(path, sweep) as store:
+            assert len(store.tests.pending()) == 2
+        shutil.rmtree(path)
+        kills += bool(was_killed)
+        if not was_killed:
+            break
+    assert kills > 3
+
+
+def test_a_search_of_the_boundary_computes_the_tests_too_and_once(tmp_path):
+    sweep, path = load(tmp_path, STEP, WORN), tmp_path / "lab.zarr"
+    outcome = pipeline.run_sweep(sweep, path, workers=1, boundary_only=0.01)
+    assert (outcome.tests.total, outcome.tests.done) == (3, 3)
+    assert compute(path, sweep) == 0
+
+
+def test_rows_and_surfaces_have_the_tests_of_the_scene_once(tmp_path):
+    rows = 'over = { "pin.radius" = ["3 mm", "1 mm"] }\nrealizations = 2\n'
+    sweep, path = load(tmp_path, STEP, sweep=rows), tmp_path / "lab.zarr"
+    assert compute(path, sweep) == 2
+    assert answered(path) == [(400.0, V, alone(sweep, 400.0, V)) for V in (1.0, 2.0)]
+    taken = pipeline.at(path, **{"pin.radius": "1 mm"}).isel(realization=0)
+    assert answered(taken) == answered(path)
+
+
+COPIES = {
+    "netCDF": lambda ds, path: ds.to_netcdf(path / "copy.nc") or path / "copy.nc",
+    "Zarr": lambda ds, path: (
+        ds.to_zarr(path / "copy.zarr", consolidated=False) and path / "copy.zarr"
+    ),
+}
+
+
+@pytest.mark.parametrize("copy", COPIES)
+def test_copies_keep_the_tests(made, tmp_path, copy):
+    path = COPIES[copy](pipeline.open_sweep(made[1]), tmp_path)
+    assert answered(path) == answered(made[1])
+
+
+TAKEN = {
+    "opened by xarray": lambda ds, path: xr.open_zarr(path),
+    "one load": lambda ds, path: ds.sel(load=[400.0]),
+    "one place": lambda ds, path: ds.sel(load=400.0, velocity=1.0),
+    "joined": lambda ds, path: xr.concat([ds.isel(velocity=[k]) for k in (0, 1)], "velocity"),
+    "interpolated": lambda ds, path: ds.interp(load=[400.0]),
+    "where": lambda ds, path: ds.where(ds["velocity"] > 0),
+    "several frictions": lambda ds, path: pipeline.at(ds, friction=[0.1, 0.2]),
+}
+
+
+@pytest.mark.parametrize("kind", TAKEN)
+def test_what_xarray_does_with_the_plane_leaves_the_tests_alone(made, kind):
+    with np.errstate(all="ignore"):
+        ds = TAKEN[kind](pipeline.open_sweep(made[1]), made[1])
+    assert answered(ds) == answered(made[1])
+
+
+def test_a_dataset_without_the_tests_says_so(made):
+    ds = pipeline.open_sweep(made[1])
+    ds = ds.drop_vars([name for name in ds.coords if name.startswith("test_")]).drop_encoding()
+    held = pipeline.results(ds).tests
+    assert held.status.tolist() == [-1] * 4
+    assert np.isnan(held.rise(0, pipeline.results(ds).conditions))
+
+
+def test_a_failed_test_tells_its_reason_and_is_tried_again_when_asked_to(tmp_path, irg):
+    sweep, path = load(tmp_path, STEP), tmp_path / "lab.zarr"
+    compute(path, sweep)
+    with writing(path, sweep) as store:
+        point = store.tests.root.points[1]
+        store.tests.commit([plan.PointRecord(point, None, "out of luck")])
+    held = pipeline.results(path).tests
+    assert (held.status.tolist(), held.messages[1]) == ([1, 2], "out of luck")
+    said = irg("status", path, code=1)
+    assert "tests: 1 of 2 points done" in said
+    assert "failed: 400 N, 2 m/s, test 1: out of luck" in said
+    outcome = pipeline.run_sweep(sweep, path, workers=1, retry_failed=True)
+    assert (outcome.tests.done, outcome.tests.failed) == (2, ())
+
+
+def test_damage_of_a_test_is_named_apart_and_mended(made, tmp_path, irg):
+    path = shutil.copytree(made[1], tmp_path / "lab.zarr")
+    assert "tests: 4 done and intact, 0 damaged" in irg("verify", path)
+    (chunk,) = (path / "tests" / "max_rise").glob("c.*")
+    content = bytearray(chunk.read_bytes())
+    content[len(content) // 2] ^= 1
+    chunk.write_bytes(content)
+    said = irg("verify", path, code=1)
+    assert "points: 2 done and intact, 0 damaged" in said
+    assert "tests: 0 done and intact, 4 damaged" in said
+    outcome = pipeline.run_sweep(made[0], path, workers=1)
+    assert (outcome.computed, outcome.tests.done) == (0, 4)
+    assert answered(path) == answered(made[1])
+
+
+def test_commands_count_the_tests_apart(made, tmp_path, irg):
+    sweep, path = made
+    scene = tmp_path / "lab.toml"
+    load(tmp_path, STEP, WORN, HELD)
+    assert pipeline.estimate(sweep, workers=1).tests == 4
+    assert "tests    4 points of their own, computed first" in irg("check", scene)
+    copy = shutil.copytree(path, tmp_path / "lab.zarr")
+    assert "tests: 4 of 4 points done" in irg("run", scene, "-o", copy)
+    assert irg("run", scene, "-o", copy, "--json")["tests"] == {"points": 4, "done": 4, "failed": 0}
+
+
+def test_points_of_tests_are_taken_from_another_store(made, tmp_path):
+    sweep, path = made[0], tmp_path / "new.zarr"
+    outcome = pipeline.run_sweep(sweep, path, workers=1, source=made[1])
+    assert (outcome.computed, outcome.tests.done) == (0, 4)
+    assert answered(path) == answered(made[1])
