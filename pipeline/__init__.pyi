@@ -4,6 +4,7 @@ from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.decisive import temperatures as temperatures
 from .analysis.difference import diff as diff
+from .analysis.inferred import infer as infer
 from .analysis.margin import Margin as Margin
 from .analysis.margin_frame import margin as margin
 from .analysis.results import results as results
@@ -25,7 +26,6 @@ from .store.verify import verify_store as verify_store
 from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
 from .tradeoff.choose import choose_accuracy as choose_accuracy
-from .tradeoff.critical_temperature import critical_temperatures as critical_temperatures
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
 from .tradeoff.vary import vary as vary

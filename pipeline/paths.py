@@ -20,6 +20,17 @@ def user_path(path: str | PathLike[str]) -> Path:
         return Path(path)
 
 
+def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
+    """Path of a store that is to be read: ``results/NAME.zarr`` for the name of a scene alone.
+
+    A path that exists comes first.
+    """
+    name, folder = Path(path), Path("results")
+    is_name = str(path) == name.name and not name.suffix
+    in_results = folder / f"{name.name}.zarr"
+    return in_results if is_name and not name.exists() and in_results.exists() else path
+
+
 def require_file(path: Path) -> None:
     """Raise `InputError` for a path that exists but is no file, such as a device or a FIFO."""
     with suppress(OSError):  # opening it reports the reason better

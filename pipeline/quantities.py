@@ -59,8 +59,8 @@ UNITS = {
     "load": "N", "normal_load": "N", "critical_load": "N", "friction_force": "N",
     "velocity": "m/s", "critical_velocity": "m/s", "time": "s", "hold": "s", "spacing": "µm",
     "bulk_temperature": "°C", "disk_temperature": "°C", "critical_temperature": "°C",
-    "decisive_temperature": "°C", "temperature_error": "K", "distance": "K", "distance_low": "K",
-    "distance_high": "K", "friction": "", "failing_share": "", "viscosities": "mm²/s",
+    "decisive_temperature": "°C", "temperature_error": "K", "distance": "K", "friction": "",
+    "failing_share": "", "viscosities": "mm²/s",
     "unmodelled_rise": "", "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip

@@ -25,7 +25,7 @@ from pipeline.analysis.dataset import (
     name_at,
     scene_sweep,
 )
-from pipeline.analysis.results import results
+from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
@@ -52,6 +52,7 @@ def at(
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | Rule | None = None,
+    without_tests: Any = False,
     **entries: Any,
 ) -> xr.Dataset:
     """Judge a sweep under other conditions or values, without a new simulation.
@@ -79,10 +80,12 @@ def at(
         Contact temperature that is compared with the critical temperature: ``"highest"``,
         ``"mean"``, or ``"share"``, the temperature that `share` of the contact exceeds. In Python
         also a rule of your own, like those in `tribo.CRITERIA`.
+    without_tests : bool, optional
+        True to leave the tests of the scene out of all answers.
     **entries
         Values by the path of an entry, in SI or as text with a unit. An entry with several values
-        in the sweep (``[sweep] over``) is restricted to the given values. A condition is replaced,
-        as by the arguments above.
+        in the sweep (``[sweep] over``) is restricted to the given values, and ``realization`` to
+        the surface with this seed. A condition is replaced, as by the arguments above.
 
     Returns
     -------
@@ -117,6 +120,8 @@ def at(
     if twice := wanted.keys() & entries.keys():
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
+    if without_tests:
+        ds = ds.assign_attrs(without_tests="yes")
     ds, wanted = _select_entries(ds, wanted | entries)
     if others := [path for path in wanted if path not in _NAMES]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))
@@ -134,6 +139,16 @@ def at(
     for scene in results(names).scenes if wanted else ():
         _ = scene.plain_conditions  # raises if the sweep lacks what a condition needs
     return ds
+
+
+def asked_at(ds: ResultsLike, conditions: Mapping[str, Any]) -> Results:
+    """Results of a sweep, judged under `conditions` as `at` takes them."""
+    if not conditions:
+        return results(ds)
+    if isinstance(ds, Results):
+        names = ", ".join(conditions)
+        raise InputError(f"{names} cannot be given for results that were read; give the dataset")
+    return results(at(ds, **conditions))
 
 
 def _si_value(path: str, value: Any) -> Any:
@@ -207,7 +222,7 @@ def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Datas
     of the dataset becomes a dimension of size 1.
     """
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
-    columns = {*entry_dims(ds), *taken}
+    columns = {*entry_dims(ds), *taken, *{"realization"}.intersection(map(str, ds.dims))}
     for path in values.keys() & columns:
         several = isinstance(values[path], list | tuple | np.ndarray)
         places = [

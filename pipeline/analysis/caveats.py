@@ -6,11 +6,9 @@ import itertools
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.field import point_field
 from pipeline.analysis.results import Results
+from pipeline.analysis.rises import rises_of
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
@@ -43,7 +41,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
     """Velocities, in words, from which wear is severe if heat of a body's earlier turns counts.
 
-    They are the lowest of all surfaces, at the lowest and the highest load. The text is empty
+    They are those at the lowest and the highest load. The text is empty
     unless the scene leaves that heat out, the results are of a single scene with a grid of loads
     and velocities, and `conditions` are those of `data.sweep`.
     """
@@ -53,8 +51,8 @@ def _warm_transitions(data: Results, conditions: Conditions) -> str:
         return ""
     parts = conditions.corrections or Corrections()
     parts = replace(parts, motion=data.sweep.scene.motion, **tracks)
-    field = point_field(data, replace(conditions, corrections=parts))
-    first = np.fmin.reduce(field.transitions("velocity", data.loads, data.velocities[-1:]).first)
+    rises = rises_of(data, replace(conditions, corrections=parts))
+    first = rises.turns("velocity", data.loads).first
     begins = [f"from {v:.3g} m/s" if v > 0 else "at every velocity computed" for v in first]
     ends = {float(data.loads[k]): begins[k] for k in (0, -1) if first[k] < math.inf}
     return ", ".join(f"{begin} at {load:g} N" for load, begin in ends.items())

@@ -15,6 +15,7 @@ import xarray as xr
 
 from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.analysis.scene_id import identify, require_one_sweep
+from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si
 from pipeline.store.inputs import split_arrays
@@ -136,7 +137,8 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Parameters
     ----------
     path : str or path
-        Path or URL of a store made by `pipeline.run_sweep`, which may still be running.
+        Path or URL of a store made by `pipeline.run_sweep`, which may still be running; or the
+        name of a scene, whose store is in ``results``.
 
     Returns
     -------
@@ -162,7 +164,9 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.000292
     """
-    return ordered(open_store(path)).drop_vars(["checksum", "message"], errors="ignore")
+    return ordered(open_store(found_store(path))).drop_vars(
+        ["checksum", "message"], errors="ignore"
+    )
 
 
 def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:

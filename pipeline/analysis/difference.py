@@ -10,9 +10,9 @@ import xarray as xr
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Layout, require_kind, require_one_scene
+from pipeline.analysis.outcomes import outcomes
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import frame_of
-from pipeline.analysis.transition import outcomes
 from pipeline.scene.written import differing_entries
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, PENDING, PLANE
@@ -102,18 +102,12 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 def _critical_velocities(data: Results) -> pd.DataFrame:
     """Frame of critical velocity [m/s] and outcome in words, by load.
 
-    With several surfaces the velocity is the median; NaN if it is 0 or infinite. The outcome lists
-    those of all surfaces, each once.
+    The velocity is NaN where there is none.
     """
-    boundaries, meanings = boundary(data), outcomes("velocity")
-    if "critical_velocity_quantile" in boundaries:
-        velocity = boundaries["critical_velocity_quantile"].sel(quantile=0.5).values
-    else:
-        velocity = boundaries["critical_velocity"].values
-    codes = boundaries["outcome_at_load"].transpose("load", ...).values
-    outcome = [", ".join(meanings[code] for code in np.unique(here)) for here in codes]
-    loads = boundaries["load"].values
-    return pd.DataFrame({"load": loads, "velocity": velocity, "outcome": outcome})
+    found, meanings = boundary(data), outcomes("velocity")
+    outcome = [meanings[code] for code in found["outcome_at_load"].values.tolist()]
+    velocities, loads = found["critical_velocity"].values, found["load"].values
+    return pd.DataFrame({"load": loads, "velocity": velocities, "outcome": outcome})
 
 
 def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, overload
@@ -10,38 +9,48 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 import pandas as pd
 
+from pipeline.analysis.at import asked_at
+from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.field import PointField, point_field
-from pipeline.analysis.laboratory import model_error, tests_beside
-from pipeline.analysis.margin import Margin, answers, clipped
-from pipeline.analysis.model_error import ModelError
-from pipeline.analysis.results import Results, ResultsLike, results
+from pipeline.analysis.judge import Judge, judge_of
+from pipeline.analysis.margin import PASSED, Margin
+from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.rise_error import RiseError, rise_errors
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.tables import frame_of
+from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError
+from tribo.types import Array
+
+_AT_ONCE = 2000  # operating points judged in one call, with some 100 MB of memory
 
 Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
 """Operating points: already read, in a file, or as columns by heading."""
 
 
 @overload
-def margin(ds: ResultsLike, load: Any, velocity: float | str) -> Margin | pd.DataFrame: ...
+def margin(
+    ds: ResultsLike, load: Any, velocity: float | str, **conditions: Any
+) -> Margin | pd.DataFrame: ...
 
 
 @overload
-def margin(ds: ResultsLike, load: Points | None = None) -> pd.DataFrame: ...
+def margin(ds: ResultsLike, load: Points | None = None, **conditions: Any) -> pd.DataFrame: ...
 
 
 @np.errstate(under="ignore")
-def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | pd.DataFrame:
+def margin(
+    ds: ResultsLike, load: Any = None, velocity: Any = None, **conditions: Any
+) -> Margin | pd.DataFrame:
     """Judge operating points without a new simulation: verdict, and distance from severe wear.
 
     Parameters
@@ -59,6 +68,8 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         if the sweep's rows have their own.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within the sweep's velocities.
+    **conditions
+        Conditions to judge by, as in `pipeline.at`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -68,10 +79,9 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         it is severe, the contact temperature that the criterion compares with the critical
         temperature (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and
         its ``distance [K]`` below the critical temperature. For velocity and for load it also has
-        the lowest critical value, its ratio to the point's own value, and the outcome. With several
-        surfaces these values are medians; ``distance low [K]`` and
-        ``distance high [K]`` are the 5 and 95 % quantiles. Points outside the computed ones have no
-        values, and ``notes`` give the reason.
+        the lowest critical value, its ratio to the point's own value, and the outcome; and ``with
+        tests [m/s]``, the velocity at which severe wear is 50 % likely. Points outside the computed
+        ones have no values, and ``notes`` give the reason.
 
     Raises
     ------
@@ -91,7 +101,7 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
     0     400.0    mild
     1     600.0  severe
     """
-    data = results(ds)
+    data = asked_at(ds, conditions)
     points = load
     if (load is None or isinstance(load, float | int)) and (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
@@ -100,16 +110,16 @@ def margin(ds: ResultsLike, load: Any = None, velocity: Any = None) -> Margin | 
         points = OperatingPoints((place,), {})
     elif not (load is None or isinstance(load, OperatingPoints)):
         points = OperatingPoints.read(load)
-    found = [*judged(data, points)]
+    found = [*asked_of(data, points)]
     if velocity is not None and len(found) == 1:
         return found[0].known()
     return margin_frame(data, found, points)
 
 
-class Judged(NamedTuple):
-    """An operating point in one scene, with its `Margin` or the reason why that is unknown."""
+class Asked(NamedTuple):
+    """An operating point asked of one scene: its `Margin`, or why that is unknown."""
 
-    field: PointField  # field under the conditions of the operating point
+    source: Results  # results of the scene
     place: Place
     own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
@@ -122,8 +132,8 @@ class Judged(NamedTuple):
         return self.margin
 
 
-def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
-    """Judge operating points for each variant of a sweep; yield one `Judged` per point and variant.
+def asked_of(data: Results, points: OperatingPoints | None) -> Iterator[Asked]:
+    """Judge operating points for each variant of a sweep; yield one `Asked` per point and variant.
 
     A variant is one combination of values of the varied entries. If `points` is None, each variant
     is judged at the load and velocity for which it was computed. An `InputError` is raised if these
@@ -131,54 +141,117 @@ def judged(data: Results, points: OperatingPoints | None) -> Iterator[Judged]:
     """
     if points is not None:
         require_kind(data.kind, Layout.PLANE)
-    for field in map(point_field, data.scenes):
-        scatter = model_error(field.source, field)
-        place = field.source.place
+    for judge in map(judge_of, data.scenes):
+        place = judge.source.place
         if points is None and place is None:
             raise InputError(
                 "no operating point is given, and rows of the sweep have none; give a load and a "
                 "velocity (--load and --velocity), or a table of them (--points)"
             )
         own_place = [(Place(*place), dict[str, float]())] if place else []
-        places = [*(points.rows if points else own_place)]
-        for begin in range(0, len(places), field.at_once):
-            yield from _judged_points(field, places[begin : begin + field.at_once], scatter)
+        yield from _asked(judge, [*(points.rows if points else own_place)])
 
 
-def _judged_points(
-    field: PointField, points: Sequence[tuple[Place, Mapping[str, float]]], scatter: ModelError
-) -> list[Judged]:
-    """Judge operating points of one scene: whether wear is severe there, and how far from it.
+def _asked(judge: Judge, points: Sequence[tuple[Place, Mapping[str, float]]]) -> list[Asked]:
+    """Judge operating points of one scene: an `Asked` for each, in the order of `points`.
 
-    Returns a `Judged` for each point, in the order of `points`. Each of `points` is a pair: its
-    load [N] and velocity [m/s], and by name the conditions of this point alone, such as its
-    friction. `field` gives the temperature rise at any point of the scene. `scatter` is the
-    distribution of the model's error of the critical velocity.
+    Each of `points` is a pair: its load [N] and velocity [m/s], and by name the conditions of this
+    point alone, such as its friction.
     """
-    found, alike = dict[int, Judged](), dict[tuple[Any, ...], list[int]]()
+    found, alike = dict[int, Asked](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(points):
         alike.setdefault((*own.items(),), []).append(number)
+    judges, oil_names = dict[Any, Judge](), ("critical_temperature",)
     for conditions, numbers in alike.items():
         here, own = [points[number][0] for number in numbers], dict(conditions)
         try:
-            under = field.judged_by(own)
+            critical = own.get("critical_temperature")
+            if critical not in judges:  # tests are compared once for each
+                oil = {} if critical is None else {"critical_temperature": critical}
+                judges[critical] = judge.judged_by(oil)
+            others = {name: value for name, value in own.items() if name not in oil_names}
+            under = judges[critical].judged_by(others)
             met = [
-                [snap(x, *under.ends[name]) for name, x in zip(PLANE, place, strict=True)]
+                [snap(x, *under.rises.ends[name]) for name, x in zip(PLANE, place, strict=True)]
                 for place in here
             ]
-            tested = [[*tests_beside(field.source, *place)] for place in met]
-            loads, velocities = np.array(met).T
-            margins = answers(under, loads, velocities, scatter, tested)
+            margins = [
+                margin
+                for begin in range(0, len(met), _AT_ONCE)
+                for margin in margins_at(under, *np.array(met[begin : begin + _AT_ONCE]).T)
+            ]
         except InputError as error:
-            under, margins = field, [str(error)] * len(here)
+            margins = [str(error)] * len(here)
         for number, place, margin in zip(numbers, here, margins, strict=True):
             answer = (None, margin) if isinstance(margin, str) else (margin, "")
-            found[number] = Judged(under, place, own, *answer)
+            found[number] = Asked(judge.source, place, own, *answer)
     return [found[number] for number in range(len(points))]
 
 
+def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | str]:
+    """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown."""
+    here = judge.rises.known(loads, velocities)
+    is_known = np.array([not reason for reason in here.reasons])
+    if not is_known.any():
+        return [*here.reasons]
+    loads, velocities = loads[is_known], velocities[is_known]
+    conditions = judge.conditions
+    temperatures = conditions.contact_temperature(judge.rises.rise(loads, velocities))
+    critical = known_critical_temperature(conditions)
+    low, likely, high = judge.chances(loads, velocities)
+    no_mild, no_severe, names = judge.forbidden(loads, velocities)
+    along = {
+        "velocity": judge.rises.turns("velocity", loads),
+        "load": judge.rises.turns("load", velocities),
+    }
+    is_passed = (along["load"].first < loads) & (temperatures <= critical)
+    parts = rise_errors(judge.rises, loads, velocities).T
+    notes = scene_caveats(judge.source, conditions)
+    tested, why = judge.tested_velocities(loads)[1], forbidding_words(judge)
+    margins = (
+        Margin(
+            load=float(loads[k]),
+            velocity=float(velocities[k]),
+            probability=float(likely[k]),
+            lowest=float(low[k]),
+            highest=float(high[k]),
+            decisive_temperature=float(temperatures[k]),
+            error=RiseError.of(parts[k]).times(conditions.temperature_error(temperatures[k])),
+            critical_temperature=critical,
+            distance=critical - float(temperatures[k]),
+            model_error=judge.evidence.text,
+            critical_velocity=float(along["velocity"].critical[k]),
+            tested_velocity=float(tested[k]),
+            critical_load=float(along["load"].critical[k]),
+            velocity_outcome=outcome,
+            load_outcome=load_outcome,
+            is_computed=bool(here.is_computed[is_known][k]),
+            is_continued=bool(here.is_continued[is_known][k]),
+            patches=judge.source.patches,
+            not_mild=why[0] or f"{names[k]} forbids it" * bool(no_mild[k]),
+            not_severe=why[1] or f"{names[k]} forbids it" * bool(no_severe[k]),
+            tested=tuple(tests_beside(judge.evidence, loads[k], velocities[k])),
+            caveats=((PASSED,) * bool(is_passed[k])) + notes,
+            entries={path: judge.source.rows[path].item() for path, _ in judge.source.name},
+        )
+        for k, (outcome, load_outcome) in enumerate(
+            zip(along["velocity"].texts("velocity"), along["load"].texts("load"), strict=True)
+        )
+    )
+    return [reason or next(margins) for reason in here.reasons]
+
+
+def forbidding_words(judge: Judge) -> tuple[str, str]:
+    """Why no place of a case is mild, and why none is severe; empty where tests allow it."""
+    no_mild, no_severe = judge.open_sides
+    why = waiting_words(judge.evidence)
+    if judge.inferred is not None and not judge.inferred.is_bounded:
+        why = "the tests bound the critical temperature from one side only"
+    return why * no_mild, why * no_severe
+
+
 def margin_frame(
-    data: Results, found: Sequence[Judged], points: OperatingPoints | None = None
+    data: Results, found: Sequence[Asked], points: OperatingPoints | None = None
 ) -> pd.DataFrame:
     """Data frame with a row for each judged operating point in `found`.
 
@@ -188,7 +261,7 @@ def margin_frame(
     heads = heads_of(data.rows, names)
     labels = pd.DataFrame(
         {
-            head: [shown_label(data.rows[name], one.field.source.labels[name]) for one in found]
+            head: [shown_label(data.rows[name], one.source.labels[name]) for one in found]
             for name, head in heads.items()
         }
     )
@@ -199,8 +272,8 @@ def margin_frame(
             values = ["not known", *[None] * (len(_COLUMNS) - 1)]
             notes.insert(0, one.reason)
         else:
-            values = [_value(one.margin, name) for name in _COLUMNS]
-            notes += one.margin.caveats
+            values = [getattr(one.margin, name) for name in _COLUMNS]
+            notes += [*filter(None, [one.margin.against]), *one.margin.caveats]
         rows.append((*one.place, *values, join_notes(notes)))
     answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
     return pd.concat([labels, _copied_columns(points, answers), answers], axis="columns")
@@ -208,30 +281,23 @@ def margin_frame(
 
 _COLUMNS = column_heads(
     "verdict", "probability", "decisive_temperature", "temperature_error", "distance",
-    "distance_low", "distance_high", "velocity_factor", "critical_velocity", "velocity_outcome",
+    "velocity_factor", "critical_velocity", "tested_velocity", "velocity_outcome",
     "load_factor", "critical_load", "load_outcome",
-)  # fmt: skip
-"""Column headings by the name of the attribute of `Margin`, or of an end of its interval."""
+) | {"tested_velocity": "with tests [m/s]"}  # fmt: skip
+"""Column headings by the name of the attribute of `Margin`."""
 LONG = (
-    "temperature error [K]", "distance low [K]", "distance high [K]", "critical velocity [m/s]",
-    "critical load [N]", "velocity outcome", "load outcome", "notes",
+    "temperature error [K]", "critical velocity [m/s]", "with tests [m/s]", "critical load [N]",
+    "velocity outcome", "load outcome", "notes",
 )  # fmt: skip
 """Columns left out on a terminal or a page, which are too narrow."""
 
 
-def _value(margin: Margin, name: str) -> Any:
-    if name in ("distance_low", "distance_high"):
-        return margin.intervals.get("distance", (math.nan, math.nan))[name == "distance_high"]
-    value = getattr(margin, name)
-    return clipped(value) if name == "probability" else value
-
-
-def _label_names(found: Sequence[Judged]) -> list[str]:
+def _label_names(found: Sequence[Asked]) -> list[str]:
     """Names of the coordinates that identify the operating points `found`.
 
     The number of a row of the sweep's table is left out, unless there is nothing else.
     """
-    names = [name for one in found[:1] for name in one.field.source.labels]
+    names = [name for one in found[:1] for name in one.source.labels]
     return [name for name in names if name != VARIANT] or names
 
 

@@ -31,6 +31,7 @@ from pipeline.analysis.dataset import (
     scene_sweep,
     sweep_kind,
 )
+from pipeline.analysis.likelihood import Prior
 from pipeline.store.place import PathLike, StoreError
 from pipeline.store.read import open_store, open_tests
 from pipeline.store.schema import (
@@ -249,6 +250,27 @@ class Results:
         The result is empty if an entry has several values.
         """
         return self.stored.variants.written(self.name)
+
+    @property
+    def takes_tests(self) -> bool:
+        """True unless the tests of the scene are to be left out."""
+        return not self.rest.attrs.get("without_tests")
+
+    @property
+    def prior(self) -> Prior:
+        """How far the model may be off before any test, as the scene says."""
+        return Prior(self.stored.base.model_bias, self.stored.base.model_scatter)
+
+    @property
+    def infers(self) -> bool:
+        """True if the critical temperature is to be found from the tests."""
+        is_given = PATHS["critical_temperature"] in self.judged
+        return self.stored.base.infers_critical and self.takes_tests and not is_given
+
+    @property
+    def patches(self) -> int:
+        """Number of random surfaces, which are patches of one specimen."""
+        return self.rows.sizes.get("realization", 1)
 
     @functools.cached_property
     def sweep(self) -> Sweep:

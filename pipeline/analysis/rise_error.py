@@ -24,11 +24,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.left_out import Alignment
-from pipeline.analysis.results import Results
-from pipeline.analysis.warned_points import warning_flags
-from pipeline.sweep.conditions import Conditions
+from pipeline.analysis.rises import Places, Rises, places_of
 from tribo import WarningKind
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Indices
 
 SHARE = 0.65
 """Relative error of a rise over that of the critical velocity: rises grow as velocity^0.5 to 0.7.
@@ -149,119 +147,17 @@ def totals(errors: Array) -> Array:
     return np.asarray(np.sqrt(np.square(errors).sum(axis=0)))
 
 
-@dataclass(frozen=True, eq=False)
-class RisePlane:
-    """Temperature rises [K] at the points of one surface, and the warnings of these points.
-
-    Rises are per unit friction coefficient, without the effect of velocity on friction. `flags` are
-    sums of `WarningKind` codes, `durations` the times of loading [s], and `is_left_out` is True for
-    points that a search of the boundary did not need, all (n_load, n_velocity).
-    """
-
-    loads: Array
-    velocities: Array
-    rises: Array
-    flags: Indices
-    durations: Array
-    is_left_out: Mask
-
-    def is_done(self, loads: Array, velocities: Array) -> Mask:
-        """Mask (k,) of k pairs of load and velocity: True for computed points."""
-        at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
-        done = at_load @ self._is_done
-        return np.asarray((done & at_velocity).any(axis=1))
-
-    @functools.cached_property
-    def _is_done(self) -> Mask:
-        return np.isfinite(self.rises)
-
-    def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
-        """Indices of the points between which rises at k pairs of load and velocity are found.
-
-        Returns the indices of two loads (k, 2), and of two velocities at each of these loads
-        (k, 2, 2). At a computed point all indices are of this point. An index is -1 if there is no
-        point.
-        """
-        along = _slots(self.velocities, velocities)
-        rows = self._loads_around[along, _slots(self.loads, loads)]
-        return rows, self._velocities_around[rows, along[:, None]]
-
-    @functools.cached_property
-    def _loads_around(self) -> Indices:
-        """Indices of the two loads between which a rise is interpolated; -1 if there are none.
-
-        The shape is (2 n_velocity + 1, 2 n_load + 1, 2), with axes for the slot of the velocity,
-        the slot of the load, and the two loads. A slot is a value of the axis, a gap between two
-        values, or the range beyond an end, numbered by `_slots`.
-        """
-        goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
-        reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
-        reached[1::2] |= self._is_done.T
-        return _neighbours(reached)
-
-    @functools.cached_property
-    def _velocities_around(self) -> Indices:
-        """Indices of the two velocities between which a rise is interpolated; -1 if there are none.
-
-        The shape is (n_load, 2 n_velocity + 1, 2), with axes for the load, the slot of the
-        velocity, and the two velocities. A slot is a value of the axis, a gap between two values,
-        or the range beyond an end, numbered by `_slots`. Beyond an end the two are the nearest.
-        """
-        return _neighbours(self._is_done)
-
-    @functools.cached_property
-    def warned(self) -> Array:
-        """Relative errors (load, velocity) of the rises that the points' warnings imply.
-
-        An error is 0 at a point without warnings, and NaN if a warning's effect is unknown.
-        """
-        return warned_errors(self.flags, self.durations)
-
-
-def planes_of(scene: Results, conditions: Conditions) -> tuple[RisePlane, ...]:
-    """Make a `RisePlane` for each surface of a scene: temperature rises and warnings of its points.
-
-    The rises are those of the contact temperature that the criterion of `conditions` compares with
-    the critical temperature, per unit friction coefficient. If friction depends on velocity, rises
-    are divided by the ratio of friction at the point's velocity to the nominal coefficient of
-    friction.
-    """
-    scene.require("time")
-    rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
-    times = np.nan_to_num(scene.columns["time"], nan=-np.inf).max(axis=-1)
-    shape = -1, *rises.shape[-2:]
-    left_out = ~scene.asked & ~scene.done
-    parts = (one.reshape(shape) for one in (rises, warning_flags(scene), times, left_out))
-    axes = scene.loads, scene.velocities
-    return tuple(RisePlane(*axes, *values) for values in zip(*parts, strict=True))
-
-
-def rise_errors(
-    grid: RisePlane, loads: Array, velocities: Array, velocity_error: float | None
-) -> Array:
+def rise_errors(rises: Rises, loads: Places, velocities: Places) -> Array:
     """Relative errors of the temperature rises at k pairs of load and velocity, (3, k).
 
     The first axis has the causes: interpolation between points, the preset (grid and load steps),
-    and warnings of the simulation. An unknown error is NaN. `grid` has the computed rises of one
-    surface, between which others are interpolated.
-    `velocity_error` is the relative error of the critical velocity due to the preset, or None if
-    unknown.
+    and warnings of the simulation. An unknown error is NaN.
     """
-    rows, columns = grid.rests_on(loads, velocities)
-    warned = grid.warned[rows[..., None], columns].max(axis=(1, 2))
-    between = _interpolation(grid, rows, columns, loads, velocities)
-    return np.stack(np.broadcast_arrays(between, preset_error(velocity_error), warned))
-
-
-def _slots(points: Array, places: Array) -> Indices:
-    """Number of the slot that each of `places` lies in, on an axis with n ascending `points`.
-
-    `places` are loads or velocities. A slot is a point, a gap, or the range beyond an end. Slot
-    2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
-    below the first point, and slot 2 n the range above the last.
-    """
-    slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
-    return slots
+    loads, velocities = places_of(loads, velocities)
+    rows, columns = rises.rests_on(loads, velocities)
+    warned = warned_errors(rises.flags, rises.durations)[rows[..., None], columns].max(axis=(1, 2))
+    between = _interpolation(rises, rows, columns, loads, velocities)
+    return np.stack(np.broadcast_arrays(between, preset_error(rises.promised), warned))
 
 
 def preset_error(velocity_error: float | None) -> float:
@@ -273,83 +169,63 @@ def preset_error(velocity_error: float | None) -> float:
     return math.nan if velocity_error is None else SHARE * velocity_error
 
 
-def _neighbours(is_done: Mask) -> Indices:
-    """Indices of the two done points to interpolate between, (r, 2 n + 1, 2).
-
-    `is_done` is the mask of done points (r, n) in r rows. The second axis of the result has the
-    slots of a row, numbered by `_slots`: points, gaps, and the ranges beyond both ends. A slot that
-    is a done point has this point twice. Other slots have the nearest done points on either side;
-    beyond the first or last one, the nearest two. In a row with a single done point all slots have
-    this point twice. In an empty row indices are -1.
-    """
-    order = np.argsort(~is_done, axis=1, kind="stable")
-    count = is_done.sum(axis=1)[:, None]
-    in_front = np.pad(np.cumsum(is_done, axis=1), ((0, 0), (1, 0))).repeat(2, axis=1)[:, :-1]
-    first = np.clip(in_front - 1, 0, np.maximum(count - 2, 0))
-    either_side = first, np.minimum(first + 1, count - 1)
-    found = np.stack([np.take_along_axis(order, side, axis=1) for side in either_side], axis=-1)
-    own = np.arange(is_done.shape[1])[:, None]
-    found[:, 1::2] = np.where(is_done[..., None], own, found[:, 1::2])
-    return np.where(count[..., None] > 0, found, -1)
-
-
 def _interpolation(
-    grid: RisePlane, rows: Indices, columns: Indices, loads: Array, velocities: Array
+    rises: Rises, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
     """Relative errors (k,) of rises at k pairs of load and velocity due to interpolation.
 
-    Each rise is interpolated between points of `grid`. `rows` (k, 2) are the indices of two loads,
+    Each rise is interpolated between points of `rises`. `rows` (k, 2) are the indices of two loads,
     and `columns` (k, 2, 2) those of two velocities at each of these loads, from
-    `RisePlane.rests_on`. Beyond the two velocities the error is that of extrapolation. An error is
-    NaN outside the two loads, or if `grid` has too few points to estimate the error.
+    `Rises.rests_on`. Beyond the two velocities the error is that of extrapolation. An error is
+    NaN outside the two loads, or if `rises` has too few points to estimate the error.
     """
-    (lowest, highest), places = grid.loads[rows].T, velocities[:, None]
-    first, last = np.moveaxis(grid.velocities[columns], -1, 0)
+    (lowest, highest), places = rises.loads[rows].T, velocities[:, None]
+    first, last = np.moveaxis(rises.velocities[columns], -1, 0)
     gaps = np.log(last / first)
     way = np.maximum(np.log(first / places), np.log(places / last))
-    slope_error = np.hypot(_slope_spread(grid), BEYOND * (way + gaps))
+    slope_error = np.hypot(_slope_spread(rises), BEYOND * (way + gaps))
     beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
-    along = np.where(beyond > 0, beyond, _gap_errors(grid, "velocity", gaps.max(axis=1)))
-    errors = np.hypot(along, _gap_errors(grid, "load", np.log(highest / lowest)))
+    along = np.where(beyond > 0, beyond, _gap_errors(rises, "velocity", gaps.max(axis=1)))
+    errors = np.hypot(along, _gap_errors(rises, "load", np.log(highest / lowest)))
     # Rises are not extrapolated beyond the loads.
     is_known = (rows[:, 0] >= 0) & (lowest <= loads) & (loads <= highest)
     return np.where(is_known, errors, math.nan)
 
 
-def _gap_errors(grid: RisePlane, axis: str, gaps: Array) -> Array:
+def _gap_errors(rises: Rises, axis: str, gaps: Array) -> Array:
     """Relative errors (k,) of rises that are interpolated along `axis`, "load" or "velocity".
 
     Each of `gaps` (k,) is the difference of ln(load) or ln(velocity) between the two computed
     points on either side. A gap is 0 at a computed point, and so is the error. An error is NaN if
-    `grid` has too few points to estimate it.
+    `rises` has too few points to estimate it.
     """
-    found = BETWEEN * _left_out_error(grid, axis) * gaps ** _power(grid, axis)
-    if axis == "velocity" and grid.is_left_out.any():
+    found = BETWEEN * _left_out_error(rises, axis) * gaps ** _power(rises, axis)
+    if axis == "velocity" and rises.is_left_out.any():
         found = np.fmax(found, ROUGH * gaps)
     return np.where(gaps > 0, found, 0.0)
 
 
-def _power(grid: RisePlane, axis: str) -> int:
+def _power(rises: Rises, axis: str) -> int:
     """Power of the gap that an error of interpolation grows with.
 
     It is 1 between neighbours of a whole plane, where the rise is rough. Far from the boundary a
     search leaves wide gaps, where the curvature counts.
     """
-    return 2 if axis == "velocity" and grid.is_left_out.any() else 1
+    return 2 if axis == "velocity" and rises.is_left_out.any() else 1
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
-def _left_out_error(grid: RisePlane, axis: str) -> float:
+def _left_out_error(rises: Rises, axis: str) -> float:
     """Root mean square of error of ln(rise) over gap, over points that are left out in turn.
 
     The gap is taken to its `_power`. A left-out point is interpolated from the others along `axis`,
     load or velocity. The gap is the difference of ln(load) or ln(velocity) between the neighbours
     of the point. The result is NaN if no point can be interpolated.
     """
-    if axis == "load" and grid.is_left_out.any():
-        every = _left_out_loads(grid)
+    if axis == "load" and rises.is_left_out.any():
+        every = _left_out_loads(rises)
         return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
-    lines = (grid.velocities, grid.rises) if axis == "velocity" else (grid.loads, grid.rises.T)
+    lines = (rises.velocities, rises.plane) if axis == "velocity" else (rises.loads, rises.plane.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.
     x, y = (
@@ -357,34 +233,34 @@ def _left_out_error(grid: RisePlane, axis: str) -> float:
         for part in _logarithms(*lines)
     )
     curves = Curve(*(np.exp(np.delete(part, 2, axis=-1)) for part in (x, y)))
-    gaps = (x[..., 3] - x[..., 1]) ** _power(grid, axis)
+    gaps = (x[..., 3] - x[..., 1]) ** _power(rises, axis)
     missed = (np.log(curves(np.exp(x[..., [2]]))[..., 0]) - y[..., 2]) / gaps
     every = missed[np.isfinite(missed)]
     return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
 
 
-def _left_out_loads(grid: RisePlane) -> Array:
+def _left_out_loads(rises: Rises) -> Array:
     """(Error of ln(rise))/gap of each inner load, interpolated from the others; a searched plane.
 
     Rises are interpolated along lines of equal rise, as at loads that the search left out.
     """
-    aligned, found = Alignment.of(grid.loads, grid.velocities, grid.rises), []
+    aligned, found = Alignment.of(rises.loads, rises.velocities, rises.plane), []
     for number in range(1, len(aligned.rows) - 1):
-        load, rises = grid.loads[aligned.rows[number]], grid.rises[aligned.rows[number]]
-        known = np.isfinite(rises) & (rises > 0)
-        told = aligned.without(number).at(load, grid.velocities[known])
-        before, after = grid.loads[aligned.rows[[number - 1, number + 1]]]
-        found.append(np.log(told / rises[known]) / np.log(after / before))
+        load, known_here = rises.loads[aligned.rows[number]], rises.plane[aligned.rows[number]]
+        known = np.isfinite(known_here) & (known_here > 0)
+        told = aligned.without(number).at(load, rises.velocities[known])
+        before, after = rises.loads[aligned.rows[[number - 1, number + 1]]]
+        found.append(np.log(told / known_here[known]) / np.log(after / before))
     return np.concatenate(found) if found else np.empty(0)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
-def _slope_spread(grid: RisePlane) -> float:
-    """Standard deviation of the slopes d ln(rise)/d ln(velocity) of the points in `grid`.
+def _slope_spread(rises: Rises) -> float:
+    """Standard deviation of the slopes d ln(rise)/d ln(velocity) of the points in `rises`.
 
     Slopes are between neighbouring velocities at the same load. Without any slope the result is 0.
     """
-    x, y = _logarithms(grid.velocities, grid.rises)
+    x, y = _logarithms(rises.velocities, rises.plane)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]
     return float(np.std(slopes)) if slopes.size else 0.0

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin import PASSED, Margin
+from pipeline.analysis.margin_frame import forbidding_words
+from pipeline.analysis.outcomes import outcomes
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import attribute_values
-from pipeline.analysis.transition import outcomes
-from pipeline.quantities import UNITS, display, shown_in
-from pipeline.sweep.remarks import remarks
-
-ONSET = "the median is not the onset: the hottest patch under the pin scuffs first"
-"""Caveat on the median over surfaces."""
+from pipeline.analysis.tested import APART
+from pipeline.quantities import UNITS, display
+from pipeline.sweep.remarks import remarks, split_notes
 
 
 def model_error_line(errors: Iterable[str]) -> str:
-    """Line of text on the model's own error, from the errors of all scenes.
+    """Line of text on how far the model may be off, from the texts of all scenes.
 
     It states the first, and the number of different others.
     """
@@ -33,55 +34,83 @@ def missing_lines(missing: int) -> list[str]:
 
 
 def boundary_lines(boundaries: xr.Dataset) -> list[str]:
-    """Lines of text to print below a boundary: model's own error, median, missing points."""
+    """Lines to print below a boundary: how far the model may be off, tests, missing points."""
     return [
         model_error_line(attribute_values(boundaries, "model_error")),
-        *([ONSET] if "realization" in boundaries.dims else []),
+        *tests_apart(boundaries),
+        *test_lines(*(attribute_values(boundaries, name) for name in ("misfits", "waiting"))),
         *missing_lines(boundaries.attrs["missing_points"]),
     ]
 
 
+def test_lines(misfits: Iterable[str], waiting: Iterable[str]) -> list[str]:
+    """Lines of text on tests that do not fit the others, and on those without a result."""
+    lines = [*split_notes(filter(None, misfits))]
+    for why in dict.fromkeys(filter(None, waiting)):
+        lines.append(f"not every verdict is given: {why}")
+    return lines
+
+
+def case_lines(data: Results) -> list[str]:
+    """Lines of text on the tests of all scenes of a sweep, for answers on single places."""
+    misfits, waiting = list[str](), list[str]()
+    for judge in map(judge_of, data.scenes):
+        misfits += judge.evidence.misfits
+        waiting += forbidding_words(judge)
+    return test_lines(misfits, waiting)
+
+
+def tests_apart(boundaries: xr.Dataset) -> list[str]:
+    """Line of text on how far the boundary with tests is from the computed one; none if near."""
+    pairs = boundaries["tested_velocity"] / boundaries["critical_velocity"]
+    ratios = pairs.values[np.isfinite(pairs.values)]
+    apart = float(np.median(ratios)) - 1 if ratios.size else 0.0
+    if abs(apart) <= APART:
+        return []
+    side = "higher" if apart > 0 else "lower"
+    return [f"the tests lie {100 * abs(apart):.0f} % {side} than computed, in velocity"]
+
+
 def next_run_line(boundary: xr.Dataset) -> str:
-    """Sentence on the velocities below which a further run is mild, and above which severe.
+    """Sentence on the velocities at which a further run is 5, 50 and 95 % likely to be severe.
 
     They are stated at the lowest and the highest load.
     """
     said = []
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)
-        low, high = here["mild_below"].item(), here["severe_above"].item()
-        ends = [
-            f"{kind} {f'{side} {end:.3g} m/s' if 0 < end < np.inf else 'nowhere that is known'}"
-            for kind, side, end in (("mild", "below", low), ("severe", "above", high))
-        ]
-        if low == np.inf or high == 0:
-            ends = ["mild throughout" if low == np.inf else "severe throughout"]
-        said.append(f"{' and '.join(ends)} at {load:g} N")
-    return f"the next run is {'; '.join(said)}"
+        names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
+        low, middle, high = (here[name].item() for name in names)
+        ends = [f"{end:.3g}" if math.isfinite(end) else "beyond the sweep" for end in (low, high)]
+        centre = f"{middle:.3g} m/s" if math.isfinite(middle) else "no velocity of the sweep"
+        said.append(f"{centre} at {load:g} N (5 to 95 %: {ends[0]} to {ends[1]} m/s)")
+    return f"severe wear is 50 % likely at {'; '.join(said)}"
 
 
-def margin_lines(here: Margin) -> Iterator[str]:
-    """Yield lines on an operating point: verdict, then temperatures, errors and factors."""
+def margin_lines(here: Margin, axes: Collection[str] = ("velocity", "load")) -> Iterator[str]:
+    """Yield lines on an operating point: verdict, then temperatures, errors and factors.
+
+    `axes` are those along which critical values are told.
+    """
     yield here.sentence
     origin = "interpolated between computed points"
     if here.is_computed:
         origin = "computed there"
     elif here.is_continued:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
-    elif here.members > 1:
-        origin = f"that of {here.members} surfaces"
     yield f"  temperature         {display(here.decisive_temperature, '°C', 4)}, {origin}"
     yield f"  numerical error     {here.error.text}"
-    if interval := here.intervals.get("decisive_temperature"):
-        low, high = (shown_in(value, "°C") for value in interval)
-        yield f"  surfaces            {low:.4g} to {high:.4g} °C (90 %)"
     yield f"  model's own error   {here.model_error}"
-    for axis in ("velocity", "load"):
+    for axis in axes:
         value, outcome = getattr(here, f"critical_{axis}"), getattr(here, f"{axis}_outcome")
         said = f"{value:.4g} {UNITS[axis]}, {getattr(here, f'{axis}_factor'):.3g} times the {axis}"
         if outcome not in outcomes(axis).values() or math.isnan(value):
             said = outcome if math.isnan(value) else f"{said}; {outcome}"
         yield f"  critical {axis:9}  {said}"
+        if axis == "velocity" and not math.isnan(here.tested_velocity):
+            yield f"  with tests          {here.tested_velocity:.4g} m/s, where 50 % are severe"
+    if here.against:
+        yield f"  no verdict          {here.against}"
     if here.decided_by:
         yield f"  would decide it     {here.decided_by}"
     yield from remarks("warning", PASSED if PASSED in here.caveats else "")

@@ -106,6 +106,12 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
     return sweep
 
 
+def stored_tests_of(sweep: Sweep) -> str | None:
+    """Path of the scene's store in results, if there is one, whose tests need not be simulated."""
+    path = Path("results") / f"{sweep.name}.zarr"
+    return str(path) if path.is_dir() else None
+
+
 def dataset_in(
     options: argparse.Namespace, ds: xr.Dataset | None = None, foreign: Collection[str] = ()
 ) -> xr.Dataset:
@@ -115,4 +121,5 @@ def dataset_in(
     """
     ds = pipeline.open_sweep(options.store) if ds is None else ds
     entries = {path: value for path, value in options.at if path not in foreign}
-    return pipeline.at(ds, **conditions_in(options), **entries)
+    without_tests = getattr(options, "without_tests", False)
+    return pipeline.at(ds, **conditions_in(options), without_tests=without_tests, **entries)

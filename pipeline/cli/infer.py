@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict, astuple
-
-import pandas as pd
+from collections.abc import Sequence
+from dataclasses import asdict, astuple, replace
 
 import pipeline
-from pipeline.analysis.tables import TABLES, frame_of, short, writable_path
-from pipeline.cli.given import flags_of, one_scene_in, values_in
-from pipeline.cli.output import Result, counted, run_line, working
+from pipeline.analysis.inferred import Inferred
+from pipeline.analysis.tables import TABLES, frame_of, records, short, writable_path
+from pipeline.analysis.tested import tests_frame
+from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
+from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.quantities import display, shown_in
+from pipeline.run.here import compute_here
+from pipeline.store.create import writing
+from pipeline.store.write import store_path
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
-from pipeline.tradeoff.critical_temperature import CriticalTemperatures, as_transitions
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 
@@ -24,14 +27,7 @@ def infer(options: argparse.Namespace) -> Result:
 
     A contact width gives the wear rate. Otherwise the tests give the critical temperature.
     """
-    return _scene_result(options, one_scene_in(options))
-
-
-def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
-    """Result of ``irg infer`` for a scene file.
-
-    The result is the wear rate, if a contact width is given, else the critical temperature.
-    """
+    sweep = one_scene_in(options)
     if options.output is not None:
         writable_path(options.output, TABLES)
     sweep = sweep.take_surface(options.realization)
@@ -39,83 +35,42 @@ def _scene_result(options: argparse.Namespace, sweep: Sweep) -> Result:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of(ignored)} belongs to --contact-width, which is not given")
-    tested = () if sweep.measured else sweep.tested
-    sweep = as_transitions(sweep) if tested else sweep
-    with run_line() as progress:
-        inferred = pipeline.critical_temperatures(
-            sweep, out=options.kept, workers=options.workers, progress=progress
+    if not sweep.tests:
+        raise InputError(
+            f"the scene {sweep.name} has no tests; give it a [[measured]] with load and velocity, "
+            "or a [[tested]] with an outcome"
         )
-    frame = _transition_frame(inferred)
-    beside = [words] if (words := unmodelled_rise_words(sweep.conditions)) else []
-    if tested:
-        outcomes = [str(test.outcome) for test in tested]
-        return _bounds_result(inferred, outcomes, frame, beside)
-    measured = counted(len(frame), "measured transition", "measured transitions")
-    several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
-    apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
-    text = [
-        f"critical temperature from {measured}{several}: {inferred.criterion.temperature}",
-        short(frame),
-        f"on average {display(inferred.mean, '°C', 4)}{apart}",
-        *beside,
-    ]
-    return Result(inferred.as_dict(), text, frames=[frame])
+    least = replace(sweep.alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
+    with store_path(options.kept) as path:
+        with working("simulating the tests") as progress, writing(path, least) as store:
+            compute_here(store, source=stored_tests_of(sweep), report=progress)
+        beside = unmodelled_rise_words(sweep.conditions)
+        return _inferred_result(pipeline.infer(path), [beside] if beside else [])
 
 
-def _bounds_result(
-    at_tests: CriticalTemperatures, outcomes: list[str], frame: pd.DataFrame, beside: list[str]
-) -> Result:
-    """Result of ``irg infer`` for tests with an outcome: bounds of the critical temperature.
-
-    `at_tests` has the simulated temperature at each test, and `outcomes` is "mild" or "severe" for
-    each test. `frame` is the table to print, with a row for each test; it gets their outcomes as a
-    new column. `beside` has lines to print last.
-    """
-    judged = list(zip(outcomes, at_tests.means, strict=True))
-    low = max((mean for outcome, mean in judged if outcome == "mild"), default=None)
-    high = min((mean for outcome, mean in judged if outcome == "severe"), default=None)
-    above, below = (end and display(end, "°C", 4) for end in (low, high))
-    if low is None or high is None:
-        side = "below" if low is None else "above"
-        bounds = f"the critical temperature is {side} {above or below}"
-    elif low < high:
-        bounds = f"the critical temperature is between {above} and {below}"
+def _inferred_result(found: Inferred, beside: Sequence[str]) -> Result:
+    """Result for the critical temperature: its value or bound, and the tests."""
+    frame = tests_frame(found.evidence)
+    count = counted(len(found.evidence.rows), "test", "tests")
+    if found.at_least is not None:
+        said = f"critical temperature at least {display(found.at_least, '°C', 3)} (95 %)"
+    elif found.at_most is not None:
+        said = f"critical temperature at most {display(found.at_most, '°C', 3)} (95 %)"
     else:
-        bounds = f"the tests contradict each other: mild up to {above}, severe from {below} on"
-    frame.insert(3, "outcome", outcomes)
-    frame = frame.rename(columns={"critical temperature [°C]": "temperature [°C]"})
+        said = (
+            f"critical temperature {display(found.temperature, '°C', 4)}, ± {found.spread:.2g} K "
+            f"on another rig, ± {found.own_spread:.2g} K on this one"
+        )
     text = [
-        f"temperature of {counted(len(outcomes), 'test', 'tests')}, below the critical "
-        "temperature where wear stayed mild, above it where wear turned severe:",
-        short(frame),
-        bounds,
+        f"{said}, from {count}",
+        short(frame, ["notes"]),
+        *(f"{row.name} {row.reason}" for row in found.evidence.waiting),
+        *found.evidence.misfits,
         *beside,
     ]
-    document = at_tests.as_dict() | {"outcomes": outcomes, "bounds": [low, high]}
-    return Result(document, text, frames=[frame])
-
-
-def _transition_frame(inferred: CriticalTemperatures) -> pd.DataFrame:
-    """Data frame with a row for each transition: load, velocity, friction, critical temperature.
-
-    With several random surfaces, the temperature is their mean. Further columns have the standard
-    deviation between surfaces, and the temperature on each.
-    """
-    seeds = inferred.surfaces if inferred.spreads[0] else ()
-    heads = (
-        *("load [N]", "velocity [m/s]", "friction", "critical temperature [°C]", "spread [K]"),
-        *(f"surface {seed} [°C]" for seed in seeds),
-    )
-    rows = zip(
-        inferred.transitions, inferred.temperatures, inferred.means, inferred.spreads, strict=True
-    )
-    return frame_of(
-        heads,
-        (
-            (test.normal_load, test.velocity, test.friction, mean, spread, *(seeds and values))
-            for test, values, mean, spread in rows
-        ),
-    )
+    names = "temperature", "spread", "own_spread", "at_least", "at_most"
+    document = {name: getattr(found, name) for name in names} | {"tests": records([frame])}
+    return Result(document, wrapped(text), frames=[frame])
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:

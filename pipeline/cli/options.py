@@ -113,8 +113,10 @@ BOUNDARY_ONLY = value(
     "command without this option computes them", values.share, nargs="?", const=0.01,
 )  # fmt: skip
 
-STORE = value("store OUT.zarr", "store that irg run has made", values.store)
-OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.store)
+STORE = value(
+    "store OUT.zarr", "store that irg run has made, or the name of its scene", values.stored
+)
+OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.stored)
 STORE_OR_FOLDER = STORE.but(
     nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",
@@ -162,7 +164,7 @@ PLACE = (
     quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
 NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
-ALONE = flag("--alone", "simulate this point only, not the points of the scene's tests")
+WITHOUT_TESTS = flag("--without-tests", "leave the tests of the scene out")
 POINTS = (
     value(
         "--points DUTY.csv",
@@ -210,7 +212,7 @@ OVER = several(
     "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
     "the scene", values.settings,
 )  # fmt: skip
-JUDGED = (AT, CONDITIONS)
+JUDGED = (AT, CONDITIONS, WITHOUT_TESTS)
 
 OF_INFER = (
     *OF_SCENE, CRITERION, *KEPT,

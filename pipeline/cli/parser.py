@@ -69,7 +69,7 @@ COMMANDS = (
     Command(
         "point", "points:point", "simulate one point and the tests of its scene",
         f"scene.toml {_AT}",
-        (*o.OF_SCENE, *o.NEEDED_PLACE, o.ALONE, o.REALIZATION, o.CONDITIONS, o.TABLE),
+        (*o.OF_SCENE, *o.NEEDED_PLACE, o.WITHOUT_TESTS, o.REALIZATION, o.CONDITIONS, o.TABLE),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import pandas as pd
@@ -11,66 +10,52 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.caveats import caveats_of
-from pipeline.analysis.margin_frame import judged, margin_frame
+from pipeline.analysis.margin_frame import asked_of, margin_frame
 from pipeline.analysis.tables import frame_of, transposed
-from pipeline.analysis.words import missing_lines
-from pipeline.cli.given import one_scene_in
-from pipeline.cli.output import Result, working, wrapped
+from pipeline.analysis.words import case_lines, missing_lines
+from pipeline.cli.given import one_scene_in, stored_tests_of
+from pipeline.cli.output import Result, tell, working, wrapped
 from pipeline.cli.verdicts import place_lines
+from pipeline.run.here import compute_here
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
 from pipeline.store.write import store_path
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord, run_point
-from pipeline.sweep.stages import Report
-from pipeline.sweep.station_choice import choose_stations
-from tribo import InputError, TriboError
+from pipeline.sweep.model import Point
+from tribo import InputError
+
+_BESIDE = (0.8, 1.2)  # velocities of two neighbours over the point's own
+_MANY = 8  # points from which on it is said first
 
 
 def point(options: argparse.Namespace) -> Result:
-    """Answer ``irg point``: simulate a point and the scene's tests, and judge the point."""
-    place = options.load, options.velocity
+    """Answer ``irg point``: simulate a point, two beside it and the scene's tests, and judge it."""
+    load, velocity = options.load, options.velocity
     sweep = one_scene_in(options)
-    require_bearable_load(sweep, options.load, "--load")
-    if options.velocity <= 0:
-        raise InputError(f"velocity is {options.velocity:g} m/s; give a velocity above 0")
-    sweep = replace(sweep.take_surface(options.realization), steps="end")
-    places = sweep.take_place(*place, options.alone)
+    require_bearable_load(sweep, load, "--load")
+    if velocity <= 0:
+        raise InputError(f"velocity is {velocity:g} m/s; give a velocity above 0")
+    velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
+    places = replace(
+        sweep.take_surface(options.realization).alone(),
+        steps="end",
+        loads=(load,),
+        velocities=velocities,
+        tests=() if options.without_tests else sweep.tests,
+    )
+    source = stored_tests_of(sweep) if places.tests else None
+    count = len(velocities) + sum(len(test.places) for test in places.tests)
+    if source is None and count > _MANY:
+        tell(f"{count} points are simulated, with those of the tests; --without-tests leaves these")
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
-            wanted = _points(places, Point(*place), options.alone)
-            store.mark_asked(wanted)
-            store.commit(_simulate(places, wanted, progress))
-        return _margin_result(pipeline.open_sweep(path), Place(*place), options.alone)
+            wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
+            compute_here(store, wanted, source, progress)
+        return _margin_result(pipeline.open_sweep(path), Place(load, velocity))
 
 
-def _points(sweep: Sweep, place: Point, alone: bool) -> tuple[Point, ...]:
-    """The point to judge, then those of the scene's tests unless `alone`."""
-    tests = () if alone else sweep.tests
-    return tuple(dict.fromkeys((place, *(Point(one.normal_load, one.velocity) for one in tests))))
-
-
-def _simulate(sweep: Sweep, points: Sequence[Point], progress: Report) -> Iterator[PointRecord]:
-    """Simulate `points` and yield a record of each.
-
-    An error at the first is raised. An error at another is put in its record.
-    """
-    for point in points:
-        try:
-            made = run_point(sweep.scene, choose_stations(sweep), point, progress=progress)
-            yield made.record(sweep.fields)
-        except TriboError as error:
-            if point == points[0]:
-                raise
-            yield PointRecord(point, None, str(error))
-
-
-def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
-    """Result of ``irg point``: the verdict on the point, and numbers of its contact.
-
-    `alone` is True if the scene's tests at other loads and velocities are left out.
-    """
+def _margin_result(ds: xr.Dataset, place: Place) -> Result:
+    """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions
     point = ds.sel(load=[place.load], velocity=[place.velocity])
@@ -80,10 +65,9 @@ def _margin_result(ds: xr.Dataset, place: Place, alone: bool) -> Result:
         frame = contact = frame_of(_PLACE, [[*place, decides.item()]]).join(contact)
         text = ["mild or severe is not known without temperature.critical"]
     else:
-        found = [*judged(data, OperatingPoints((place,), {}))]
+        found = [*asked_of(data, OperatingPoints((place,), {}))]
         frame, text = margin_frame(data, found).join(contact), place_lines(data, found)
-    if alone and data.sweep.tests:
-        text.append("tests of the scene at other places are left out, by --alone")
+        text += case_lines(data)
     text += [*missing_lines(data.missing), "", transposed(contact), "", *caveats_of(data)]
     return Result(text=wrapped(text), warned=pipeline.warned(data), frames=[frame])
 

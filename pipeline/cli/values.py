@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from pipeline.paths import user_path
+from pipeline.paths import found_store, user_path
 
 # Modules that import NumPy are imported inside functions, as --help does not need them.
 
@@ -46,6 +46,11 @@ def bulk(text: str) -> str | dict[str, str]:
 def store(text: str) -> Path | str:
     """Read the path or the URL of a store."""
     return text if "://" in text else user_path(text)
+
+
+def stored(text: str) -> Path | str:
+    """Read the path or the URL of a store to read, or the name of a scene whose store that is."""
+    return store(str(found_store(text)))
 
 
 def table(text: str, or_figure: bool = False) -> Path:

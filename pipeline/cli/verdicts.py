@@ -12,11 +12,18 @@ from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.frames import JUDGED, boundary_frame
-from pipeline.analysis.laboratory import agreement, compared, test_parts
-from pipeline.analysis.margin_frame import LONG, Judged, counts_in_words, judged, margin_frame
+from pipeline.analysis.judge import judge_of
+from pipeline.analysis.margin_frame import (
+    LONG,
+    Asked,
+    asked_of,
+    counts_in_words,
+    margin_frame,
+)
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import notes_of, short, some_rows
+from pipeline.analysis.tested import test_parts, tests_frame
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.sweep.condition_words import judged_by
@@ -33,21 +40,22 @@ def margin(options: argparse.Namespace) -> Result:
     points = operating_points_in(options)
     data = pipeline.results(dataset_in(options))
     with working("judging operating points"):
-        found = [*judged(data, points)]
+        found = [*asked_of(data, points)]
     table, caveats = margin_frame(data, found, points), caveats_of(data)
-    known = [one.margin for one in found if one.margin]
     lines = place_lines(data, found) if is_one else []
     if not is_one:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
         lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
         lines += [*(points.remarks if points else []), *notes_of(table, caveats)]
-        lines += [words.model_error_line(one.model_error for one in known)] if known else []
+        known = [one.margin.model_error for one in found if one.margin]
+        lines += [words.model_error_line(known)] if known else []
+    lines += words.case_lines(data)
     lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=[table])
 
 
-def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFrame]:
+def place_lines(data: Results, found: Sequence[Asked]) -> list[str | pd.DataFrame]:
     """Lines with the verdict on one operating point, for each scene of a sweep.
 
     `found` has the verdict for each scene. Raises an `InputError` if there is only one scene, and
@@ -56,11 +64,13 @@ def place_lines(data: Results, found: Sequence[Judged]) -> list[str | pd.DataFra
     lines = list[str | pd.DataFrame]()
     if len(found) == 1:
         found[0].known()
+    sizes = {"velocity": len(data.velocities), "load": len(data.loads)}
+    axes = [axis for axis, size in sizes.items() if size > 1]
     for one in found:
-        labels = one.field.source.labels.items()
+        labels = one.source.labels.items()
         own = {name: value for name, value in labels if name in data.front}
         lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
-        lines += words.margin_lines(one.margin) if one.margin else [one.reason]
+        lines += words.margin_lines(one.margin, axes) if one.margin else [one.reason]
     is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
 
@@ -69,22 +79,27 @@ def boundary(options: argparse.Namespace) -> Result:
     """Answer ``irg boundary``: show critical velocities or loads, or compare tests and model."""
     data = pipeline.results(dataset_in(options))
     require_kind(data.kind, Layout.PLANE)
-    tests = compared(data)
     if options.by == "test":
-        if tests is None:
-            raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
-        return Result(text=wrapped(test_parts(tests)), frames=[tests])
+        return _tests(data)
     with working("finding the boundary"):
         crossings = pipeline.boundary(data)
     table = boundary_frame(crossings, options.by)
     alone = ["friction"] if "friction" in crossings.attrs else []
-    wide = ["film parameter Λ"] if "realization" in crossings.dims else []
-    shown = short(table, [*alone, *JUDGED.values(), *wide, "notes"])
+    shown = short(table, [*alone, *JUDGED.values(), "notes"])
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
     left_out = len(shown) - len(few)
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
-    rests += [f"{agreement(tests)} They are printed by --by test."] if tests is not None else []
     rule = judged_by(one.conditions for one in data.scenes)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])
+
+
+def _tests(data: Results) -> Result:
+    """The tests of the first scene, each at its own conditions, beside what is computed there."""
+    evidence = judge_of(next(data.scenes)).evidence
+    if not evidence.rows:
+        raise InputError("the scene has no tests; give [[measured]] or [[tested]] in the scene")
+    table = tests_frame(evidence)
+    lines = [*test_parts(evidence)]
+    return Result(text=wrapped(lines), warned=pipeline.warned(data), frames=[table])

@@ -14,12 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from pipeline.analysis.boundary import BAND
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.field import PointField, point_field
-from pipeline.analysis.laboratory import model_error
-from pipeline.analysis.margin import DECIDED, verdict_plane
+from pipeline.analysis.judge import DECIDED, NOT_DECIDED, Judge, judge_of
 from pipeline.analysis.results import Results
+from pipeline.analysis.rises import Rises, rises_of
 from pipeline.analysis.scenes import value_text
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.figures import style
@@ -34,6 +32,7 @@ from pipeline.figures.overlays import (
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
 from pipeline.store.schema import PENDING, PLANE
 from pipeline.sweep.condition_words import judged_by
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import variant_words
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
@@ -48,10 +47,11 @@ _MANY = 1500  # points from which marks are small
 def diagram(data: Results, realization: int | None = None, log: bool = False) -> Figure:
     """Draw the transition diagram.
 
-    The load–velocity plane is coloured by the verdict of `pipeline.margin`. With several surfaces
-    the median boundary is drawn, in a band from the 10 % to the 90 % quantile; `realization`, the
-    seed of a surface, chooses a single one. Of several scenes only the boundaries are drawn, each a
-    median in its own colour. `log` makes both axes logarithmic, without velocity 0.
+    The load–velocity plane is coloured by the verdict of `pipeline.margin`. The computed boundary
+    is drawn, and that with tests where they differ, with its band from 5 to 95 %. Several surfaces
+    are patches of one specimen; `realization`, the seed of a surface, chooses a single one. Of
+    several scenes only the boundaries are drawn, each in its own colour. `log` makes both axes
+    logarithmic, without velocity 0.
     """
     data = data.take_surface(realization)
     require_kind(data.kind, Layout.PLANE)
@@ -75,21 +75,20 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
 
 
 def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
-    """Draw one scene, with the median boundary over its surfaces; return legend and caption."""
-    field = point_field(data)
-    caption, legend = judged_by([field.conditions]), list[Artist]()
+    """Draw one scene; return the entries of the legend, and the caption."""
+    judge = judge_of(data)
+    caption, legend = judged_by([judge.conditions]), list[Artist]()
     if min(len(data.loads), len(data.velocities)) > 1:
         x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
-        excess = _excess(field, x, y)
-        legend += _shade_verdicts(axes, field, x, y, excess)
-        if zero_line(axes, x, y, np.median(excess, axis=0), "boundary", **style.BOUNDARY):
-            label = "computed transition" + ", median" * (len(excess) > 1)
-            legend.append(Line2D([], [], label=label, **style.BOUNDARY))
-        legend += _shade_surfaces(axes, x, y, excess)
-        legend += _friction_lines(axes, field, x, y)
-        legend += film_lines(axes, data, field.conditions)
-        caption += f"\nthe model's own error: {model_error(data, field).text}"
-    return [*legend, *_mark_points(axes, data)], caption
+        plane = _plane(judge.rises, x, y)
+        legend += _shade_verdicts(axes, judge, x, y, plane)
+        if zero_line(axes, x, y, plane, "boundary", **style.BOUNDARY):
+            legend.append(Line2D([], [], label="computed transition", **style.BOUNDARY))
+        legend += _lines_with_tests(axes, judge, x, y, plane)
+        legend += _friction_lines(axes, judge.rises, x, y)
+        legend += film_lines(axes, data, judge.conditions)
+        caption += f"\nthe model's own error: {judge.evidence.text}"
+    return [*legend, *_mark_points(axes, data, judge.conditions)], caption
 
 
 def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
@@ -99,22 +98,23 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
             "the diagram of several scenes needs at least two loads and two velocities; irg "
             "boundary prints their transitions"
         )
-    several, legend = [point_field(scene) for scene in data.scenes], list[Artist]()
+    several, legend = [rises_of(scene) for scene in data.scenes], list[Artist]()
     shades = colormaps["viridis"](np.linspace(0.0, _LIGHTEST, len(several)))
     x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
-    for field, shade in zip(several, shades, strict=True):
-        plane = np.median(_excess(field, x, y), axis=0)
-        labels = field.source.labels
+    for rises, shade in zip(several, shades, strict=True):
+        plane, labels = _plane(rises, x, y), rises.source.labels
         name = ", ".join(value_text(data.rows[path], labels[path]) for path in data.entry_dims)
         look: dict[str, Any] = style.BOUNDARY | {"color": shade}
         if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
             name, look = f"{name}: no transition computed", {"ls": "none"}
         legend.append(Line2D([], [], label=name, **look))
     entries = " and ".join(data.entry_dims).replace(".", " ").replace("_", " ")
-    caption, conditions = f"transition by {entries}", {field.conditions for field in several}
+    caption, conditions = f"transition by {entries}", {rises.conditions for rises in several}
     return legend, caption + (f"; {judged_by(conditions)}" if len(conditions) == 1 else "")
 
 
+_STEEPEST = 50.0  # largest |y| of a figure
+_BESIDE = 1e-6  # of a probability, beside the end of a region
 _INSIDE = 1e-4  # distance from a point, over the interval: at points the error is smaller
 
 
@@ -129,88 +129,80 @@ def _refine_axis(points: Array, count: int) -> Array:
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
 
 
-def _excess(field: PointField, x: Array, y: Array) -> Array:
-    """Contact temperature minus critical temperature [K] at velocities x and loads y.
-
-    The contact temperature is the one that the criterion compares with the critical temperature.
-    The shape is (surface, y, x). `field` has the temperatures of the scene.
-    """
+def _plane(rises: Rises, x: Array, y: Array) -> Array:
+    """Y = ln(rise/limit) at loads y and velocities x (y, x), NaN where unknown."""
     places = (axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
-    here = field.temperatures(*places)
-    return np.reshape(here.values - here.critical, (-1, len(y), len(x)))
+    found = np.reshape(rises.known(*places).y, (len(y), len(x)))
+    return np.clip(found, -_STEEPEST, _STEEPEST)  # finite without friction
 
 
-def _shade_verdicts(
-    axes: Axes, field: PointField, x: Array, y: Array, excess: Array
-) -> list[Artist]:
-    """Shade regions by the verdict on a new test there: mild, severe or not decided.
+def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) -> list[Artist]:
+    """Shade regions by the verdict of `pipeline.margin` at each node; name mild and severe ones.
 
-    The verdicts are those of `pipeline.margin`. Mild and severe regions are also named. The list
-    has the legend entry of the region that is not decided, if there is such a region.
-
-    `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
-    velocities `x` [m/s] and loads `y` [N]. It is NaN where unknown; nothing is shaded there.
+    The list has the legend entry of the region that is not decided, if there is such a region.
+    `plane` is NaN where nothing is known, and nothing is shaded there.
     """
-    is_known = np.isfinite(excess).all(axis=0)
-    bounds = verdict_plane(field, y, x, model_error(field.source, field))
-    lowest, highest = (np.where(is_known, bound, np.nan) for bound in bounds)
-    legend, (mild, _, severe) = list[Artist](), DECIDED
-    between = np.minimum(highest - mild, severe - lowest)
+    places = [axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")]
+    verdicts = np.reshape(judge.verdicts(*places), plane.shape)
+    low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(*places))
+    is_known, (mild, _, severe) = np.isfinite(plane), DECIDED
+    # Within a region its edge is where the probability passes; a test may cut it at a node.
+    highest = np.where(verdicts == "mild", high, np.maximum(high, mild + _BESIDE))
+    lowest = np.where(verdicts == "severe", low, np.minimum(low, severe - _BESIDE))
+    highest, lowest = (np.where(is_known, part, np.nan) for part in (highest, lowest))
+    between, legend = np.minimum(highest - mild, severe - lowest), list[Artist]()
     for values, levels, gid, look in (
         (highest, [-1.0, mild], "mild region", {"colors": [TINTS["mild"]]}),
         (lowest, [severe, 2.0], "severe region", {"colors": [TINTS["severe"]]}),
-        (between, [0.0, 1.0], "not decided", {"colors": [TINTS["band"]], "alpha": 0.6}),
+        (between, [0.0, 1.0], NOT_DECIDED, {"colors": [TINTS["band"]], "alpha": 0.6}),
     ):
         if ((values > levels[0]) & (values < levels[1])).any():
             axes.contourf(x, y, values, levels, zorder=0, **look).set_gid(gid)  # below the grid
-            if gid == "not decided":
+            if gid == NOT_DECIDED:
                 legend.append(Patch(label="next run not decided", **style.BAND))
-    name_regions(axes, x, y, highest <= mild, lowest >= severe)
+    name_regions(axes, x, y, verdicts == "mild", verdicts == "severe")
     return legend
 
 
-def _shade_surfaces(axes: Axes, x: Array, y: Array, excess: Array) -> list[Artist]:
-    """Shade where wear is severe on 10 to 90 % of the surfaces.
-
-    `excess` is the criterion's temperature minus the critical temperature [K] (surface, y, x), at
-    velocities `x` [m/s] and loads `y` [N].
-    """
-    if len(excess) == 1:
+def _lines_with_tests(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) -> list[Artist]:
+    """Draw where severe wear is 5, 50 and 95 % likely, if a test has a result."""
+    if not judge.evidence.results:
         return []
-    low, high = (np.quantile(excess, share, axis=0) for share in (BAND[0], BAND[-1]))
-    inside = np.minimum(high, -low)
-    if not (inside > 0).any():
-        return []
-    for edge in (low, high):
-        zero_line(axes, x, y, edge, "surface band edge", GREEN, lw=style.THIN)
-    look: dict[str, Any] = {"alpha": style.FAINT}
-    axes.contourf(x, y, inside, [0.0, np.inf], colors=[GREEN], **look).set_gid("surface band")
-    text = f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {len(excess)} surfaces"
-    return [Patch(fc=GREEN, ec=GREEN, lw=style.THIN, label=text, **look)]
+    low, middle, high = judge.levels
+    legend = list[Artist]()
+    look: dict[str, Any] = {"color": GREEN, "lw": style.THIN}
+    edges = [
+        zero_line(axes, x, y, plane - level, "band with tests", **look) for level in (low, high)
+    ]
+    if any(edges):
+        legend.append(Line2D([], [], label="5 and 95 % severe, with tests", **look))
+    look = {"color": GREEN}
+    if zero_line(axes, x, y, plane - middle, "boundary with tests", **look):
+        legend.insert(0, Line2D([], [], label="transition with tests (50 %)", **look))
+    return legend
 
 
-def _friction_lines(axes: Axes, field: PointField, x: Array, y: Array) -> list[Artist]:
+def _friction_lines(axes: Axes, rises: Rises, x: Array, y: Array) -> list[Artist]:
     """Draw boundaries at the lowest and highest measured friction, at velocities x, loads y."""
-    band = field.source.sweep.friction_band
+    band = rises.source.sweep.friction_band
     if not band or min(band) == max(band):
         return []
     look: dict[str, Any] = {"color": GREY, "lw": style.THIN, "ls": "--"}
     drawn = []
     for friction in (min(band), max(band)):
-        under = field.under(replace(field.conditions, friction=float(friction)))
-        plane = np.median(_excess(under, x, y), axis=0)
-        drawn.append(zero_line(axes, x, y, plane, "band edge", **look))
+        under = rises.under(replace(rises.conditions, friction=float(friction)))
+        drawn.append(zero_line(axes, x, y, _plane(under, x, y), "band edge", **look))
     label = f"transition at friction {min(band):g} and {max(band):g}"
     return [Line2D([], [], label=label, **look)] * any(drawn)
 
 
-def _mark_points(axes: Axes, data: Results) -> list[Artist]:
+def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
     """Mark each point by its outcome on all surfaces together; return the legend's entries.
 
     Wear is mild, severe, or severe on some surfaces; or the point is failed or pending. A point
     with a warning has a second mark.
     """
-    r, limit = data.rises(data.conditions), rise_limit(data.conditions)
+    r, limit = data.rises(conditions), rise_limit(conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)
     pending = ~(severe | mild) & ~failed & _any_surface(data.asked)

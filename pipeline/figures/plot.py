@@ -17,7 +17,7 @@ from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
-from pipeline.figures.tested import measured_over_computed
+from pipeline.figures.tested import draw_tests
 from pipeline.scene.units import in_si
 from tribo import InputError
 
@@ -26,7 +26,7 @@ KINDS: dict[str, Callable[..., Figure]] = {
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
-    "tests": measured_over_computed,
+    "tests": draw_tests,
 }
 """Function that draws each kind of figure of a sweep; the first is the default."""
 

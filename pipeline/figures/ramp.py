@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.field import along_friction, point_field
 from pipeline.analysis.results import Results
+from pipeline.analysis.rises import rises_of
 from pipeline.figures import style
 from pipeline.figures.fields import Spot, Wanted, chosen_points, nearest_indices, require_done_at
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
@@ -23,6 +23,7 @@ from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
 from tribo.types import Array
 
+_NODES = 400  # velocities of a curve of temperature
 _SOLID: dict[str, Any] = {"ls": "-", "marker": "o"}
 _DASHED: dict[str, Any] = {"ls": "--", "marker": "^"}
 _CONTACT = ("contact width [µm]", "contact_width"), ("in contact [% of window]", "contact_fraction")
@@ -179,13 +180,14 @@ def temperature(
     for judged, look in _line_styles(conditions):
         rises = data.rises(judged)[row]
         require_done_at(load_here, np.isfinite(rises))
-        between = along_friction(velocities, rises, conditions.friction_factor)
+        x = np.union1d(velocities, np.linspace(velocities[0], velocities[-1], _NODES))
+        between = x, rises_of(data, judged).rise(load_here, x)
         for (x, rise), part in ((between, {"marker": "None"}), ((velocities, rises), {"ls": ""})):
             curve = shown_in(conditions.contact_temperature(rise), "°C")
             axes.plot(x, curve, color=BLUE, **look | part)
         axes.plot([], [], color=BLUE, label=judged.criterion.temperature, **look)
     if _critical_line(axes, conditions):
-        turns = point_field(data).transitions("velocity", load_here, velocities[-1]).places
+        turns = rises_of(data).turns("velocity", np.array([load_here])).places
         for turn in turns[np.isfinite(turns)]:
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")

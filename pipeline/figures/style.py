@@ -160,7 +160,8 @@ def save_figure(figure: Figure, out: Path) -> Path:
 
 def plain_numbers(axes: Axes) -> None:
     """Label logarithmic axes with plain numbers, at enough ticks."""
-    for axis in (axes.xaxis, axes.yaxis):
+    scaled = (axis for axis in (axes.xaxis, axes.yaxis) if axis.get_scale() == "log")
+    for axis in scaled:
         low, high = axis.get_view_interval()
         subs = range(1, 10) if high < 10 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))

@@ -1,83 +1,65 @@
-"""Figure of the laboratory's tests: measured over computed velocity."""
+"""Figure of the laboratory's tests: rise over limit at each, beside what all of them say."""
 
 from __future__ import annotations
 
-from contextlib import suppress
+import math
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import Layout, require_kind, require_one_scene
-from pipeline.analysis.field import point_field
-from pipeline.analysis.laboratory import (
-    USUAL_SCATTER,
-    comparison,
-    model_error,
-    own_conditions,
-)
-from pipeline.analysis.margin import DECIDED
-from pipeline.analysis.model_error import ModelError
+from pipeline.analysis.dataset import require_one_scene
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.results import Results
+from pipeline.analysis.tested import Row
 from pipeline.figures import style
-from pipeline.figures.overlays import mark_test, number_tests
-from pipeline.figures.style import BLACK, GREY
+from pipeline.figures.overlays import mark_test
+from pipeline.figures.style import BLACK, GREEN, GREY
 from tribo import InputError
 
-_ROOM = 1.25  # factor on velocity between the outermost tests and the axes' ends
+_ROOM = 0.3  # above and below the rows of tests
+_BESIDE = 1.15  # factor between the outermost values and the axis' ends
 
 
 @style.house_style
-def measured_over_computed(data: Results) -> Figure:
-    """Draw the velocity of each test against the critical velocity computed for it.
+def draw_tests(data: Results) -> Figure:
+    """Draw rise over limit of each test, at its own conditions, and the band that they leave.
 
-    The legend counts the tests for which none is computed.
+    A bar joins the mild and the severe end of a transition with a step. The legend counts tests
+    without a result.
     """
-    require_kind(data.kind, Layout.PLANE)
     require_one_scene(data.entry_dims)
-    tests = number_tests(data.sweep.tests)
-    if not tests:
+    judge = judge_of(data)
+    rows = judge.evidence.rows
+    if not rows:
         raise InputError(
             "the scene has no tests to draw; give [[measured]] or [[tested]] in the scene, or a "
             "log file; irg tests LOG prints its lines"
         )
-    field, found = point_field(data), []
-    for number, test in tests.items():
-        with suppress(InputError):  # if its bulk temperature is above the critical one
-            one = comparison(field.under(own_conditions(data, test)), test)
-            if one.is_known and 0 < one.critical < np.inf:
-                found.append((number, test, one))
-    if not found:
-        raise InputError("no test of the scene can be compared; go on with irg run, or add points")
-    figure, axes = style.canvas((8.0, 5.6))
-    places = np.array([(one.critical, test.velocity) for _, test, one in found])
-    ends = places.min() / _ROOM, places.max() * _ROOM
-    scatter = model_error(data, field)
-    _draw_band(axes, np.array(ends), scatter)
-    for number, test, one in found:
-        error = 0.0 if test.outcome else USUAL_SCATTER * test.velocity
-        axes.errorbar(one.critical, test.velocity, error, fmt="none", ecolor=GREY)
-        beside = ", outside the computed points" * (one.critical != one.turn)
-        mark_test(axes, number, test, (one.critical, test.velocity), beside)
-    if unknown := len(tests) - len(found):
-        axes.plot([], [], ls="none", label=f"{unknown} of {len(tests)} tests: not known")
-    axes.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+    known = [row for row in rows if not row.reason]
+    if not known:
+        raise InputError(f"no test of the scene has a result: {rows[0].name} {rows[0].reason}")
+    figure, axes = style.canvas((8.0, 1.8 + 0.35 * len(known)))
+    low, middle, high = map(math.exp, judge.levels)
+    axes.axvspan(low, high, label="next run not decided (5 to 95 %)", **style.BAND)
+    axes.axvline(middle, color=GREEN, label="50 % severe, with tests")
+    axes.axvline(1.0, color=BLACK, label="as computed: mild below, severe above")
+    for place, row in enumerate(known):
+        ends = np.exp([end for end in (row.mild, row.severe) if not math.isnan(end)])
+        axes.plot(ends, [place] * len(ends), color=GREY)
+        mark_test(axes, str(row.test.number), row.test, (float(ends.mean()), place))
+    values = np.exp([e for row in known for e in (row.mild, row.severe) if not math.isnan(e)])
+    ends = np.array([min(low, *values) / _BESIDE, max(high, *values) * _BESIDE])
+    axes.set(xscale="log", xlim=ends, ylim=(len(known) - 1 + _ROOM, -_ROOM))
+    axes.set_yticks(range(len(known)), [_label(row) for row in known])
     style.plain_numbers(axes)
-    axes.set(xlabel="critical velocity computed at the test's own conditions [m/s]")
-    axes.set_ylabel("velocity of the test [m/s]")
-    style.write_title(axes, f"{style.title_of(data)}\ncomputed against measured")
-    style.legend_below(figure, ncols=2, caption=f"the model's own error: {scatter.text}")
+    if missing := len(rows) - len(known):
+        axes.plot([], [], ls="none", label=f"{missing} of {len(rows)} tests: no result")
+    axes.set(xlabel="rise of the deciding temperature over its limit, computed for the test")
+    style.write_title(axes, f"{style.title_of(data)}\ntests at their own conditions")
+    caption = f"the model's own error: {judge.evidence.text}"
+    style.legend_below(figure, ncols=2, caption=caption)
     return figure
 
 
-def _draw_band(axes: Axes, line: np.ndarray, scatter: ModelError) -> None:
-    """Draw the line measured = computed, and around it the band of the model's own error.
-
-    In this band a new test is severe with a probability from 5 to 95 %. `line` has the velocities
-    [m/s] at both ends of the line. `scatter` is the distribution of the model's own error.
-    """
-    ratios = np.geomspace(line[0] / line[1], line[1] / line[0], 801)
-    shares = 1 - scatter.below(-np.log(ratios))
-    low, high = np.interp([DECIDED[0], DECIDED[-1]], shares, ratios)
-    axes.fill_between(line, low * line, high * line, label="next run not decided", **style.BAND)
-    axes.plot(line, line, color=BLACK, label="measured as computed; mild wear below, severe above")
+def _label(row: Row) -> str:
+    return f"{row.test.normal_load:g} N, {row.test.velocity:g} m/s"

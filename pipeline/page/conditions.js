@@ -18,11 +18,6 @@ function listenToConditions() {
     slider.addEventListener("input", () => change(control, slider));
     showControl(control);
   }
-  element("surface")?.addEventListener("change", () => {
-    const { value } = input("surface");
-    chosen.surface = value === "" ? null : Number(value);
-    update();
-  });
   element("reset").addEventListener("click", () => {
     chosen.conditions = { ...content.conditions };
     content.controls.forEach(showControl);

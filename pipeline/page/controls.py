@@ -1,4 +1,4 @@
-"""The form of a page that sets conditions: sliders, fields, and a choice of surface."""
+"""The form of a page that sets conditions: sliders and fields."""
 
 from __future__ import annotations
 
@@ -44,13 +44,10 @@ class Control:
         )
 
 
-def controls(
-    conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool
-) -> list[Control]:
+def controls(conditions: Conditions, has_heat: bool, two_bulks: bool) -> list[Control]:
     """Controls for the conditions that can be changed on the page of a sweep.
 
-    If not `has_heat`, friction must be 0. If `two_bulks`, the disk has its own bulk temperature. If
-    `has_share`, the failing share of the contact can be changed.
+    If not `has_heat`, friction must be 0. If `two_bulks`, the disk has its own bulk temperature.
     """
     cold = "must be 0: the sweep was computed without friction and heat"
     friction = Control(
@@ -65,28 +62,7 @@ def controls(
         form.append(_bulk("disk_temperature", " of the disk", disk))
     critical = conditions.critical_temperature
     form.append(_celsius("critical_temperature", "critical temperature [°C]", critical, 400.0))
-    if has_share:
-        high = max(50.0, math.ceil(100 * conditions.criterion.share))
-        form.append(
-            Control(
-                "failing_share", "failing share of the contact [%]", 0.0, high, 0.5,
-                factor=shown_in(1.0, "%"), least=0.0, most=math.nextafter(1.0, 0.0),
-                fault="from 0 (the maximum) to below 100 %",
-            )
-        )  # fmt: skip
     return form
-
-
-def surface_choice(surfaces: Sequence[int] | None) -> str:
-    """HTML to select one random surface or all; empty if there is only one.
-
-    `surfaces` has the seeds of the surfaces, or is None if the scene has a single surface.
-    """
-    if not surfaces or len(surfaces) < 2:
-        return ""
-    numbered = {str(number): f"surface {name}" for number, name in enumerate(surfaces)}
-    options = {"": f"all {len(surfaces)} surfaces", **numbered}
-    return f'<label for="surface">surface: </label>{_select("surface", options)}'
 
 
 def scene_choice(names: Sequence[str]) -> str:

@@ -38,67 +38,60 @@ function drawDiagram() {
   listenToPoints(root);
 }
 
-/** Draw the regions of the next run, the band over surfaces, and the boundaries. @param {Frame} frame */
+/** Draw the regions of the next run, the boundaries, and the band that tests leave. @param {Frame} frame */
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
-  const [x, y] = [content.inner.map(frame.x), content.fine.load.map(frame.y)];
-  const negative = (/** @type {number[][]} */ grid) => grid.map((row) => row.map((value) => -value));
-  const middle = excess(0.5, chosen.conditions);
-  /** @type {[string, ...number[][][]][]} */
-  const parts = regions();
-  if (surfaces().length > 1) {
-    const [cold, , hot] = BAND.map((share) => excess(share, chosen.conditions));
-    parts.push(["band", hot, negative(cold)]);
-  }
-  const shades = parts.map(([look, ...grids]) => svg("path", { class: look, d: contour(x, y, grids) }));
-  const look = surfaces().length > 1 ? "boundary median" : "boundary";
+  const [x, y] = [content.fine.velocity.map(frame.x), content.fine.load.map(frame.y)];
+  const shades = regions().map(([look, ...grids]) => svg("path", { class: look, d: contour(x, y, grids) }));
   const line = (/** @type {string} */ name, /** @type {number[][]} */ grid) =>
     svg("path", { class: name, d: contour(x, y, [grid], true) });
   const frictions = (content.friction_band ?? []).map((friction) =>
-    line("friction", excess(0.5, { ...chosen.conditions, friction })));
+    line("friction", excess({ ...chosen.conditions, friction })));
+  const hasTests = content.measured.some(({ friction }) => friction !== null);
+  const [low, middle, high] = levelsOf(chosen.conditions);
+  const levelled = (/** @type {string} */ name, /** @type {number} */ level) =>
+    line(name, excess(chosen.conditions, level));
+  const tested = !hasTests ? [] : [levelled("tested-band", low), levelled("tested-band", high),
+    levelled("tested-line", middle)];
   const place = Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [];
-  return [...shades, ...frictions, line(look, middle), ...place];
+  return [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions)), ...place];
 }
 
 /** Regions where the next run is mild, severe or not decided: CSS class, and grids that are positive there.
  * @returns {[string, ...number[][][]][]} */
 function regions() {
-  const [{ conditions }, [mild, severe], own] = [chosen, content.decided, modelError()];
-  const bounds = content.fine.load.map((_, k) => content.inner.map((_place, j) => {
-    const { rises, probabilities } = marginAt([k, j + content.first], conditions, own, 1);
-    if (rises.some(Number.isNaN)) return [NaN, NaN];
-    return content.misfit ? [0, 1] : [probabilities[0], probabilities[2]];
-  }));
-  const grid = (/** @type {(lowest: number, highest: number) => number} */ value) =>
-    bounds.map((row) => row.map(([lowest, highest]) => value(lowest, highest)));
-  const [isMild, isSevere] = [grid((_, highest) => mild - highest), grid((lowest) => lowest - severe)];
-  const open = grid((lowest, highest) => Math.min(highest - mild, severe - lowest));
+  const [{ conditions }, [mild, severe], { load, velocity }] = [chosen, content.decided, content.fine];
+  const nodes = load.map((_, k) => velocity.map((_place, j) => marginAt([k, j], conditions)));
+  const grid = (/** @type {(lowest: number, highest: number, verdict: string) => number} */ value) =>
+    nodes.map((row) => row.map(({ y, probabilities: [lowest, , highest], verdict }) =>
+      (Number.isNaN(y) ? NaN : value(lowest, highest, verdict))));
+  // A test may forbid a verdict at a node where the probability alone would give it.
+  const within = (/** @type {number} */ way, /** @type {boolean} */ isSo) =>
+    (isSo ? way : Math.min(way, -1e-6));
+  const isMild = grid((_, highest, verdict) => within(mild - highest, verdict === "mild"));
+  const isSevere = grid((lowest, _, verdict) => within(lowest - severe, verdict === "severe"));
+  const open = isMild.map((row, k) => row.map((value, j) => -Math.max(value, isSevere[k][j])));
   return [["mild", isMild], ["severe", isSevere], ["open", open]];
 }
 
 /** Draw the transition of a sweep that has a single load or velocity. @param {Frame} frame */
 function drawnPlace(frame) {
-  const { velocity, load } = boundaries();
+  const { loads, velocities } = content;
   const places = [
-    ...velocity.map(({ middle }, i) => [frame.x(middle), frame.y(content.loads[i])]),
-    ...load.map(({ middle }, j) => [frame.x(content.velocities[j]), frame.y(middle)]),
+    ...loads.map((load) => [frame.x(turnAt("velocity", load, chosen.conditions).place), frame.y(load)]),
+    ...velocities.map((velocity) =>
+      [frame.x(velocity), frame.y(turnAt("load", velocity, chosen.conditions).place)]),
   ];
   const known = places.filter((place) => place.every(Number.isFinite));
   return known.slice(0, 1).map(([cx, cy]) => svg("circle", { cx, cy, r: 4 }));
 }
 
-/** Quantile over surfaces of ln(rise/limit) at the nodes (load, velocity); NaN if unknown. @param {number}
- * share @param {Conditions} conditions */
-function excess(share, conditions) {
-  const [plane, limit, { load, velocity }] = [knownPlane(conditions), heatOf(conditions).limit, content.fine];
-  const isThere = load.map((_, k) => surfaces().filter((surface) =>
-    velocity.some((_place, j) => !Number.isNaN(plane[indexOf(surface, k, j)]))));
-  return load.map((_, k) => content.inner.map((_place, j) => {
-    const all = isThere[k].map((surface) => Math.log(plane[indexOf(surface, k, j + content.first)] / limit));
-    /** @type {Ends[]} */
-    const ways = all.map((one) => (Number.isNaN(one) ? [-Infinity, Infinity] : [one, one]));
-    return Math.max(Math.min(quantileOfEnds(ways, share), 50), -50); // finite without friction
-  }));
+/** y minus a level at the nodes (load, velocity), finite without friction; NaN if unknown. @param
+ * {Conditions} conditions @param {number} [level] */
+function excess(conditions, level = 0) {
+  const [plane, { load, velocity }] = [planeOf(conditions), content.fine];
+  return load.map((_, k) => velocity.map((_place, j) =>
+    Math.max(Math.min(plane[indexOf(k, j)] - level, 50), -50)));
 }
 
 /** Indices of all points. @returns {Point[]} */
@@ -113,29 +106,14 @@ function drawnMarks(frame) {
     const kind = kindOf(point);
     if (!kind) return [];
     const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
-    const isWarned = risesAt(point).length && messagesOf(point).length;
+    const isWarned = isDone(point) && content.messages[placeOf(point)];
     const signs = [sign(kind, x, y, r / 4)];
     return isWarned ? [sign("warned", x, y, (r + 3) / 6), ...signs] : signs;
   });
 }
 
-/** True if a test's own conditions give another transition than that drawn. @param {Measurement} test */
-function hasOwnConditions({ own, node: [, j] }) {
-  const there = { ...chosen.conditions, ...own };
-  const factor = own.strip_friction ? content.friction_factors[j] : 1;
-  return Math.abs((heatOf(there).limit / heatOf(chosen.conditions).limit) * factor - 1) > 0.02;
-}
-
-/** Draw the tests, each with the transition computed at its own conditions. @param {Frame} frame */
+/** Draw the tests. @param {Frame} frame */
 function drawnMeasured(frame) {
-  const judged = judgedTests();
-  return content.measured.flatMap((test, number) => {
-    if (!test.isDrawn) return [];
-    const [x, y] = [frame.x(test.velocity), frame.y(test.load)];
-    const expected = frame.x(judged[number].expected);
-    const signs = [sign(test.sign, x, y)];
-    if (!hasOwnConditions(test) || !Number.isFinite(expected)) return signs;
-    const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
-    return [line, sign("own", expected, y, 0.9), ...signs];
-  });
+  return content.measured.filter(({ isDrawn }) => isDrawn).map((test) =>
+    sign(test.sign, frame.x(test.velocity), frame.y(test.load)));
 }

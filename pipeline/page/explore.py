@@ -21,7 +21,7 @@ from pipeline.analysis.results import Results, results
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.overlays import MILD, SEVERE
 from pipeline.page.content import MOST_FIELDS, content
-from pipeline.page.controls import Control, scene_choice, surface_choice
+from pipeline.page.controls import Control, scene_choice
 from pipeline.page.sections import sections
 from pipeline.scene.along import OperatingPoints
 from pipeline.store.place import PathLike
@@ -67,10 +67,9 @@ def explore(
     The page is a single file that opens in any current browser, without a server. Printed on A4 or
     to PDF, it is a report. Its content depends on the sweep:
 
-    - For a grid of loads and velocities the page shows the boundary with its band over several
-      surfaces. The reader can change friction, temperatures, and the share of the contact that is
-      above the critical temperature when wear turns severe. For each point the page also shows
-      numbers, fields and the distribution of temperature over the contact.
+    - For a grid of loads and velocities the page shows the boundary, computed and with tests. The
+      reader can change friction and temperatures. For each point the page also shows numbers,
+      fields and the distribution of temperature over the contact.
     - For a scene that lists pairs of load and velocity the page shows the verdict on each pair, and
       its distance from severe wear.
 
@@ -173,10 +172,8 @@ def _plane(scene: Results, most_fields: int) -> _Main:
     values = {
         "operating": _text("operating.html"),
         "controls": "\n".join(Control(**control).html() for control in held["controls"]),
-        "surfaces": surface_choice(held["surfaces"]),
         "mild": MILD,
         "severe": SEVERE,
-        "band": f"10 to 90 % of {len(held['surfaces'] or ())} surfaces",
         "frictions": " and ".join(f"{end:.4g}" for end in held["friction_band"] or ()),
     }
     return _Main(_filled("plane.html", values), held)

@@ -1,93 +1,58 @@
-/* Probability that the next run is severe at a node: severe ranges weighed by the model's own error. */
+/* How likely the next run is severe at a node, and the verdict: looked up in what tests say. */
 
-/** Compare tests under their own conditions, as Python does; distance NaN if they may agree elsewhere. */
-function judgedTests() {
-  return content.measured.map((test) => {
-    const [own, [k]] = [{ ...chosen.conditions, ...test.own }, test.node];
-    const [all, limit] = [transitions("velocity", k, own), heatOf(own).limit];
-    const turnOf = (/** @type {Transition} */ one) => nearestTurn(one, test.velocity, !test.outcome);
-    const expected = medianTurn(all, turnOf);
-    const whole = all.map((one, n) => (isFinite(turnOf(one)) ? one : goneOn(one, n, k, own)));
-    const critical = medianTurn(whole, turnOf);
-    const [from, to] = [0, 1].map((end) => all.map(({ computed }) => computed[end]));
-    const velocity = Math.min(Math.max(test.velocity, Math.min(...from)), Math.max(...to));
-    const at = surfaces().map((one) => indexOf(one, ...nearestNode({ load: test.load, velocity })));
-    const isHot = at.filter((node) => planeOf(own)[node] > limit).length > at.length / 2;
-    const isRight = test.outcome && (test.outcome === "severe") === isHot;
-    const mayTurn = hasFrictionCurve(own) || isHot === test.velocity < velocity;
-    const isTurn = !test.outcome && expected > 0 && expected < Infinity;
-    const isKnown = test.isInside && limit > Math.abs(heatOf(own).ratio) && critical > 0 &&
-      critical < Infinity && (isRight || isTurn || !mayTurn || test.velocity === velocity);
-    const distance = isKnown ? Math.log(test.velocity / critical) : NaN;
-    const side = isTurn ? "turn" : isRight ? "right" : distance > 0 ? "above" : "below";
-    return { expected, distance, side, run: test.run };
-  });
+/** Pairs of index and weight of the tables by critical temperature. @param {Conditions} conditions */
+function criticalsOf(conditions) {
+  return weights(content.criticals, conditions.critical_temperature ?? NaN);
 }
 
-/** Add extrapolated changes of wear to a transition without any. @param {Transition} one @param
- * {number} surface @param {number} k of the load @param {Conditions} conditions @returns {Transition} */
-function goneOn(one, surface, k, conditions) {
-  const { velocity } = content.fine;
-  const severe = rangesAbove(velocity, lineOf(surface, k, conditions), heatOf(conditions).limit);
-  const places = severe.flat().filter((place) => place > 0 && place < Infinity);
-  return places.length ? { ...one, severe, places } : one;
+/** Probability of severe wear at y. @param {number} y @param {[number, number][]} criticals */
+function likelyAt(y, criticals) {
+  if (Number.isNaN(y)) return NaN;
+  const { ys, likely } = content;
+  const near = weights(ys, y);
+  return sum(criticals.flatMap(([row, part]) =>
+    near.map(([k, weight]) => part * weight * likely[row * ys.length + k])));
 }
 
-/** ln(measured/computed velocity) of transitions, and of wrong outcomes on either side: the farthest of each
- * run. */
-function residuals() {
-  const known = judgedTests().filter(({ distance }) => !Number.isNaN(distance));
-  const farthest = (/** @type {string} */ side) => {
-    const all = known.filter((one) => one.side === side);
-    return [...new Set(all.map((one) => one.run ?? one))].map((key) =>
-      all.filter((one) => (one.run ?? one) === key).map(({ distance }) => distance)
-        .sort((a, b) => Math.abs(b) - Math.abs(a))[0]);
-  };
-  return { turn: farthest("turn"), below: farthest("below"), above: farthest("above"), known: known.length };
+/** y at which severe wear is 5, 50 and 95 % likely. @param {Conditions} conditions */
+function levelsOf(conditions) {
+  const criticals = criticalsOf(conditions);
+  return [0, 1, 2].map((k) => sum(criticals.map(([row, weight]) => weight * content.levels[row][k])));
 }
 
-/** The model's own error under the chosen conditions: distribution function and words. */
-function modelError() {
-  const { distances, below, prior, worth, words, agreed } = content.model;
-  const { turn, ...wrong } = residuals();
-  const squares = (/** @type {number[]} */ of) => of.map((one) => one * one).sort((a, b) => b - a);
-  const [told, degrees] = [worth * prior ** 2 + sum(squares(turn)), worth + turn.length];
-  const scaleOf = (/** @type {number[]} */ others) => Math.sqrt(Math.max(...[0, ...others].map((_, k) =>
-    (told + sum(squares(others).slice(0, k))) / (degrees + k))));
-  const [low, high] = [scaleOf(wrong.below), scaleOf(wrong.above)];
-  const [lower, upper] = [low, high].map((scale) => shown(100 * scale, 2));
-  const size = lower === upper ? `± ${lower}` : `−${lower} to +${upper}`;
-  const n = turn.length + wrong.below.length + wrong.above.length;
-  return {
-    below: (/** @type {number} */ distance) =>
-      linear(distances, below[turn.length], distance / Math.max(distance > 0 ? low : high, 1e-9)),
-    words: n ? `${size} % ${words[n]}` : wrong.known ? agreed : words[0],
-  };
+/** Bulk temperatures of pin and disk. @param {Conditions} conditions */
+function bulksOf({ bulk_temperature: pin, disk_temperature: disk = pin }) {
+  return [pin, disk];
 }
 
-/** Margin at a node: rises, their error, probabilities that the next run is severe, and the verdict. The
- * error is the largest within some nodes, as it is smaller on a row of points than next to it.
- * @param {[number, number]} node @param {Conditions} conditions @param {{below: (way: number) => number}}
- * own the model's own error @param {number} beside number of nodes to each side */
-function marginAt([k, j], conditions, { below } = modelError(), beside = 0) {
-  const [plane, { velocity, load }] = [planeOf(conditions), content.fine];
-  const lines = surfaces().map((surface) => lineOf(surface, k, conditions));
-  const near = (/** @type {number} */ node, /** @type {number} */ first, /** @type {number} */ count) =>
-    Array.from({ length: 2 * beside + 1 }, (_, n) => node + n - beside)
-      .filter((other) => other >= first && other < first + count);
-  const [rows, columns] = [near(k, 0, load.length), near(j, content.first, content.inner.length)];
-  const error = Math.max(...surfaces().flatMap((surface) => rows.flatMap((row) =>
-    columns.map((column) => content.errors[indexOf(surface, row, column)]))));
-  const share = (/** @type {number} */ place) => below(Math.log(place / velocity[j]));
-  const { limit } = heatOf(conditions);
-  const probabilities = [1 / (1 + error), 1, 1 + error].map((factor) => sum(lines.map((line) => {
-    const severe = rangesAbove(velocity, line, limit / factor);
-    return sum(severe.map(([begin, end]) => share(end) - share(begin))) / lines.length;
-  })));
-  const [lowest, likely, highest] = Number.isNaN(error) ? [0, probabilities[1], 1] : probabilities;
-  const isMild = highest <= content.decided[0];
-  const isDecided = !content.misfit && (isMild || lowest >= content.decided[1]);
-  const verdict = isDecided ? (isMild ? "mild" : "severe") : "not decided";
-  const rises = surfaces().map((surface) => plane[indexOf(surface, k, j)]);
-  return { rises, error, probabilities: [lowest, likely, highest], verdict };
+/** Whether tests forbid mild and severe wear at a node. @param {[number, number]} node @param {Conditions}
+ * conditions */
+function forbiddenAt([k, j], conditions) {
+  const { fine, friction_factors: factors, no_mild: noMild, no_severe: noSevere } = content;
+  const [[row]] = criticalsOf(conditions);
+  const here = [fine.load[k], fine.velocity[j], conditions.friction * factors[j], ...bulksOf(conditions)];
+  const dominated = (/** @type {"mild" | "severe"} */ outcome, /** @type {number} */ sign) =>
+    content.measured.some((test) => {
+      if (!test.isAlike || (test.outcome !== outcome && test.outcome !== null)) return false;
+      const place = outcome === "severe" ? test.places[test.places.length - 1] : test.places[0];
+      const there = [...place, test.friction, ...test.bulks];
+      const ways = here.map((value, n) => sign * (value - there[n]));
+      const isLoose = test.outcome === null && test.places.length === 1;
+      return ways.every((way) => way >= 0) && (!isLoose || ways.some((way) => way > 0));
+    });
+  return [noMild[row] || dominated("severe", 1), noSevere[row] || dominated("mild", -1)];
+}
+
+/** Margin at a node: y, its error, probabilities that the next run is severe, and the verdict.
+ * @param {[number, number]} node @param {Conditions} conditions */
+function marginAt([k, j], conditions) {
+  const [node, criticals] = [indexOf(k, j), criticalsOf(conditions)];
+  const [y, error] = [planeOf(conditions)[node], content.errors[node]];
+  const likely = likelyAt(y, criticals);
+  const ends = Number.isNaN(error) ? [0, 1] : [y - error, y + error].map((end) => likelyAt(end, criticals));
+  const [noMild, noSevere] = forbiddenAt([k, j], conditions);
+  const isMild = ends[1] <= content.decided[0] && !noMild;
+  const isSevere = ends[0] >= content.decided[1] && !noSevere;
+  const verdict = isMild ? "mild" : isSevere ? "severe" : "not decided";
+  return { y, error, probabilities: [ends[0], likely, ends[1]], verdict };
 }

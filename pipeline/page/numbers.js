@@ -1,7 +1,5 @@
 /* Functions on lists of numbers, independent of sweeps. */
 
-const BAND = [0.1, 0.5, 0.9];
-
 /** Pairs of index and weight for linear interpolation; beyond the ends the end alone. @param
  * {number[]} x ascending @param {number} place @returns {[number, number][]} */
 function weights(x, place) {
@@ -25,16 +23,4 @@ function sum(values) {
 function nearest(x, place) {
   const away = x.map((value) => Math.abs(value - place));
   return away.indexOf(Math.min(...away));
-}
-
-/** Quantile of the values; NaN is left out. @param {number[]} values @param {number} share */
-function quantileOf(values, share) {
-  const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
-  return linear([...ranked.keys()], ranked, share * (ranked.length - 1));
-}
-
-/** Quantile of values with bounds; NaN if it depends on them. @param {Ends[]} ends @param {number} share */
-function quantileOfEnds(ends, share) {
-  const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
-  return low === high ? low : NaN;
 }

@@ -89,82 +89,68 @@ function choosePoint(point) {
   showPoint();
 }
 
-/** Indices of a point in the lists of points, one for each chosen surface. @param {Point} point */
-function placesOf({ i, j }) {
-  const { loads: { length: rows }, velocities: { length } } = content;
-  return surfaces().map((surface) => (surface * rows + i) * length + j);
+/** Index of a point in the lists of points, of the first surface. @param {Point} point */
+function placeOf({ i, j }) {
+  return i * content.velocities.length + j;
 }
 
-/** Deciding rises at friction 1 [K] on the surfaces on which a point is done. @param {Point} point */
-function risesAt(point) {
-  const [plane, { limit }] = [planeOf(chosen.conditions), heatOf(chosen.conditions)];
-  const { nodes, status } = content;
-  return placesOf(point).flatMap((place, n) => {
-    const node = indexOf(surfaces()[n], nodes.load[point.i], nodes.velocity[point.j]);
-    return status[place] === POINT_DONE ? [{ place, rise: plane[node], isSevere: plane[node] > limit }] : [];
-  });
+/** Node of a point. @param {Point} point */
+function nodeOf({ i, j }) {
+  return indexOf(content.nodes.load[i], content.nodes.velocity[j]);
+}
+
+/** True if a point is done. @param {Point} point */
+function isDone(point) {
+  return content.state[nodeOf(point)] === COMPUTED;
 }
 
 /** Kind of a point, which is its mark in the diagram. @param {Point} point */
 function kindOf(point) {
-  const [all, places] = [risesAt(point), placesOf(point)];
-  const severe = all.filter(({ isSevere }) => isSevere).length;
-  if (all.length && !isJudged()) return "unjudged";
-  if (all.length) return severe ? (severe < all.length ? "mixed" : "severe") : "mild";
-  if (places.some((place) => content.status[place] === POINT_FAILED)) return "failed";
-  return places.some((place) => content.asked[place] === "1") ? "pending" : "";
+  if (isDone(point)) {
+    if (!isJudged()) return "unjudged";
+    return planeOf(chosen.conditions)[nodeOf(point)] > 0 ? "severe" : "mild";
+  }
+  const place = placeOf(point);
+  if (content.status[place] === POINT_FAILED) return "failed";
+  return content.asked[place] === "1" ? "pending" : "";
 }
 
 /** Wear at a point in words. @param {Point} point */
 function wearOf(point) {
-  const [all, kind] = [risesAt(point), kindOf(point)];
+  const kind = kindOf(point);
   if (kind === "unjudged") return "not known without a critical temperature";
-  if (all.length > 1) return `severe on ${all.filter(({ isSevere }) => isSevere).length} of ${all.length}`;
-  return all.length || kind === "failed" ? kind : "not computed";
+  return isDone(point) || kind === "failed" ? kind : "not computed";
 }
 
 /** Quantiles of the contact temperature at a point [°C]. @param {number} place */
 function quantilesAt(place) {
-  const { quantiles: { length }, bulk_ratios } = content;
-  return content.quantiles.map((_, q) => {
-    const picks = picksOf(chosen.conditions, length, [[q, 1]]);
-    const rises = picks.map(([k, weight]) => weight * content.rises[place * length * bulk_ratios.length + k]);
-    return temperature(sum(rises)) - ZERO_CELSIUS;
-  });
-}
-
-/** Messages of a point on the chosen surfaces, without repeats. @param {Point} point */
-function messagesOf(point) {
-  return [...new Set(placesOf(point).map((place) => content.messages[place]).filter(Boolean))];
+  const { quantiles: { length }, bulk_ratios, rises } = content;
+  return content.quantiles.map((_, q) => temperature(sum(tablesOf(chosen.conditions).map(([ratio, weight]) =>
+    weight * rises[(place * bulk_ratios.length + ratio) * length + q]))) - ZERO_CELSIUS);
 }
 
 /** Description of a point: pairs of a name and a text. @param {Point} point @param {boolean} isFull
  * @returns {[string, string][]} */
 function description(point, isFull) {
-  const all = risesAt(point);
-  const { failing_share, critical_temperature } = chosen.conditions;
+  const place = placeOf(point);
+  const { critical_temperature } = chosen.conditions;
   /** @type {[string, string][]} */
   const rows = [["wear", wearOf(point)]];
-  if (all.length) {
-    const curves = all.map(({ place }) => quantilesAt(place));
-    if (!hasShare || failing_share > 0) {
-      const share = `exceeded on ${shown(100 * failing_share)} % of the contact`;
-      const decisive = banded(all.map(({ rise }) => temperature(rise) - ZERO_CELSIUS), "°C");
-      rows.push([hasShare ? share : content.deciding, decisive]);
-    }
-    rows.push(["highest temperature", banded(curves.map((curve) => Math.max(...curve)), "°C")]);
+  const message = content.messages[place];
+  if (isDone(point)) {
+    const curve = quantilesAt(place);
+    rows.push([content.deciding, `${shown(decidingTemperature(nodeOf(point)) - ZERO_CELSIUS)} °C`]);
+    rows.push(["highest temperature", `${shown(Math.max(...curve))} °C`]);
     if (critical_temperature !== null) {
-      const limit = critical_temperature - ZERO_CELSIUS;
-      const above = curves.map((curve) => 100 * (1 - linear(curve, content.quantiles, limit)));
-      rows.push(["contact above critical", banded(above, "%", 3)]);
+      const above = 100 * (1 - linear(curve, content.quantiles, critical_temperature - ZERO_CELSIUS));
+      rows.push(["contact above critical", `${shown(above, 3)} %`]);
     }
     for (const { label, unit, values } of content.numbers.slice(0, isFull ? undefined : 1)) {
-      const numbers = all.map(({ place }) => values[place]);
-      if (numbers.some(Number.isFinite)) rows.push([label, banded(numbers, unit)]);
+      if (Number.isFinite(values[place])) rows.push([label, `${shown(values[place])} ${unit}`]);
     }
-    if (isFull) rows.push(["at its worst after", banded(all.map(({ place }) => content.times[place]), "s")]);
+    if (isFull) rows.push(["at its worst after", `${shown(content.times[place])} s`]);
   }
-  for (const message of messagesOf(point)) rows.push([all.length ? "warning" : "message", message]);
+  if (message) rows.push([isDone(point) ? "warning" : "message", message]);
   return rows;
 }
 
@@ -178,14 +164,15 @@ function showPoint() {
   element("point-section").hidden = false;
   const rows = table([], description(chosen.point, true));
   element("point").replaceChildren(html("h3", {}, nameOf(chosen.point)), rows);
-  showDistribution(risesAt(chosen.point).map(({ place }) => quantilesAt(place)));
+  showDistribution(isDone(chosen.point) ? [quantilesAt(placeOf(chosen.point))] : []);
   showFields(chosen.point);
 }
 
 /** Show the share of the contact above each temperature. @param {number[][]} curves [°C] */
 function showDistribution(curves) {
-  const { critical_temperature: critical, failing_share } = chosen.conditions;
+  const { critical_temperature: critical, failing_share, criterion } = chosen.conditions;
   const [share, limits] = [100 * failing_share, critical === null ? [] : [critical - ZERO_CELSIUS]];
+  const hasShare = criterion === "share";
   const rule = !limits.length || !hasShare ? "" : " Wear is severe where the curve passes above the " +
     `crossing of the dashed lines: more than ${shown(share)} % hotter than ${shown(limits[0], 6)} °C.`;
   const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };
@@ -196,16 +183,15 @@ function showDistribution(curves) {
     const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
     if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
     const lines = curves.map((curve) => path(curve.map(frame.x), shares));
-    const look = curves.length > 1 ? "faint" : "curve";
-    return [...lines.map((d) => svg("path", { class: look, d })),
+    return [...lines.map((d) => svg("path", { class: "curve", d })),
       svg("path", { class: "guide", d: guides.join("") })];
   });
 }
 
 /** Show the pictures of a point's fields, drawn by Python. @param {Point} point */
 function showFields(point) {
-  const place = placesOf(point).find((number) => String(number) in content.fields.points);
-  if (place === undefined || !isOwnBulk()) {
+  const place = placeOf(point);
+  if (!(String(place) in content.fields.points) || !isOwnBulk()) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored
       ? `The page has no fields of this point${isOwnBulk() ? "" : " under these conditions"}.`
@@ -219,8 +205,7 @@ function showFields(point) {
     field("contact temperature [°C]", [coldest, hottest], pictures, 1),
     field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
-  const number = content.surfaces?.[Math.floor(place / content.loads.length / content.velocities.length)];
-  const surface = number === undefined ? "" : ` on surface ${number}`;
+  const surface = content.surfaces ? ` on surface ${content.surfaces[0]}` : "";
   element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 

@@ -12,10 +12,11 @@ import pandas as pd
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.laboratory import compared, test_parts
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
+from pipeline.analysis.tested import test_parts
 from pipeline.analysis.warned_points import warned
 from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.scene.along import OperatingPoints
@@ -97,14 +98,10 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
         yield "factor: the velocity or load at which wear turns severe, divided by that of the row"
 
 
-def _tests(data: Results) -> Iterable[str | pd.DataFrame]:
-    """Compare laboratory tests with the model: how many agree, a table, and notes.
-
-    Each test is compared at its own friction and bulk temperature. The result is empty if there are
-    no tests, or if the sweep's points are not a grid of loads and velocities.
-    """
-    table = compared(data)
-    return () if table is None else test_parts(table)
+def _tests(data: Results) -> Iterator[str | pd.DataFrame]:
+    """Yield the tests at their own conditions; nothing if there are none, or without a plane."""
+    if data.kind is Layout.PLANE and data.sweep.tests:
+        yield from test_parts(judge_of(data).evidence)
 
 
 def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:

@@ -4,23 +4,12 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
-const { CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW, SEVERAL } = content.codes;
+const { SEVERAL, ABOVE, BELOW } = content.codes;
 /** Computed planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
-const hasShare = content.shares.length > 1;
-/** Whether friction depends on velocity. @type {(conditions: Conditions) => boolean} */
-const hasFrictionCurve = (one) => !one.strip_friction && new Set(content.friction_factors).size > 1;
-/** Choices of the reader. @type {{conditions: Conditions, surface: number | null, point: Point | null,
- * load: number, velocity: number}} */
-const chosen = {
-  conditions: { ...content.conditions }, surface: content.missing.length > 1 ? null : 0,
-  point: null, load: NaN, velocity: NaN,
-};
-
-/** Numbers of the chosen surfaces: one, or all. */
-function surfaces() {
-  return chosen.surface === null ? content.missing.map((_, surface) => surface) : [chosen.surface];
-}
+/** Choices of the reader. @type {{conditions: Conditions, point: Point | null, load: number, velocity:
+ * number}} */
+const chosen = { conditions: { ...content.conditions }, point: null, load: NaN, velocity: NaN };
 
 /** Plane from the cache; `make` computes it first. @param {string} key @param {() => Float64Array} make */
 function kept(key, make) {
@@ -34,6 +23,11 @@ function kept(key, make) {
 function temperature(rise) {
   const { coldest, factor } = heatOf(chosen.conditions);
   return coldest + factor * rise;
+}
+
+/** Deciding temperature at a node [K]. @param {number} node */
+function decidingTemperature(node) {
+  return temperature(riseAt(node, chosen.conditions));
 }
 
 /** True if the stored fields hold for the chosen bulk temperatures. */

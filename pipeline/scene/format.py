@@ -29,6 +29,7 @@ from pipeline.scene.kinds import (
     Quantity,
     Scalar,
     Share,
+    Spread,
     Text,
     UnitText,
     Whole,
@@ -52,6 +53,7 @@ FRICTION = Number(at_least=0, usual=(0, 1))
 SEED = Whole(at_least=0)
 NAME = Either(Text(), Whole(at_least=0))
 LATER = "Acts after the simulation."
+FROM_TESTS = "from tests"
 
 
 def one_or_two(kind: Kind) -> Either:
@@ -240,9 +242,12 @@ class Temperature(Declared):
         "or the mean; in Python also [your own criterion](OWN_LAWS.md)."] = "share"
 
 class Model(Declared):
-    scatter: A[float, Share(at_least=0, below=1),
-        "Relative scatter of measured velocities about the model. It weighs as much as four tests; "
-        f"0 for none. {LATER}"] = 0.1
+    bias: A[float, Spread(at_least=0, below=1),
+        "How far the model may be off for all specimens of a system together, as a part of the "
+        f"rise: the scale of Student's t with 4 degrees. {LATER}", Example("± 5 %")] = 0.05
+    scatter: A[float, Spread(at_least=1e-3, below=1),
+        "How far specimens scatter about that, as a part of the rise. It weighs as much as four "
+        f"tests. {LATER}", Example("± 5.5 %")] = 0.055
     rise: A[float, Share(above=-1, usual=(0, 0.5)),
         "What you know to act beside the model, as a part of the rise by friction, such as a pin's "
         f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}",
@@ -381,6 +386,11 @@ class SceneFile(Declared):
     temperature: A[Temperature,
         "Temperatures that decide whether wear is severe. They act after the simulation."]
     model: A[Model | None, "What the model leaves out, and its error."] = None
+    uncertainty: A[dict[str, str] | None,
+        ByPath(OneOf((FROM_TESTS,)), "paths of entries that are not known"),
+        '`"temperature.critical" = "from tests"` finds the critical temperature from the tests; '
+        "the scene's own is where the search begins.",
+        Example({"temperature.critical": FROM_TESTS})] = None
     fidelity: A[Any, table_of(FidelityTable),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None

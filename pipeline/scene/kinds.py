@@ -148,6 +148,16 @@ class Share(Number):
         return super()._read(value, place, faults)
 
 
+class Spread(Share):
+    """Kind of scene entry: a standard deviation as a share, such as "± 5 %"."""
+
+    words = 'a share such as 0.05 or "± 5 %"'
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
+        plain = value.strip().removeprefix("±") if isinstance(value, str) else value
+        return super()._read(plain, place, faults)
+
+
 class Whole(Number):
     """Kind of scene entry: a whole number."""
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from pipeline.scene.cases_of_tests import TestReader, with_changes
 from pipeline.scene.faults import Faults
+from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
 from pipeline.sweep.case import Case
@@ -145,13 +146,15 @@ def _cases(source: Source, variants: Variants) -> tuple[Case, ...]:
 
 
 def _case_of(name: Variant, parts: Parts) -> Case:
-    friction, model = parts.declared.friction, parts.declared.model
+    friction, model = parts.declared.friction, parts.declared.model or Model()
     return Case(
         name=name,
         scene=parts.scene,
         conditions=parts.conditions.under(parts.scene.loading),
         friction_band=friction.band,
-        model_scatter=model.scatter if model else None,
+        model_bias=model.bias,
+        model_scatter=model.scatter,
+        infers_critical=bool(parts.declared.uncertainty),
         lubricant=parts.oil,
         preset=parts.preset,
     )

@@ -24,8 +24,11 @@ class Case:
         Friction, temperatures and criterion.
     friction_band : pair of float or None
         Lowest and highest friction that the diagram shows.
-    model_scatter : float or None
-        Stated relative scatter of the model; None if not stated.
+    model_bias, model_scatter : float
+        How far the model may be off, as parts of the rise: shared by all specimens, and each one's
+        own.
+    infers_critical : bool
+        True if the critical temperature is to be found from the tests.
     lubricant : Oil or None
         The oil between the bodies, which does not affect simulations.
     preset : str or None
@@ -36,6 +39,8 @@ class Case:
     scene: Scene
     conditions: Conditions
     friction_band: tuple[float, float] | None
-    model_scatter: float | None
+    model_bias: float
+    model_scatter: float
+    infers_critical: bool
     lubricant: Oil | None
     preset: str | None

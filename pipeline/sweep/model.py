@@ -136,11 +136,6 @@ class Sweep:
         return self.base.friction_band
 
     @property
-    def model_scatter(self) -> float | None:
-        """Stated relative scatter of the model; None if it is not stated."""
-        return self.base.model_scatter
-
-    @property
     def lubricant(self) -> Oil | None:
         """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
         return self.base.lubricant

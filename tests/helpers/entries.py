@@ -31,7 +31,7 @@ from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "stations"}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
-_DECLARED = ("title", "caveat", "friction_band", "model_scatter")
+_DECLARED = ("title", "caveat", "friction_band", "model_scatter", "model_bias")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
@@ -171,8 +171,8 @@ def _entries(name, value, sweep):
             return _conditions(value)
         case "friction_band", _:
             return {"friction.band": value and [*value]}
-        case "model_scatter", _:
-            return {"model": None if value is None else {"scatter": value}}
+        case "model_scatter" | "model_bias", _:
+            return {f"model.{name.removeprefix('model_')}": value}
         case "measured" | "tested", _:
             return {name: [_test(name, test) for test in value] or None}
         case "oil", _:

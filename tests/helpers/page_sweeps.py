@@ -110,7 +110,7 @@ def of_a_warm_pin():
 def of_two_bulks(**conditions):
     """Sweep of bodies of unequal bulk temperature; by default the disk is warmer."""
     changed = {"disk_temperature": 318.15} | conditions
-    ds = one(conditions=synthetic.CONDITIONS | changed, unequal_bulks=True)
+    ds = one(conditions=synthetic.CONDITIONS | changed, unequal_bulks=True, measured=())
     ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
     quantile = xr.DataArray(np.array(QUANTILES), dims="cooler_share")
     response = xr.where(ratio > 0, 0.3 + 0.4 * quantile, 0.7 - 0.4 * quantile**2)

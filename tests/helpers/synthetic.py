@@ -4,9 +4,19 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING
+from pipeline.analysis.dataset import scene_sweep
+from pipeline.store.schema import (
+    COLUMNS,
+    DONE,
+    FAILED,
+    MADE,
+    PENDING,
+    TEST_STEP,
+    test_variable,
+)
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
@@ -123,7 +133,41 @@ def sweep(
     judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
     of = scene(conditions=judged, fields=fields, **plane | told)
-    return xr.Dataset(data, coords, attributes_of(of))
+    return with_tests(xr.Dataset(data, coords, attributes_of(of)), rise)
+
+
+def with_tests(ds, rise=rise, status=DONE):
+    """The dataset with results of the tests of its scene, each at the end of its load.
+
+    `status` is one state of all their points, or one for each.
+    """
+    slots = wanted_slots(scene_sweep(ds))
+    if not slots:
+        return ds
+    flags = np.broadcast_to(status, len(slots))
+    is_done = flags == DONE
+    loads, velocities = (np.array([getattr(s, k) for s in slots]) for k in ("load", "velocity"))
+    named = {"status": flags.astype(np.int8), "load": loads, "velocity": velocities}
+    named["scene_hash"] = np.array([slot.scene_hash for slot in slots], object)
+    messages = {FAILED: "out of memory"}
+    named["message"] = np.array([messages.get(int(flag), "") for flag in flags], object)
+    named["warning_flags"] = np.zeros(len(slots), np.int32)
+    found = {test_variable(k): (TEST_POINT, v) for k, v in named.items()}
+    found["test"] = TEST_POINT, np.array([slot.test for slot in slots])
+    steps = {
+        "normal_load": loads, "time": loads / RATE, "sliding_distance": velocities * loads / RATE,
+        "max_rise": rise(loads, velocities), "mean_rise": rise(loads, velocities, 0.5),
+        "contact_width": 9e-6 * loads**0.5, "pin_heat_share": np.full(len(slots), 0.4),
+    }  # fmt: skip
+    for name, values in steps.items():
+        values = np.where(is_done, values, np.nan)[:, None]
+        found[test_variable(name)] = (TEST_POINT, TEST_STEP), values
+    hot = np.array(
+        [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
+    )
+    hot = np.where(is_done[:, None], hot, np.nan)[:, None]
+    found[test_variable("rise_quantile")] = (TEST_POINT, TEST_STEP, "cooler_share"), hot
+    return ds.assign_coords(found)
 
 
 def scene(**values):

@@ -22,8 +22,10 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.rise_error import BETWEEN, RiseError, RisePlane, rise_errors
+from pipeline.analysis.rise_error import BETWEEN, RiseError, rise_errors
+from pipeline.analysis.rises import Rises
 from pipeline.analysis.warned_points import exponents
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.selection import PRESET_BOUNDS
@@ -181,28 +183,32 @@ def read(path):
 
 
 def plane_of(row, preset, share):
-    """`RisePlane` of a scene by a preset, as answers have it; of `fine` only its own points."""
+    """`Rises` of a scene by a preset, as answers have it; of `fine` only its own points."""
     here = np.ix_(*(np.isin(row[f"all_{name}"], row[name]) for name in ("loads", "velocities")))
     names = str(share), "flags", "durations"
     parts = (np.array(row[preset][name]) for name in names)
     rises, flags, durations = (x[here] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
     slow = [exponents(velocities, line) < SLOWEST for line in rises]
-    return RisePlane(
+    return Rises(
         loads=np.array(row["loads"]),
         velocities=velocities,
-        rises=rises,
+        plane=rises,
         # `fine` has present heat only, too; its error is judged against all the heat so far.
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
         is_left_out=np.zeros(rises.shape, bool),
+        conditions=Conditions(1.0, 300.0, criterion=Criterion(share=float(share))),
+        promised=PROMISED[preset],
+        ends={},
+        source=None,
     )
 
 
-def error_at(plane, load, velocity, velocity_error):
+def error_at(plane, load, velocity):
     """Stated relative error of the rise at one load and velocity, as a `RiseError`."""
-    errors = rise_errors(plane, np.array([load]), np.array([velocity]), velocity_error)
+    errors = rise_errors(plane, np.array([load]), np.array([velocity]))
     return RiseError.of(errors[:, 0])
 
 
@@ -214,18 +220,18 @@ def interpolated(x, y, place):
 def places(row, preset, share):
     """Yield errors of a preset's rises, true (against `fine`) and stated, at each place."""
     plane, true = plane_of(row, preset, share), np.array(row["fine"][str(share)])
-    if min(plane.rises.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
+    if min(plane.plane.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
         return
     for i, load in enumerate(row["all_loads"]):
         for j, velocity in enumerate(row["all_velocities"]):
-            stated = error_at(plane, load, velocity, PROMISED[preset])
+            stated = error_at(plane, load, velocity)
             is_point = load in row["loads"] and velocity in row["velocities"]
             if is_point and preset == "fine":
                 continue
-            beneath = np.zeros(plane.rises.shape, bool)
+            beneath = np.zeros(plane.plane.shape, bool)
             (rows,), (columns,) = plane.rests_on(np.array([load]), np.array([velocity]))
             beneath[rows[:, None], columns] = True
-            column = interpolated(plane.velocities, plane.rises.T, velocity)
+            column = interpolated(plane.velocities, plane.plane.T, velocity)
             yield {
                 "scene": f"{row['family']} {row['number']}",
                 "family": row["family"],

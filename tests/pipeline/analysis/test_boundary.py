@@ -8,7 +8,7 @@ import pipeline
 from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.words import boundary_lines, next_run_line
-from pipeline.store.schema import PENDING
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
@@ -72,24 +72,6 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
     )
 
 
-@pytest.mark.parametrize("kept", [0.3, 0.6])
-def test_the_band_of_a_sweep_that_is_half_done_holds_the_boundary_of_the_whole(kept):
-    chance = np.random.default_rng(4)
-    whole = synthetic.sweep(
-        [200.0, 400.0, 600.0, 750.0], [0.5, 1.0, 1.5, 2.0, 3.0, 4.0], rise=curved,
-        model_scatter=0.0, measured=(),
-    )  # fmt: skip
-    critical, told = boundary(whole)["critical_velocity"], 0
-    one_point = (whole["load"] != 600.0).values[:, None] | (whole["velocity"] == 4.0).values
-    for is_done in (one_point, *(chance.random((6, *whole["status"].shape)) < kept)):
-        found = boundary(whole.assign(status=whole["status"].where(is_done, PENDING)))
-        assert found.attrs["missing_points"] == (~is_done).sum()
-        assert not (found["mild_below"] > critical).any()
-        assert not (found["severe_above"] < critical).any()
-        told += int(np.isfinite(found["mild_below"]).sum())
-    assert told > 5  # known ends of the band, of 28
-
-
 def test_only_the_last_step_counts():
     ds = synthetic.sweep(interval=1)
     earlier = ds["step"] < 0
@@ -122,13 +104,34 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     assert crossings["film_parameter_at_load"].notnull().any()
 
 
-@pytest.mark.parametrize(("friction", "side"), [(0.0, "mild"), (1e6, "severe")])
-def test_a_run_that_is_mild_or_severe_at_all_velocities_is_said_to_be_so(friction, side):
-    said = next_run_line(boundary(pipeline.at(synthetic.sweep(), friction=friction)))
-    assert said == f"the next run is {side} throughout at 200 N; {side} throughout at 750 N"
+def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
+    """A transition at 0.9 of the limit at all loads moves the line, and leaves the computed one."""
+    plain, limit = synthetic.sweep(measured=()), synthetic.limit()
+    tests = tuple(
+        Measurement(load, float(synthetic.critical_velocity(load, 0.9 * limit)))
+        for load in (200.0, 400.0, 600.0)
+    )
+    found = boundary(synthetic.sweep(measured=tests))
+    np.testing.assert_array_equal(found["critical_velocity"], boundary(plain)["critical_velocity"])
+    ratio = found["tested_velocity"] / found["critical_velocity"]
+    assert ratio.values == pytest.approx((0.9 ** (1 / 0.7)), rel=0.04)
+    said = (
+        f"the tests lie {100 * (1 - float(ratio.median())):.0f} % lower than computed, in velocity"
+    )
+    assert said in boundary_lines(found)
+    band = [found[f"tested_velocity_{end}"].values for end in ("low", "high")]
+    assert np.all(band[0][2:-2] < found["tested_velocity"].values[2:-2])
+    assert np.nanmax(band[1] / found["tested_velocity"]) < 1.3
+    said = next_run_line(found)
+    assert said.startswith(f"severe wear is 50 % likely at {found['tested_velocity'][0]:.3g} m/s")
 
 
-def test_a_boundary_over_surfaces_says_that_the_median_is_not_the_onset(sweep):
-    said = "the median is not the onset: the hottest patch under the pin scuffs first"
-    several = xr.concat([sweep, sweep], "realization", combine_attrs="override")
-    assert [boundary_lines(boundary(ds)).count(said) for ds in (sweep, several)] == [0, 1]
+def test_conditions_are_keywords():
+    ds = synthetic.sweep()
+    one, other = boundary(ds, friction=0.12), boundary(at(ds, friction=0.12))
+    xr.testing.assert_identical(one, other)
+    margin = pipeline.margin(ds, 400.0, 1.4, friction=0.12, without_tests=True)
+    assert (
+        margin.verdict
+        == pipeline.margin(at(ds, friction=0.12, without_tests=True), 400, 1.4).verdict
+    )

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.field import point_field
+from pipeline.analysis.rises import rises_of
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
 from pipeline.sweep.conditions import Conditions, criterion_of
@@ -99,7 +99,7 @@ def unwritable():
 
 def unknown_place():
     """Ask a field for the temperature beyond its loads."""
-    return point_field(pipeline.results(plane())).temperatures(9e3, 1.0).require_known()
+    return rises_of(pipeline.results(plane())).known(9e3, 1.0).require()
 
 
 REFUSALS = {
@@ -107,6 +107,9 @@ REFUSALS = {
     "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
     "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
     "part": (at(**{"pin.material.hardness": "3 GPa"}), "with pin.material.hardness = 3 GPa into"),
+    "read": (lambda: pipeline.boundary(pipeline.results(plane()), friction=0.1),
+             "friction cannot be given for results that were read; give the dataset"),
+    "no test": (lambda: pipeline.infer(synthetic.sweep(measured=())), "has no test with a result"),
     "twice": (at(friction=0.1, **{"friction.coefficient": 0.2}), "coefficient is given twice"),
     "friction": (at(friction="a lot"), "friction is 'a lot'; give a number"),
     "negative": (at(friction=-0.1), "friction is -0.1; it must be finite and ≥ 0"),

@@ -7,7 +7,6 @@ import shutil
 
 import pytest
 
-import pipeline
 from pipeline.cli import main
 from tests.helpers.scenes import SCENE
 
@@ -97,25 +96,23 @@ outcome = "severe"
 """
 
 
-def test_a_point_counts_the_tests_of_its_scene_unless_alone(scene, tmp_path, irg):
-    """The model wrongly predicts mild wear for one test, which makes it less sure of the point."""
-    tested, out = tmp_path / "tested.toml", tmp_path / "tested.zarr"
+def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
+    scene, tmp_path, irg, monkeypatch
+):
+    """Two severe tests where the model is mild make a place likelier severe."""
+    monkeypatch.chdir(tmp_path)
+    tested = tmp_path / "tested.toml"
     tested.write_text(scene.read_text() + TESTS)
     point = ("point", tested, "--load", "400 N", "--velocity", "1 m/s")
-    said, alone = irg(*point), irg(*point, "--alone")
-    assert re.search(r"model's own error   −[\d.]+ to \+10 % in velocity, from 1 test and", said)
-    assert "model's own error   ± 10 % in velocity, assumed; no test confirms" in alone
-    assert "tests of the scene at other places are left out, by --alone" in alone
-    assert "left out" not in said
-    place = pipeline.load_scene(tested).take_place(400.0, 1.0, alone=True)
-    pipeline.run_sweep(place, out, workers=1)
-    here = pipeline.margin(out, "400 N", "1 m/s")
-    assert alone.startswith(here.sentence[:60])
-    assert here.is_computed
-    (row,), (other,) = irg(*point, "--alone", "--json"), irg(*point, "--json")
-    assert row["probability"] == pytest.approx(here.probability, rel=1e-9)
+    said, alone = irg(*point), irg(*point, "--without-tests")
+    assert re.search(r"model's own error   .* of the rise \(90 %\), by [12] tests? and the", said)
+    assert "of the rise (90 %), by no test and the prior" in alone
+    (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
     assert other["decisive temperature [°C]"] == row["decisive temperature [°C]"]
+    irg("run", tested, "-o", "results/tested.zarr")
+    (stored,) = irg(*point, "--json")  # the tests are those of the store
+    assert stored["probability"] == pytest.approx(other["probability"], rel=1e-9)
 
 
 def test_a_point_takes_conditions_in_place_of_the_scenes_own(scene, irg):

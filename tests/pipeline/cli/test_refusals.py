@@ -82,6 +82,8 @@ REFUSALS = {
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
+    "no tests": (irg("infer", "fig5"), "has no tests; give it a [[measured]]"),
+    "none to show": (irg("boundary", "tiny.zarr", "--by", "test"), "the scene has no tests; give"),
     "ignored": (irg("infer", "first_try", "--duration", "9 s"),
                 "--duration belongs to --contact-width"),
     "width": (irg("infer", "first_try", *WIDTH), "needs a load and a velocity; give"),
@@ -95,7 +97,6 @@ REFUSALS = {
 ELSEWHERE = {
     "points.point InputError": "test_commands.py, at rest",
     "sweeps.check InputError": "test_check.py, with the meaning that is printed before",
-    "verdicts.boundary InputError": "test_commands.py, of a store without tests",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
 }
 """Refusals that are not in the table: where they are tested, or why not."""

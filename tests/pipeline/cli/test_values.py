@@ -29,7 +29,7 @@ def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
     same = irg("boundary", "out.zarr", "--critical-temperature=150 degC", "--friction=0.12")
     assert said == same
     several = irg("boundary", "out.zarr", "--share=5%", "--share=10%")
-    assert "4 tests and a prior of 10 %, and 1 more" in several
+    assert "by 4 tests and the prior, and 1 more" in several
     assert "is given twice" in irg(
         "boundary", "out.zarr", "--at=friction.coefficient=0.1", "--friction=0.12", code=2
     )

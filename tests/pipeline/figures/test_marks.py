@@ -1,13 +1,11 @@
 """What figures mark: each mark, bar and line is at the number that it stands for, in its unit."""
 
-import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
-from tests.pipeline.figures.test_plot import contour, labels, lines
+from tests.pipeline.figures.test_plot import labels, lines
 
 NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
 
@@ -38,40 +36,6 @@ def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     assert numbers == {"1": (1.5, 250.0), "2": (3.0, 500.0), "warm": (2.5, 350.0)}
     (far,) = (text for text in labels(axes.figure.legends[0]) if "outside the figure" in text)
     assert far == "outside the figure: tests 4, 5"
-
-
-LIFTS = np.array([1.0, 1.1, 0.9, 1.05])
-
-
-def test_over_surfaces_the_boundary_is_the_median_s_in_a_band_from_10_to_90_percent():
-    several = [
-        synthetic.sweep(
-            rise=lambda F, V, q=1.0, lift=lift: lift * synthetic.rise(F, V, q), friction_band=None
-        )
-        for lift in LIFTS
-    ]
-    seeds = xr.Variable("realization", [0, 1, 2, 3])
-    figure = pipeline.plot(xr.concat(several, seeds, combine_attrs="override"))
-    (axes,) = figure.axes
-    for load in (450.0, 600.0):
-
-        def velocities(gid, at=load):
-            """Velocities at which drawn lines pass a load; each line rises or falls throughout."""
-            passed = [line[np.argsort(line[:, 1])].T for line in contour(axes, gid)]
-            return sorted(np.interp(at, load, velocity) for velocity, load in passed)
-
-        # The rise that a share of the surfaces exceeds reaches the limit.
-        low, middle, high = (
-            synthetic.critical_velocity(load, synthetic.limit() / np.quantile(LIFTS, share))
-            for share in (0.9, 0.5, 0.1)
-        )
-        assert velocities("boundary") == pytest.approx([middle], rel=2e-3)
-        assert velocities("surface band edge") == pytest.approx([low, high], rel=2e-3)
-    assert "10 to 90 % of 4 surfaces" in labels(figure.legends[0])
-    velocity, load = lines(axes)["severe on some surfaces"].T
-    rise = synthetic.rise(load, velocity, 0.9)
-    assert (rise * LIFTS.max() > synthetic.limit()).all()
-    assert (rise * LIFTS.min() < synthetic.limit()).all()
 
 
 # Contact and temperature

@@ -3,7 +3,7 @@
 from functools import cache
 
 import pipeline
-from pipeline.figures.tested import measured_over_computed
+from pipeline.figures.tested import draw_tests
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.measurement import Measurement
@@ -40,9 +40,12 @@ def begun():
 
 
 def over_computed(*measured, **values):
-    return lambda: measured_over_computed(
-        pipeline.results(synthetic.sweep(measured=measured, **values))
-    )
+    return lambda: draw_tests(pipeline.results(synthetic.sweep(measured=measured, **values)))
+
+
+def begun_tests():
+    ds = synthetic.sweep(measured=(Measurement(600.0, 1.5),))
+    return draw_tests(pipeline.results(synthetic.with_tests(ds, status=PENDING)))
 
 
 TRADE = Trade("A scene", (), ())
@@ -64,9 +67,7 @@ REFUSALS = {
     "fields": (lambda: pipeline.plot(synthetic.sweep(), "fields"), "the sweep holds no fields"),
     "show": (plot("ramp", show="colour"), "show is 'colour'; stored at each step are"),
     "no tests": (over_computed(), "the scene has no tests to draw"),
-    "far tests": (over_computed(Measurement(9000.0, 1.0)), "no test of the scene can be compared"),
-    "begun tests": (over_computed(Measurement(600.0, 1.5), status=synthetic.NOTHING),
-                    "no test of the scene can be compared; go on with irg run"),
+    "begun tests": (begun_tests, "test 1 (transition, 600 N, 1.5 m/s) waits for its point"),
 }  # fmt: skip
 
 

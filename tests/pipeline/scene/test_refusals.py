@@ -180,7 +180,7 @@ ENTRIES = {
     "another oil": (entry("tested", [{**TEST, "oil": "A"}]), '"A", but measured[0] has no oil;'),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
-    "huge": (entry("model.scatter", 1e-200), "is out of range, which is from"),
+    "huge": (entry("model.bias", 1e-200), "is out of range, which is from"),
     "shape": (entry("pin.shape", "cylindr"), '"cylindr" is unknown (did you mean "cylinder"?)'),
     "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 0.456 mm"),
     "material": (entry("disk.material", "stell"), 'disk.material: "stell" is neither'),

@@ -18,8 +18,7 @@ type ControlName =
   | "friction"
   | "bulk_temperature"
   | "disk_temperature"
-  | "critical_temperature"
-  | "failing_share";
+  | "critical_temperature";
 
 type Control = {
   name: ControlName;
@@ -33,17 +32,16 @@ type Control = {
 type Measurement = {
   load: number;
   velocity: number;
-  friction: number | null;
-  bulk_temperature?: number;
-  outcome?: "mild" | "severe";
+  /** None at a transition. */
+  outcome: "mild" | "severe" | null;
+  /** One place, or both ends of a transition with a step, each a load and a velocity. */
+  places: [number, number][];
+  /** Null where the test has no conditions. */
+  friction: number;
+  bulks: [number, number];
+  isAlike: boolean;
   /** Its sign in the legend. */
   sign: string;
-  /** That several tests share. */
-  run?: string;
-  /** Conditions that it is judged at, in place of the reader's. */
-  own: Partial<Conditions>;
-  node: [number, number];
-  isInside: boolean;
   isDrawn: boolean;
 };
 
@@ -70,28 +68,30 @@ type Content = {
   loads: number[];
   velocities: number[];
   fine: { velocity: number[]; load: number[] };
-  first: number;
-  /** Velocities of the nodes within the sweep. */
-  inner: number[];
-  /** Nodes of the velocities and loads of the sweep, and of the two loads beside each node of load. */
+  /** Nodes of the velocities and loads of the sweep. */
   nodes: { velocity: number[]; load: number[] };
-  beside: [number, number][];
   friction_factors: number[];
-  /** Temperatures of the contact [K], and the factor of friction at each. */
+  /** ln(rise per unit friction) by bulk ratio, load and velocity. */
   plane: Float32Array;
-  /** Where lines along velocity begin that have their own points alone, by surface and node of load. */
-  lines: { [place: string]: number };
-  /** The same of lines along load, by surface and node of velocity. */
-  columns: { [place: string]: number };
-  state: string;
+  /** ln(1 + numerical error) by load and velocity. */
   errors: Float32Array;
-  missing: number[];
-  model: Model;
-  misfit: string;
+  state: string;
+  /** Values of ln(limit), and the first place at which the rise passes each, with the outcome's code. */
+  targets: number[];
+  turns: Record<AxisName, { places: Float32Array; codes: string }>;
+  missing: number;
+  /** Critical temperatures and values of y of the tables of probabilities of severe wear. */
+  criticals: number[];
+  ys: number[];
+  likely: Float32Array;
+  /** y at which severe wear is 5, 50 and 95 % likely, by critical temperature. */
+  levels: [number, number, number][];
+  no_mild: boolean[];
+  no_severe: boolean[];
+  model: string;
   decided: number[];
   quantiles: number[];
   bulk_ratios: number[];
-  shares: number[];
   surfaces: number[] | null;
   status: string;
   asked: string;
@@ -108,43 +108,6 @@ type Content = {
   fields: Fields;
   friction_band: Ends | null;
 };
-
-/**
- * Distribution of the model's own error by the number of transitions: cumulative probability at distances
- * in units of its scale; the prior and the tests that it is worth; words by the number of tests that count.
- */
-type Model = {
-  distances: number[];
-  below: number[][];
-  prior: number;
-  worth: number;
-  words: string[];
-  agreed: string;
-};
-
-/** Result of pipeline.page.content.content_of_samples, by load and velocity or probability. */
-type Samples = {
-  outside: string;
-  misfit: [string, string][];
-  name: string;
-  measured: Measurement[];
-  loads: number[];
-  velocities: number[];
-  probability: Float32Array;
-  picture: string;
-  shares: number[];
-};
-
-/** Ranges of severe wear, and the places at which wear turns. */
-type Transition = {
-  severe: Ends[];
-  places: number[];
-  outcome: number;
-  computed: Ends;
-};
-
-/** Quantiles over several surfaces; of one, the first place at which wear turns severe. */
-type Summary = { low: number; middle: number; high: number; transitions: Transition[] };
 
 /** Indices of a point in loads and velocities. */
 type Point = { i: number; j: number };

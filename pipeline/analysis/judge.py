@@ -1,0 +1,137 @@
+"""The judge of one case: how likely severe wear is at any place, and which tests forbid a verdict.
+
+y = ln(rise/limit) is computed (`pipeline.analysis.rises`), with its numerical error e. What tests
+say of it is the evidence (`pipeline.analysis.tested`). A further run is mild if it is severe with a
+probability of at most 5 % at y + e, severe if with at least 95 % at y − e, else not decided.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.analysis.inferred import Inferred, infer_critical_temperature
+from pipeline.analysis.results import Results
+from pipeline.analysis.rise_error import rise_errors, totals
+from pipeline.analysis.rises import Places, Rises, places_of, rises_of
+from pipeline.analysis.tested import Evidence, evidence_of, forbidden
+from pipeline.sweep.conditions import Conditions, known_critical_temperature
+from tribo.types import Array, Mask
+
+NOT_DECIDED = "not decided"
+"""Verdict if a further run is neither mild nor severe with 95 % probability."""
+DECIDED = (0.05, 0.5, 0.95)
+"""Probabilities of severe wear: up to the first the verdict is mild, from the last on severe."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """Rises and evidence of one case, under the conditions of `rises`."""
+
+    rises: Rises
+    evidence: Evidence
+    inferred: Inferred | None  #: The critical temperature, where it is found from the tests.
+
+    @property
+    def conditions(self) -> Conditions:
+        """Conditions by which places are judged."""
+        return self.rises.conditions
+
+    @property
+    def source(self) -> Results:
+        """Results of the case."""
+        return self.rises.source
+
+    @property
+    def a(self) -> tuple[float, ...]:
+        """Change of y for one standard deviation of each uncertain input."""
+        return (self.inferred.effect(self.conditions),) if self.inferred else ()
+
+    @property
+    def open_sides(self) -> tuple[bool, bool]:
+        """Whether no place at all is mild, and none is severe."""
+        if self.inferred is not None and not self.inferred.is_bounded:
+            return True, True
+        return self.evidence.open_sides()
+
+    def judged_by(self, own: Mapping[str, float]) -> Judge:
+        """The judge under conditions of one operating point in place of the scene's.
+
+        Friction and bulk temperature move the place alone; a critical temperature moves the tests,
+        too.
+        """
+        if not own:
+            return self
+        rises = self.rises.judged_by(own)
+        if own.get("critical_temperature") is None:
+            return replace(self, rises=rises)
+        return Judge(rises, evidence_of(self.source, rises.conditions), None)
+
+    def chances(self, loads: Places, velocities: Places) -> tuple[Array, Array, Array]:
+        """Probabilities of severe wear (k,): lowest, as computed and highest by numerical error.
+
+        Where the error is unknown, the lowest probability is 0 and the highest 1.
+        """
+        loads, velocities = places_of(loads, velocities)
+        y, error = self.rises.y(loads, velocities), self.errors(loads, velocities)
+        is_known = np.isfinite(error)
+        shift = np.where(is_known, np.log1p(error), 0.0)
+        ends = np.stack([y - shift, y, y + shift])
+        low, middle, high = self.evidence.belief.probability(ends, self.a)
+        return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
+
+    def errors(self, loads: Places, velocities: Places) -> Array:
+        """Relative numerical errors of the rise (k,); NaN where unknown."""
+        return totals(rise_errors(self.rises, loads, velocities))
+
+    def forbidden(self, loads: Places, velocities: Places) -> tuple[Mask, Mask, list[str]]:
+        """Places at which tests forbid mild wear, and severe wear (k,), and their names."""
+        loads, velocities = places_of(loads, velocities)
+        no_mild, no_severe, names = forbidden(
+            self.evidence, self.source, self.conditions, loads, velocities
+        )
+        return no_mild | self.open_sides[0], no_severe | self.open_sides[1], names
+
+    def verdicts(self, loads: Places, velocities: Places) -> Array:
+        """Verdicts (k,) as texts: "mild", "severe" or "not decided"; empty where y is unknown."""
+        low, middle, high = self.chances(loads, velocities)
+        no_mild, no_severe, _ = self.forbidden(loads, velocities)
+        return np.select(
+            [np.isnan(middle), (high <= DECIDED[0]) & ~no_mild, (low >= DECIDED[-1]) & ~no_severe],
+            ["", "mild", "severe"],
+            NOT_DECIDED,
+        )
+
+    @functools.cached_property
+    def levels(self) -> tuple[float, float, float]:
+        """Y at which a place is severe with a probability of 5, 50 and 95 %."""
+        low, middle, high = (self.evidence.belief.level(share, self.a) for share in DECIDED)
+        return low, middle, high
+
+    def tested_velocities(self, loads: Array) -> Array:
+        """Velocities with tests at k loads (3, k): first P = 5 %, first 50 %, and last 95 % [m/s].
+
+        NaN where there is none up to 3 times beyond the computed velocities.
+        """
+        places, begins, ends = self.rises.crossings(loads, np.array(self.levels))
+        first, last = np.fmin.reduce(places, axis=2), np.fmax.reduce(places, axis=2)
+        found = np.where(begins, math.nan, first)
+        found[:, -1] = np.where(ends[:, -1], last[:, -1], math.nan)
+        return found.T
+
+
+def judge_of(data: Results, conditions: Conditions | None = None) -> Judge:
+    """Judge of one case, under `conditions`; None for those of `data`."""
+    judged = conditions or data.conditions
+    inferred = None
+    if data.infers:
+        inferred = infer_critical_temperature(data, judged)
+        judged = replace(judged, critical_temperature=inferred.temperature)
+    rises = rises_of(data, judged)
+    _ = known_critical_temperature(judged)  # raises, as without it there is no verdict
+    evidence = inferred.evidence if inferred else evidence_of(data, judged)
+    return Judge(rises, evidence, inferred)

@@ -1,0 +1,300 @@
+"""The tests of a scene at their own conditions: their y, and what they say of other places."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from pipeline.analysis.likelihood import Belief, Result, condition
+from pipeline.analysis.results import ABSENT, Results, TestResults
+from pipeline.analysis.tables import frame_of, short
+from pipeline.quantities import display
+from pipeline.store.schema import DONE, FAILED
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.severity import rise_limit
+from tribo import InputError
+from tribo.types import Array, Mask
+
+UNLIKELY = 0.01
+"""Probability by the others below which a test is named as a misfit."""
+APART = 0.05
+"""Relative distance of the two critical velocities from which a line names it."""
+_FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one
+_BESIDE = 0.1  # relative distance in load and velocity within which a test is near
+_SAME = 1e-9  # relative rounding difference of equal conditions
+_HEADS = (
+    "test", "outcome", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]",
+    "decisive temperature [°C]", "ln(rise/limit)", "by the others", "notes",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A test at its own conditions: y where it was severe, and where it was mild.
+
+    A measured transition has both: with a step at its two ends, without one the same twice. NaN
+    where the test says nothing, or has no result.
+    """
+
+    test: Measurement
+    conditions: Conditions | None
+    severe: float = math.nan
+    mild: float = math.nan
+    temperature: float = math.nan  # that the criterion compares, at the test's place [K]
+    reason: str = ""  #: Why the test has no y; empty if it has one.
+
+    @property
+    def name(self) -> str:
+        """The test in words, such as "test 3 (severe, 400 N, 2.25 m/s)"."""
+        test = self.test
+        place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
+        return f"test {test.number} ({test.outcome or 'transition'}, {place})"
+
+    @property
+    def specimen(self) -> str:
+        """Name of the specimen: that of the run, or the test's own."""
+        return f"run {self.test.run}" if self.test.run else f"test {self.test.number}"
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """All tests of a scene, under one oil's conditions, and what they make of the prior."""
+
+    rows: tuple[Row, ...]
+    results: tuple[Result, ...]  # one for each specimen that has a y
+    members: tuple[tuple[Row, ...], ...]  # rows of each result
+    belief: Belief
+
+    @property
+    def waiting(self) -> tuple[Row, ...]:
+        """Tests without a y: they wait, have failed, or cannot be compared."""
+        return tuple(row for row in self.rows if row.reason)
+
+    @property
+    def misfits(self) -> Iterator[str]:
+        """Yield a line for each result to which the others give less than 1 %."""
+        for rows, share in zip(self.members, self.belief.expected, strict=True):
+            if share < UNLIKELY:
+                names = " and ".join(row.name for row in rows)
+                yield f"{names}: the other tests give it less than 1 %; is it a slip?"
+
+    @property
+    def text(self) -> str:
+        """How far the model may be off, as a part of the rise, and by how many tests."""
+        low, high = (math.expm1(-self.belief.level(p)) for p in (0.95, 0.05))
+        size = f"{100 * low:+.2g} to {100 * high:+.2g} %".replace("-", "−")
+        count = len(self.results)
+        tests = "no test" if not count else f"{count} test{'s' * (count > 1)}"
+        return f"{size} of the rise (90 %), by {tests} and the prior"
+
+    def open_sides(self) -> tuple[bool, bool]:
+        """Whether no place is mild, and none is severe, as a test without a y might forbid it."""
+        outcomes = {row.test.outcome for row in self.waiting}
+        return bool(outcomes & {"severe", None}), bool(outcomes & {"mild", None})
+
+
+def evidence_of(data: Results, oil: Conditions) -> Evidence:
+    """Compare the tests of a scene with the model.
+
+    Critical temperature, criterion and `[model] rise` are those of `oil`; friction and bulk
+    temperature are each test's own.
+    """
+    rows = tuple(_rows(data, oil)) if data.takes_tests else ()
+    grouped = dict[str, list[Row]]()
+    for row in rows:
+        if not row.reason:
+            grouped.setdefault(row.specimen, []).append(row)
+    members = tuple(map(tuple, grouped.values()))
+    results = tuple(map(_result, members))
+    return Evidence(rows, results, members, condition(results, data.prior))
+
+
+def _result(rows: Sequence[Row]) -> Result:
+    """What one specimen says: an interval, or a transition where it contradicts itself."""
+    severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.nan)
+    mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=math.nan)
+    if math.isnan(mild):
+        return Result(severe)
+    if math.isnan(severe):
+        return Result(mild, sign=-1)
+    if severe >= mild:
+        return Result(severe, width=severe - mild)
+    return Result((severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3))
+
+
+def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
+    """Yield the tests of a scene with their y."""
+    held = data.tests
+    for number, test in enumerate(data.stored.tests):
+        try:
+            own = own_conditions(test, oil)
+            limit = rise_limit(own)
+        except InputError as error:
+            yield Row(test, None, reason=f"cannot be compared: {error}")
+            continue
+        points = np.flatnonzero(held.numbers == number).tolist()
+        if reason := next(filter(None, (_why_missing(held, place) for place in points)), ""):
+            yield Row(test, own, reason=reason)
+            continue
+        try:
+            rises = [held.rise(place, own) for place in points]
+        except InputError as error:
+            yield Row(test, own, reason=f"cannot be compared: {error}")
+            continue
+        with np.errstate(divide="ignore"):
+            y = np.clip(np.log(np.array(rises) / limit), -_FARTHEST, _FARTHEST).tolist()
+        temperature = float(own.contact_temperature(rises[-1]))
+        severe = y[-1] if test.outcome != "mild" else math.nan
+        mild = y[0] if test.outcome != "severe" else math.nan
+        yield Row(test, own, severe, mild, temperature)
+
+
+def _why_missing(held: TestResults, place: int) -> str:
+    """Why a point of a test has no result, after its name; empty if it has one."""
+    match held.status[place]:
+        case code if code == DONE:
+            return ""
+        case code if code == FAILED:
+            return f"has failed ({held.messages[place]}): irg run SCENE --retry-failed"
+        case code if code == ABSENT:
+            return "is not in this dataset: irg run SCENE, or leave tests out (--without-tests)"
+    return "waits for its point: irg run SCENE"
+
+
+def own_conditions(test: Measurement, oil: Conditions) -> Conditions:
+    """Conditions of a test: its own friction and bulk temperature, and what is the oil's."""
+    return replace(
+        test.simulated.conditions,
+        critical_temperature=oil.critical_temperature,
+        criterion=oil.criterion,
+        unmodelled_rise=oil.unmodelled_rise,
+    )
+
+
+def forbidden(
+    evidence: Evidence, data: Results, conditions: Conditions, loads: Array, velocities: Array
+) -> tuple[Mask, Mask, list[str]]:
+    """Places where a test that dominates them forbids mild wear, and severe wear (k,).
+
+    A severe test dominates a place that is no easier: load, velocity, friction and bulk temperature
+    are no lower, all else equal. A mild test is the mirror of it. A transition without a step does
+    both, where something differs. The third result has the names of these tests for each place.
+    """
+    no_mild, no_severe = (np.zeros(len(loads), bool) for _ in range(2))
+    names = [list[str]() for _ in loads]
+    friction = conditions.friction * conditions.friction_factor(velocities)
+    for row in evidence.rows:
+        own, test = row.conditions, row.test
+        if own is None or not is_alike(data, conditions, row):
+            continue
+        places = test.places
+        pairs = {"severe": places[-1], "mild": places[0]}
+        for outcome, (load, velocity) in pairs.items():
+            if test.outcome not in (outcome, None):
+                continue
+            at_test = [load, velocity, own.friction_at(velocity), *_bulks(own)]
+            here = [loads, velocities, friction, *_bulks(conditions)]
+            pairs_apart = itertools.starmap(_apart, zip(here, at_test, strict=True))
+            ways = np.array([np.broadcast_to(one, loads.shape) for one in pairs_apart])
+            ways = ways if outcome == "severe" else -ways
+            holds = (ways >= 0).all(axis=0)
+            if test.outcome is None and len(places) == 1:
+                holds &= (ways > 0).any(axis=0)
+            mask = no_mild if outcome == "severe" else no_severe
+            mask |= holds
+            for place in np.flatnonzero(holds):
+                names[place].append(row.name)
+    return no_mild, no_severe, [", ".join(dict.fromkeys(one)) for one in names]
+
+
+def is_alike(data: Results, conditions: Conditions, row: Row) -> bool:
+    """True if a place and a test differ in nothing but what may be compared."""
+    own = row.conditions
+    alike = (
+        own is not None
+        and replace(
+            own,
+            friction=conditions.friction,
+            bulk_temperature=conditions.bulk_temperature,
+            disk_temperature=conditions.disk_temperature,
+            corrections=conditions.corrections,
+        )
+        == conditions
+    )
+    scene = row.test.simulated.scene
+    return alike and (scene is data.sweep.scene or scene == data.sweep.scene)
+
+
+def _bulks(conditions: Conditions) -> tuple[float, float]:
+    disk = conditions.disk_temperature
+    return conditions.bulk_temperature, conditions.bulk_temperature if disk is None else disk
+
+
+def _apart(a: Array | float, b: float) -> Array:
+    """Sign of a − b; 0 if they differ by rounding only."""
+    difference = np.asarray(a, float) - b
+    return np.where(np.abs(difference) <= _SAME * abs(b), 0.0, np.sign(difference))
+
+
+def tests_beside(evidence: Evidence, load: float, velocity: float) -> Iterator[str]:
+    """Yield each test within 10 % of a load [N] and of a velocity [m/s], with its conditions."""
+    for row in evidence.rows:
+        test, own = row.test, row.conditions
+        pairs = (test.normal_load, load), (test.velocity, velocity)
+        if own is None or any(abs(there - here) > _BESIDE * here for there, here in pairs):
+            continue
+        at = f"friction {own.friction_at(test.velocity):.3g}"
+        bulk = display(own.bulk_temperature, "°C", 3)
+        place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
+        yield f"{test.outcome or 'severe'}, {place} at {at} and bulk {bulk}"
+
+
+def waiting_words(evidence: Evidence) -> str:
+    """Which tests have no result yet, and why; empty if all have one."""
+    rows = evidence.waiting
+    if not rows:
+        return ""
+    others = f" and {len(rows) - 1} more" * (len(rows) > 1)
+    return f"{rows[0].name}{others} {rows[0].reason}"
+
+
+def tests_frame(evidence: Evidence) -> pd.DataFrame:
+    """Data frame of the tests of a scene, with a row for each."""
+    expected = {
+        id(row): share
+        for rows, share in zip(evidence.members, evidence.belief.expected, strict=True)
+        for row in rows
+    }
+    rows = []
+    for row in evidence.rows:
+        test, own = row.test, row.conditions
+        y = (
+            row.severe
+            if math.isnan(row.mild)
+            else row.mild
+            if math.isnan(row.severe)
+            else row.severe
+        )
+        at = (own.friction_at(test.velocity), own.bulk_temperature) if own else (None, None)
+        rows.append((
+            test.number, test.outcome or "transition", test.normal_load, test.velocity, *at,
+            row.temperature, y, expected.get(id(row)), row.reason or None,
+        ))  # fmt: skip
+    return frame_of(_HEADS, rows)
+
+
+def test_parts(evidence: Evidence) -> Iterator[str | pd.DataFrame]:
+    """Yield parts of a report on tests: a table, tests without a result, and misfits."""
+    frame = tests_frame(evidence)
+    yield f"{len(evidence.rows)} tests, each at its own friction and bulk temperature"
+    yield short(frame, ["notes"])
+    for row in evidence.waiting:
+        yield f"{row.name} {row.reason}"
+    yield from evidence.misfits
+    yield f"the model's own error: {evidence.text}"

@@ -1,0 +1,44 @@
+"""A few points, simulated one after the other in this process, without a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from pipeline.store.take import take_points
+from pipeline.store.write import Store, opened
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord, run_point
+from pipeline.sweep.stages import Report, silent
+from pipeline.sweep.station_choice import choose_stations
+from tribo import TriboError
+
+
+def compute_here(
+    store: Store, wanted: Sequence[Point] = (), source: str | None = None, report: Report = silent
+) -> None:
+    """Simulate the pending points of the tests in a store, then those `wanted`, in their order.
+
+    Points that the store at `source` has are taken from there. An error at the first of `wanted` is
+    raised; another one becomes the message of its point.
+    """
+    if source is not None:
+        take_points(store, opened(source))
+    if store.tests:
+        store.tests.commit(_simulated(store.tests, store.tests.pending(), (), report))
+    store.commit(_simulated(store, wanted, wanted[:1], report))
+
+
+def _simulated(
+    store: Store, points: Sequence[Point], needed: Sequence[Point], report: Report
+) -> Iterator[PointRecord]:
+    stations = choose_stations(store.sweep)
+    for point in points:
+        scene = store.sweep.case(point.variant).scene
+        try:
+            made = run_point(scene, stations, point, progress=report)
+        except TriboError as error:
+            if point in needed:
+                raise
+            yield PointRecord(point, None, str(error))
+        else:
+            yield made.record(store.sweep.fields)
