@@ -88,7 +88,7 @@ class Evidence:
     def text(self) -> str:
         """How far the model may be off, as a part of the rise, and by how many tests."""
         low, high = (math.expm1(-self.belief.level(p)) for p in (0.95, 0.05))
-        size = f"{100 * low:+.2g} to {100 * high:+.2g} %".replace("-", "−")
+        size = f"{_signed(100 * low)} to {_signed(100 * high)} %".replace("-", "−")
         count = len(self.results)
         tests = "no test" if not count else f"{count} test{'s' * (count > 1)}"
         return f"{size} of the rise (90 %), by {tests} and the prior"
@@ -97,6 +97,11 @@ class Evidence:
         """Whether no place is mild, and none is severe, as a test without a y might forbid it."""
         outcomes = {row.test.outcome for row in self.waiting}
         return bool(outcomes & {"severe", None}), bool(outcomes & {"mild", None})
+
+
+def _signed(percent: float) -> str:
+    """A percentage with its sign and two digits, or all of its own if it has more."""
+    return f"{percent:+.0f}" if abs(percent) >= 10 else f"{percent:+.2g}"
 
 
 def evidence_of(data: Results, oil: Conditions) -> Evidence:

@@ -52,7 +52,7 @@ SPECIMENS = {
         Result(0.1, width=0.3),
     ),
     "inverted ones are a transition in their middle": (
-        [at(0.2, "mild", run="a", bulk_temperature=298.15), at(0.0, "severe", run="a")],
+        [at(0.2, "mild", run="a"), at(0.0, "severe", run="a")],
         Result(0.1, width=0.0, own=0.1 / math.sqrt(3)),
     ),
     "a transition has no width": ([at(-0.1)], Result(-0.1, width=0.0)),
