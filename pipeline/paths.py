@@ -28,7 +28,10 @@ def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
     name, folder = Path(path), Path("results")
     is_name = str(path) == name.name and not name.suffix
     in_results = folder / f"{name.name}.zarr"
-    return in_results if is_name and not name.exists() and in_results.exists() else path
+    with suppress(OSError):  # such as a name that is too long, which opening reports better
+        if is_name and not name.exists() and in_results.exists():
+            return in_results
+    return path
 
 
 def require_file(path: Path) -> None:

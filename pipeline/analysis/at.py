@@ -45,6 +45,11 @@ _NAMES = {path: name for name, path in PATHS.items()}
 _UNITS = {path: UNITS[name] for name, path in FIELDS.items() if name in UNITS}
 
 
+CONDITIONS = {"without_tests", "friction", "bulk_temperature", "critical_temperature", "share",
+              "criterion"}  # fmt: skip
+"""Conditions that answers take as keywords."""
+
+
 def at(
     ds: xr.Dataset | PathLike,
     friction: float | str | Sequence[float] | Array | None = None,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.at import at
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import side_by_side
@@ -29,7 +30,7 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 
 @np.errstate(under="ignore")
-def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
+def temperatures(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
     """Temperatures of the contact at each step of each point.
 
     Parameters
@@ -38,6 +39,8 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
         Dataset of `pipeline.open_sweep` or `pipeline.at`, a part of such a dataset that keeps
         ``status``, or the path of a store. A whole large sweep takes much memory: select loads and
         velocities first.
+    **conditions
+        Conditions to judge by, as in `pipeline.at`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -63,11 +66,10 @@ def temperatures(ds: xr.Dataset | PathLike) -> xr.Dataset:
     >>> end = pipeline.end_of_point(point)
     >>> pipeline.temperatures(end)["max_temperature"].round().item()
     436.0
-    >>> hotter = pipeline.at(end, friction=0.12)
-    >>> pipeline.temperatures(hotter)["max_temperature"].round().item()
+    >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     464.0
     """
-    ds = dataset_of(ds)
+    ds = at(ds, **conditions) if conditions else dataset_of(ds)
     held = results(ds.drop_vars("step", errors="ignore"))  # any step will do
     like = ds.isel(dict.fromkeys(held.entry_dims, 0), missing_dims="ignore")
     answers = [_temperatures(scene, like) for scene in held.scenes]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.analysis.results import results
+from pipeline.analysis.at import CONDITIONS, asked_at
 from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
@@ -60,13 +60,15 @@ def plot(
         Options of the kind:
 
         - all but tests: ``realization``, seed of the surface to draw. By default the first; a
-          diagram shows all, with a band from the 10 % to the 90 % quantile.
+          diagram shows the specimen of all.
         - diagram: ``log``, True for logarithmic axes, without velocity 0.
         - ramp, fields, temperature: ``load`` in N, or text with a unit; a ramp takes several. The
           nearest load of the sweep is drawn, by default the highest.
         - ramp, fields: ``velocity`` in m/s, or text with a unit; a ramp takes several. By default
           the velocity nearest to the transition at that load.
         - ramp: ``show``, name of a variable at each step to draw instead of contact and wear.
+
+        Of a sweep also conditions to judge by, as in `pipeline.at`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -81,8 +83,7 @@ def plot(
     Examples
     --------
     >>> import pipeline
-    >>> hotter = pipeline.at("results/first_try.zarr", friction=0.12)
-    >>> pipeline.plot(hotter, "diagram", "diagram.svg").name
+    >>> pipeline.plot("results/first_try.zarr", "diagram", "diagram.svg", friction=0.12).name
     'diagram.svg'
     """
     study = getattr(ds, "drawn_by", None)
@@ -91,6 +92,7 @@ def plot(
     kind = kind or next(iter(kinds))
     if kind not in kinds:
         raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
+    judged = {} if study else {name: options.pop(name) for name in CONDITIONS & options.keys()}
     _, *allowed = inspect.signature(kinds[kind]).parameters  # the first is what is drawn
     for name in options:
         if name not in allowed:
@@ -99,5 +101,5 @@ def plot(
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
-        drawn: Figure = kinds[kind](ds if study else results(ds), **options)
+        drawn: Figure = kinds[kind](ds if study else asked_at(ds, judged), **options)
     return drawn if path is None else style.save_figure(drawn, path)

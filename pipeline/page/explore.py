@@ -16,8 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.at import asked_at
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.figures.overlays import MILD, SEVERE
 from pipeline.page.content import MOST_FIELDS, content
@@ -61,6 +62,7 @@ def explore(
     out: str | Path,
     most_fields: int = MOST_FIELDS,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
+    **conditions: Any,
 ) -> Page:
     """Write the results of a sweep as an interactive HTML page.
 
@@ -87,6 +89,8 @@ def explore(
     points : path or mapping of str to sequence, optional
         Operating points whose margins are shown: a table with columns for load and velocity, as a
         file or as columns by heading, as for `pipeline.margin`.
+    **conditions
+        Conditions to judge by, as in `pipeline.at`, such as ``friction=0.12``.
 
     Returns
     -------
@@ -111,7 +115,7 @@ def explore(
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     if points is not None and not isinstance(points, OperatingPoints):
         points = OperatingPoints.read(points)
-    held = results(ds)
+    held = asked_at(ds, conditions)
     parts = [held] if held.kind is Layout.PLACES else [*held.scenes]
     made = [_MAIN[held.kind](part, most_fields // len(parts)) for part in parts]
     bodies = [

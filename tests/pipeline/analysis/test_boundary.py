@@ -130,6 +130,10 @@ def test_conditions_are_keywords():
     ds = synthetic.sweep()
     one, other = boundary(ds, friction=0.12), boundary(at(ds, friction=0.12))
     xr.testing.assert_identical(one, other)
+    hot = pipeline.temperatures(ds, friction=0.12)
+    xr.testing.assert_identical(hot, pipeline.temperatures(at(ds, friction=0.12)))
+    figure = pipeline.plot(ds, "temperature", friction=0.12)
+    assert "friction 0.12" in figure.legends[0].get_title().get_text()
     margin = pipeline.margin(ds, 400.0, 1.4, friction=0.12, without_tests=True)
     assert (
         margin.verdict
