@@ -88,6 +88,9 @@ def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         legend += _friction_lines(axes, judge.rises, x, y)
         legend += film_lines(axes, data, judge.conditions)
         caption += f"\nthe model's own error: {judge.evidence.text}"
+        if waiting := ", ".join(str(row.test.number) for row in judge.evidence.waiting):
+            said = f"without a result, so not every verdict is given: test {waiting}"
+            legend.append(Line2D([], [], ls="none", label=said))
     return [*legend, *_mark_points(axes, data, judge.conditions)], caption
 
 

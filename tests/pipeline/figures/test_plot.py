@@ -188,3 +188,10 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
         assert sorted({*ends}) == pytest.approx(expected, rel=1e-3)
     said = [text.get_text() for text in axes.figure.legends[0].get_texts()]
     assert {"next run not decided (5 to 95 %)", "50 % severe, with tests"} < {*said}
+
+
+def test_a_diagram_names_a_test_without_a_result():
+    ds = synthetic.sweep(measured=(Measurement(600.0, 1.5),))
+    waiting = synthetic.with_tests(ds, status=PENDING)
+    said = labels(plot(waiting).legends[0])
+    assert "without a result, so not every verdict is given: test 1" in said
