@@ -396,7 +396,7 @@ def specimen(rises: Array, loads: Array, is_highest: bool = False) -> Array:
     if len(rises) == 1:
         return first
     y = np.log(rises)
-    differences = [np.zeros_like(first)]
+    differences, shifted = [np.zeros_like(first)], []
     for own in y[1:]:
         known = np.isfinite(own - y[0])
         filled_in = np.where(known, own - y[0], _nearest_known(own - y[0], known))
@@ -405,10 +405,11 @@ def specimen(rises: Array, loads: Array, is_highest: bool = False) -> Array:
             continue
         between = [np.interp(np.log(loads), np.log(loads[rows]), col) for col in filled_in[rows].T]
         differences.append(np.where(rows[:, None], filled_in, np.transpose(between)))
+        shifted.append(own - differences[-1])
     apart = np.max(differences, axis=0) if is_highest else np.mean(differences, axis=0)
     level = y[0]
-    for own, difference in zip(y[1:], differences[1:], strict=False):
-        level = np.where(np.isnan(level), own - difference, level)
+    for other in shifted:
+        level = np.where(np.isnan(level), other, level)
     return np.asarray(np.exp(level + apart))
 
 
