@@ -35,6 +35,8 @@ class Margin:
 
     load: float  #: Normal load on the whole pin [N].
     velocity: float  #: Sliding velocity [m/s].
+    #: Friction, bulk and critical temperature by which the point is judged, in words.
+    conditions: str
     probability: float  #: Probability that wear is severe in a further run.
     lowest: float  #: This probability if the numerical error makes contacts colder.
     highest: float  #: This probability if the numerical error makes contacts hotter.

@@ -25,6 +25,7 @@ from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.units import in_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
+from pipeline.sweep.condition_words import verdict_conditions
 from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
@@ -212,6 +213,9 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
         Margin(
             load=float(loads[k]),
             velocity=float(velocities[k]),
+            conditions=verdict_conditions(
+                conditions, float(velocities[k]), judge.source.told_tests
+            ),
             probability=float(likely[k]),
             lowest=float(low[k]),
             highest=float(high[k]),
@@ -282,12 +286,12 @@ def margin_frame(
 _COLUMNS = column_heads(
     "verdict", "probability", "decisive_temperature", "temperature_error", "distance",
     "velocity_factor", "critical_velocity", "tested_velocity", "velocity_outcome",
-    "load_factor", "critical_load", "load_outcome",
+    "load_factor", "critical_load", "load_outcome", "conditions",
 ) | {"tested_velocity": "with tests [m/s]"}  # fmt: skip
 """Column headings by the name of the attribute of `Margin`."""
 LONG = (
     "temperature error [K]", "critical velocity [m/s]", "with tests [m/s]", "critical load [N]",
-    "velocity outcome", "load outcome", "notes",
+    "velocity outcome", "load outcome", "conditions", "notes",
 )  # fmt: skip
 """Columns left out on a terminal or a page, which are too narrow."""
 

@@ -47,6 +47,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.conditions import PATHS, Conditions, changed_conditions
 from pipeline.sweep.laws import StoredRule
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots
 from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
@@ -255,6 +256,11 @@ class Results:
     def takes_tests(self) -> bool:
         """True unless the tests of the scene are to be left out."""
         return not self.rest.attrs.get("without_tests")
+
+    @property
+    def told_tests(self) -> tuple[Measurement, ...]:
+        """Tests of the scene, none if they are to be left out."""
+        return self.stored.tests if self.takes_tests else ()
 
     @property
     def prior(self) -> Prior:

@@ -19,6 +19,13 @@ from pipeline.quantities import UNITS, display
 from pipeline.sweep.remarks import remarks, split_notes
 
 
+def condition_lines(conditions: Iterable[str]) -> list[str]:
+    """Line of text with the conditions of verdicts: the first, and how many others there are."""
+    first, *others = dict.fromkeys(conditions) or [""]
+    more = f"; {len(others)} more in the column conditions (-o, --json)"
+    return [f"judged at {first}{more * bool(others)}"] * bool(first)
+
+
 def model_error_line(errors: Iterable[str]) -> str:
     """Line of text on how far the model may be off, from the texts of all scenes.
 
@@ -93,6 +100,7 @@ def margin_lines(here: Margin, axes: Collection[str] = ("velocity", "load")) -> 
     `axes` are those along which critical values are told.
     """
     yield here.sentence
+    yield f"  judged at           {here.conditions}"
     origin = "interpolated between computed points"
     if here.is_computed:
         origin = "computed there"

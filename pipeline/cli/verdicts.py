@@ -46,10 +46,12 @@ def margin(options: argparse.Namespace) -> Result:
     if not is_one:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
-        lines += [f"{count}: {counts_in_words(table)}", "", short(table, LONG), ""]
+        known = [one.margin for one in found if one.margin]
+        lines += [f"{count}: {counts_in_words(table)}"]
+        lines += words.condition_lines(one.conditions for one in known)
+        lines += ["", short(table, LONG), ""]
         lines += [*(points.remarks if points else []), *notes_of(table, caveats)]
-        known = [one.margin.model_error for one in found if one.margin]
-        lines += [words.model_error_line(known)] if known else []
+        lines += [words.model_error_line(one.model_error for one in known)] if known else []
     lines += words.case_lines(data)
     lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=[table])
@@ -90,7 +92,7 @@ def boundary(options: argparse.Namespace) -> Result:
     left_out = len(shown) - len(few)
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)
     rests += words.boundary_lines(crossings)
-    rule = judged_by(one.conditions for one in data.scenes)
+    rule = judged_by((one.conditions for one in data.scenes), data.told_tests)
     text = [*wrapped([rule]), "", few, "", *wrapped([*rests, *caveats_of(data)])]
     return Result(text=text, warned=pipeline.warned(data), frames=[table])
 

@@ -77,7 +77,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
 def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
     """Draw one scene; return the entries of the legend, and the caption."""
     judge = judge_of(data)
-    caption, legend = judged_by([judge.conditions]), list[Artist]()
+    caption, legend = judged_by([judge.conditions], data.told_tests), list[Artist]()
     if min(len(data.loads), len(data.velocities)) > 1:
         x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
         plane = _plane(judge.rises, x, y)
@@ -113,7 +113,9 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         legend.append(Line2D([], [], label=name, **look))
     entries = " and ".join(data.entry_dims).replace(".", " ").replace("_", " ")
     caption, conditions = f"transition by {entries}", {rises.conditions for rises in several}
-    return legend, caption + (f"; {judged_by(conditions)}" if len(conditions) == 1 else "")
+    return legend, caption + (
+        f"; {judged_by(conditions, data.told_tests)}" if len(conditions) == 1 else ""
+    )
 
 
 _STEEPEST = 50.0  # largest |y| of a figure

@@ -74,7 +74,7 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
         *("load [N]", "velocity [m/s]", "verdict", "probability", "decisive temperature [°C]"),
         *("temperature error [K]", "distance [K]", "velocity factor", "critical velocity [m/s]"),
         *("with tests [m/s]", "velocity outcome", "load factor", "critical load [N]"),
-        *("load outcome", "notes"),
+        *("load outcome", "conditions", "notes"),
     ]
     assert found["verdict"].tolist() == ["mild", "severe", "not known"]
     assert found["load [N]"].tolist() == [400.0, 600.0, 9000.0]

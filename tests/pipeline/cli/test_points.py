@@ -137,3 +137,34 @@ def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):
     assert max(map(len, alone)) <= 100
     both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
     assert {"friction.coefficient 0.05:", "friction.coefficient 0.2:"} <= {*both.splitlines()}
+
+
+def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tests(store, irg):
+    place = ["--load", "400 N", "--velocity", "1.4 m/s"]
+    held = "friction 0.12 (tests 0.091 to 0.103), bulk 60 °C, critical temperature 150 °C"
+    own = [
+        "--friction",
+        0.12,
+        "--bulk-temperature",
+        "60 degC",
+        "--critical-temperature",
+        "150 degC",
+    ]
+    assert irg("margin", "out.zarr", *place, *own).splitlines()[1].endswith(f"  {held}")
+    said = irg("margin", "out.zarr", *place, "--friction", 0.12, "--without-tests")
+    assert "  friction 0.12, bulk 25 °C, critical temperature 145 °C" in said
+    assert irg("margin", "out.zarr", *place, *own, "--json")[0]["conditions"] == held
+    limit, rest = irg("boundary", "out.zarr", *own).splitlines()[:2]
+    assert limit.endswith("above 150 °C; friction 0.12 (tests 0.091 to 0.103), bulk"), rest
+
+
+def test_the_rows_of_a_table_state_their_own_conditions(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text(FORMS["csv"])
+    said, heads = irg("margin", "out.zarr", "--points", points), "friction 0.12 (tests 0.091 to"
+    assert f"judged at {heads} 0.103), bulk 60 °C, critical temperature 145 °C; 1 more" in (
+        " ".join(said.split())
+    )
+    first, second = irg("margin", "out.zarr", "--points", points, "--json")
+    assert first["conditions"].startswith(heads)
+    assert second["conditions"].startswith("friction 0.1 (tests 0.091 to 0.103), bulk 25 °C")
