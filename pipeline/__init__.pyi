@@ -15,7 +15,7 @@ from .page.explore import explore as explore
 from .run.sweep import run_sweep as run_sweep
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError
-from .scene.reference import new_scene as new_scene
+from .scene.new import new_scene as new_scene
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.units import to_si as to_si

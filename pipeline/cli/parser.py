@@ -15,7 +15,9 @@ from typing import Any, NoReturn
 
 from pipeline import extras
 from pipeline.cli import options as o
+from pipeline.cli import values
 from pipeline.cli.options import Command
+from pipeline.paths import user_path
 
 _AT = '--load "500 N" --velocity "2 m/s"'
 
@@ -129,6 +131,21 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+class _Completion(argparse.Action):
+    """Action of --completion: print the script by which a shell completes commands, and exit."""
+
+    def __call__(self, parser: Any, namespace: Any, shell: Any, option: Any = None) -> None:
+        import shtab
+
+        whole = whole_parser()
+        parsers = next(one.choices for one in whole._actions if isinstance(one.choices, dict))
+        for action in (one for added in parsers.values() for one in added._actions):
+            if action.type in (user_path, values.store, values.stored, values.table):
+                action.complete = shtab.FILE
+        print(shtab.complete(whole, shell))
+        parser.exit()
+
+
 _BEGIN = """Begin with:
   irg new scene.toml
   irg check scene.toml
@@ -147,6 +164,13 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
         epilog=_BEGIN,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    parser.add_argument(
+        "--completion",
+        action=_Completion,
+        choices=("bash", "zsh", "tcsh"),
+        metavar="SHELL",
+        help="print a script for bash, zsh or tcsh, which completes commands and options",
+    )
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND", title="commands")
     for command in commands():

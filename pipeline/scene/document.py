@@ -25,6 +25,7 @@ from pipeline.scene.faults import (
 )
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
+from pipeline.scene.toml_slips import explain_slip
 from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
 _KEYS = table_of(SceneFile).keys
@@ -202,5 +203,4 @@ def _toml(path: Path) -> dict[str, Any]:
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
-        reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
-        raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error
+        raise SceneFileError(path, [explain_slip(content.decode("utf-8-sig"), error)]) from error

@@ -1,26 +1,14 @@
-"""Made from the format of scenes: its tables and keys by path, and new scene files."""
+"""Made from the format of scenes: its tables and keys by path."""
 
 from __future__ import annotations
 
-import itertools
 import re
-import shutil
-import tomllib
-from collections.abc import Iterator, Mapping
-from importlib import resources
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-import tribo
-from pipeline.paths import reason_of, user_path
 from pipeline.scene.declare import Either, Entry, List, Range, Table, Tables, table_of
-from pipeline.scene.document import as_toml
-from pipeline.scene.faults import did_you_mean
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
-from pipeline.scene.shipped import shipped_scenes
-from pipeline.sweep.tables import entry_at
-from tribo import InputError
 
 
 class Section(NamedTuple):
@@ -157,105 +145,12 @@ def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, s
 
 
 FILES = ("disk.roughness.file", "loading.file")
-_MEANT, _LONGEST = 40, 80  # column in which comments begin, and their greatest length
+"""Entries that name a file beside the scene."""
 
 
-def new_scene(path: str | Path, like: str | None = None, full: bool = False) -> list[Path]:
-    """Write a scene to start from: a short scene, a shipped scene, or a scene with every entry.
-
-    Parameters
-    ----------
-    path : path
-        File to write; it must not exist yet.
-    like : str, optional
-        Name of a shipped scene to copy. By default a short scene whose diagram takes seconds.
-    full : bool
-        Add every other entry as a comment, with its meaning; not used with `like`.
-
-    Returns
-    -------
-    list of Path
-        The files written: the scene, and copies of the files that it names.
-
-    Raises
-    ------
-    InputError
-        If there is no such scene, the file exists or cannot be written, or is not called ``.toml``.
-
-    Examples
-    --------
-    >>> import pipeline, tempfile
-    >>> from pathlib import Path
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> [file.name for file in pipeline.new_scene(folder / "mine.toml", like="fig8")]
-    ['mine.toml', 'fig8_load_record.csv']
-    """
-    path, shipped = user_path(path), shipped_scenes()
-    if path.suffix != ".toml":
-        name = path.stem or "scene"
-        raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")
-    if like is not None and like not in shipped:
-        raise InputError(
-            f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; there are '
-            f"{', '.join(shipped)}"
-        )
-    short = resources.files("pipeline.scene").joinpath("template.toml")
-    text = short.read_text(encoding="utf-8").replace("NAME", path.stem)
-    copies = []
-    if like is not None:
-        text = shipped[like].read_text(encoding="utf-8")
-        entries, folder = tomllib.loads(text), shipped[like].parent
-        beside = [str(name) for key in FILES if (name := entry_at(entries, key))]
-        copies = [(folder / name, path.parent / Path(name).name) for name in beside]
-    elif full:
-        head = "".join(itertools.takewhile(lambda line: line[0] == "#", text.splitlines(True)))
-        text = "\n".join([head + _MARKS, *_scene_lines(tomllib.loads(text)), ""])
-    files = [path, *(copy for _, copy in copies)]
-    for file in files:
-        if file.exists() or file.is_symlink():
-            raise InputError(f"{file} exists already; give another name, or remove it")
-    try:
-        path.write_text(text, encoding="utf-8")
-        for original, copy in copies:
-            shutil.copyfile(original, copy)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {reason_of(error, path)}") from error
-    return files
-
-
-_MARKS = '# An entry such as "#hold" is not used; take the # off to use it.'
-
-
-def _scene_lines(entries: Mapping[str, Any]) -> Iterator[str]:
-    """Yield lines of a scene file with every entry of the format, as comments if not in use."""
-    listed: Listed = {}
-    for section in sections():
-        table, _, name = section.path.partition(".")
-        path, values = section.path, entry_at(entries, section.path) if section.path else entries
-        if name == "NAME":
-            ((name, values),) = entries[table].items()
-            path = f"{table}.{name}"
-        keys, like = new_keys(section, listed)
-        meaning = f"Keys as in {like}, and these" if like else section.entry.meaning
-        if path:
-            yield _entry("" if values else "#", section.header.replace(section.path, path), meaning)
-        for key, (entry, form) in keys.items():
-            default = entry.default
-            if path == "fidelity" and key != "preset":
-                default = getattr(tribo.PRESETS[entries["fidelity"]["preset"]], key)
-            mark, value = "#", example(entry, default)
-            if key in (values or {}):
-                mark, value = "", values[key]
-            yield _entry(mark, f"{key} = {as_toml(value)}", entry.meaning, form and f" ({form})")
-
-
-def _entry(mark: str, line: str, meaning: str, form: str = "") -> str:
-    """Line of a scene file after a `mark` ("#" or none), with its meaning and form as a comment."""
-    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
-    # The first sentence alone, or its first clause if the sentence is long.
-    sentence = re.split(r"[;.](?: |$)", plain)[0]
-    clause = sentence if len(sentence) <= _LONGEST else re.split("[,:] ", sentence)[0]
-    return f"{mark + line:{_MEANT}} # {clause}{form}"
+def plain_text(meaning: str) -> str:
+    """Meaning of an entry without the marks of Markdown."""
+    return re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
 
 
 def example(entry: Entry, default: Any) -> Any:

@@ -197,3 +197,9 @@ def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
     words = irg(*arguments, code=2)
     assert said in words
     assert words.count("\n") == 1
+
+
+def test_a_shell_completes_commands_and_options(irg):
+    script = irg("--completion", "bash")
+    assert all(name in script for name in ("boundary", "infer", "explore"))
+    assert "--boundary-only" in script

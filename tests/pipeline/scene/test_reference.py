@@ -6,7 +6,8 @@ import tomllib
 import pytest
 
 from pipeline.scene.faults import Faults
-from pipeline.scene.reference import all_keys, example, new_scene, sections
+from pipeline.scene.new import new_scene
+from pipeline.scene.reference import all_keys, example, sections
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tests.house import reference
@@ -59,7 +60,7 @@ def template(tmp_path_factory):
 
 
 def test_the_short_scene_means_what_the_full_one_does(template, tmp_path):
-    (path,) = new_scene(tmp_path / "mine.toml")
+    path, _ = new_scene(tmp_path / "mine.toml")
     assert load_scene(path) == load_scene(template)
     lines = path.read_text(encoding="utf-8").splitlines()
     assert len(lines) <= 30

@@ -10,7 +10,7 @@ import numpy as np
 import tribo
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.reference import new_scene
+from pipeline.scene.new import new_scene
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.stored_text import parse_sweep, sweep_text
 from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
@@ -266,8 +266,24 @@ ENTRIES = {
 TEXTS = {
     "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
     "thousands": (text('["200 N"', '["1,200 N"'), "a point, and thousands without a mark"),
-    "line": (toml(b'a = 1\ntitle = "no end\n'), "line 2"),
-    "twice": (toml(b"a = 1\nb = 2\na = 3\n"), "A key is given twice (at line 3"),
+    "line": (toml(b'a = 1\ntitle = "no end\n'), 'line 2: title = "no end: a quotation mark'),
+    "twice": (toml(b"a = 1\nb = 2\na = 3\n"), "a is given twice, in lines 1 and 3; keep one"),
+    "table twice": (
+        toml(b"[pin]\na = 1\n[disk]\n[pin]\n"),
+        "[pin] is given twice, in lines 1",
+    ),
+    "no quotes": (
+        toml(b"[pin]\nradius = 2 mm # all\n"),
+        'line 2: radius = 2 mm # all: a quantity stands in quotes; write "2 mm"',
+    ),
+    "no quotes in a list": (toml(b"loads = [5 kN, 6 kN]\n"), 'write "5 kN"'),
+    "degrees": (toml("bulk = 25°C\n".encode()), 'write "25°C"'),
+    "word": (toml(b"material = steel\n"), 'text stands in quotes; write "steel"'),
+    "capital": (toml(b"fields = True\n"), "write true, without a capital"),
+    "decimal comma": (toml(b"coefficient = 0,1\n"), "a decimal point, not a comma"),
+    "colon": (toml(b"[pin]\nradius: 2\n"), 'an entry is a key, "=" and a value'),
+    "bracket": (toml(b'loads = ["1 N" "2 N"]\n'), "a comma or a bracket is missing"),
+    "braces": (toml(b'pin = { radius = "2 mm",\n length = "3 mm" }\n'), "ends in its line"),
     "utf-16": (toml(TEXT.encode("utf-16")), "line 1 is not UTF-8"),
     "deep": (toml(b"a = " + b"[" * 100_000), "not valid TOML"),
     "folder": (lambda: load_scene("."), "not a file; give a scene file (TOML)"),

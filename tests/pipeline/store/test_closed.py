@@ -148,7 +148,7 @@ def test_a_path_in_the_home_folder_leads_there(tmp_path, monkeypatch, irg):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     (tmp_path / "home").mkdir()
     monkeypatch.chdir(tmp_path)
-    (scene,) = pipeline.new_scene("~/mine.toml", like="first_try")
+    scene, *_ = pipeline.new_scene("~/mine.toml", like="first_try")
     assert scene == tmp_path / "home" / "mine.toml"
     assert pipeline.load_scene("~/mine.toml").loads
     commit("~/a.zarr", SWEEP)
