@@ -9,6 +9,7 @@ from dataclasses import replace
 from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
+from pipeline.analysis.specimen import note_on_failed
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
@@ -28,6 +29,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     sweep, critical = scene.sweep, conditions.critical_temperature
     exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
+        note_on_failed(scene),
         sweep.caveat,
         unmodelled_rise_words(conditions),
         note_on_ends(sweep),

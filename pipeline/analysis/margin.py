@@ -102,6 +102,7 @@ class Margin:
             "more points near it": self.error.interpolation,
             measured if self.error.preset is None else "a finer preset": self.error.preset,
             "what its warnings ask for": self.error.warned,
+            "more patches (sweep.realizations)": self.error.surface,
         }
         sizes = {kind: math.inf if part is None else part for kind, part in parts.items()}
         return max(sizes, key=lambda kind: sizes[kind])

@@ -17,6 +17,7 @@ from pipeline.analysis.margin import PASSED, Margin
 from pipeline.analysis.results import Results, ResultsLike
 from pipeline.analysis.rise_error import RiseError, rise_errors
 from pipeline.analysis.scenes import heads_of, shown_label
+from pipeline.analysis.specimen import counted
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
@@ -207,7 +208,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
     }
     is_passed = (along["load"].first < loads) & (temperatures <= critical)
     parts = rise_errors(judge.rises, loads, velocities).T
-    notes = scene_caveats(judge.source, conditions)
+    notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
     tested, why = judge.tested_velocities(loads)[1], forbidding_words(judge)
     margins = (
         Margin(
@@ -231,7 +232,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             load_outcome=load_outcome,
             is_computed=bool(here.is_computed[is_known][k]),
             is_continued=bool(here.is_continued[is_known][k]),
-            patches=judge.source.patches,
+            patches=patches,
             not_mild=why[0] or f"{names[k]} forbids it" * bool(no_mild[k]),
             not_severe=why[1] or f"{names[k]} forbids it" * bool(no_severe[k]),
             tested=tuple(tests_beside(judge.evidence, loads[k], velocities[k])),

@@ -41,6 +41,7 @@ from pipeline.store.schema import (
     DONE,
     MADE,
     PLANE,
+    SAMPLING,
     SCENE_ID,
     STEPPED,
     test_variable,
@@ -491,6 +492,28 @@ class Results:
         rises = worst_rises(columns, self.loads[:, None, None], conditions)
         return np.where(self.done, rises, np.nan)
 
+    def sampling(self, conditions: Conditions) -> Array:
+        """Relative deviation of the rise from patch to patch, as each point states it; see `rises`.
+
+        It is that of the contact at the end: the criterion's rise with each rise of the contact
+        lifted by its own deviation. It is NaN at a point that is not done.
+        """
+        self.require("rise_quantile", "mean_rise", *SAMPLING)
+        last = {
+            "rise_quantile": self.columns["rise_quantile"][..., -1, :],
+            "mean_rise": self.columns["mean_rise"][..., -1],
+        }
+        quantiles = last["rise_quantile"] * (1 + self.columns["rise_sampling"])
+        lifted = {
+            "rise_quantile": np.maximum.accumulate(quantiles, axis=-1),
+            "mean_rise": last["mean_rise"] * (1 + self.columns["mean_rise_sampling"]),
+        }
+        rise, above = (
+            conditions.criterion.rise(one | {"quantile": self.shares}) for one in (last, lifted)
+        )
+        relative = np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0)
+        return np.where(self.done, relative, np.nan)
+
 
 ResultsLike = xr.Dataset | PathLike | Results
 """A dataset, the path of a store, or results that were read from either."""
@@ -539,7 +562,11 @@ def results(ds: ResultsLike) -> Results:
     plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
     sizes = {name: status.sizes[name] for name in front} | plane
     wanted = {*_RISES, *NEEDED}
-    names = [*_MARKS, *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted)))]
+    names = [
+        *_MARKS,
+        *SAMPLING,
+        *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted))),
+    ]
     columns = {}
     for name in names:
         if name in ds.variables:

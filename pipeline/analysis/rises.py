@@ -22,6 +22,7 @@ from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.outcomes import Turns, turns_of
 from pipeline.analysis.results import Results
+from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
@@ -34,7 +35,6 @@ from tribo.types import Array, Indices, Mask
 _PARTS = 16  # parts of an interval of velocities, at which a line between loads is made
 _PARTS_OF_CURVE = 64  # the same, where friction depends on velocity
 _REACH = 3.0  # a line is continued up to this factor beyond the computed velocities
-_COLDEST = 1e-9  # least rise per unit friction coefficient [K], whose logarithm is taken
 
 Places = Array | float
 """Loads [N] or velocities [m/s] of k operating points (k,), or a single one for all of them."""
@@ -59,14 +59,16 @@ class Rises:
     """Rises of one case at its points, and the conditions to judge them by.
 
     `plane` has the rises per unit friction coefficient, without the effect of velocity on friction;
-    NaN where a point is not done. `flags` are sums of `WarningKind` codes, `durations` the times of
-    loading [s], and `is_left_out` is True for points that a search of the boundary did not need,
-    all (n_load, n_velocity).
+    NaN where a point is not done. `surface` bounds the relative errors of these rises due to the
+    choice of patches. `flags` are sums of `WarningKind` codes, `durations` the times of loading
+    [s], and `is_left_out` is True for points that a search of the boundary did not need, all
+    (n_load, n_velocity).
     """
 
     loads: Array
     velocities: Array
     plane: Array
+    surface: Array
     flags: Indices
     durations: Array
     is_left_out: Mask
@@ -92,7 +94,8 @@ class Rises:
         """The same points under other conditions."""
         if conditions.bulk_ratio == self.conditions.bulk_ratio:
             return replace(self, conditions=conditions)  # the same rises per unit friction
-        return replace(self, plane=_plane(self.source, conditions), conditions=conditions)
+        found = specimen_at(self.source, conditions)
+        return replace(self, plane=found.rises, surface=found.error, conditions=conditions)
 
     def y(self, loads: Places, velocities: Places) -> Array:
         """ln(rise/limit) at k pairs of load and velocity; NaN outside the loads."""
@@ -347,12 +350,14 @@ def rises_of(whole: Results, conditions: Conditions | None = None) -> Rises:
     flags = warning_flags(scene).reshape(shape)
     times = np.nan_to_num(scene.columns["time"], nan=-np.inf).max(axis=-1).reshape(shape)
     left_out = (~scene.asked & ~scene.done).reshape(shape)
+    counts, specimen = counted(scene), specimen_at(scene, conditions)
     return Rises(
         loads=scene.loads,
         velocities=scene.velocities,
-        plane=_plane(scene, conditions),
-        flags=np.bitwise_or.reduce(flags, axis=0),
-        durations=times.max(axis=0),
+        plane=specimen.rises,
+        surface=specimen.error,
+        flags=np.bitwise_or.reduce(flags[counts], axis=0),
+        durations=times[counts].max(axis=0),
         is_left_out=left_out[0],
         conditions=conditions,
         promised=velocity_error(scene.sweep),
@@ -374,51 +379,6 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
     """Convert loads and velocities to arrays of the same shape (k,); a single value is repeated."""
     pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
     return np.asarray(pair[0], float), np.asarray(pair[1], float)
-
-
-def _plane(scene: Results, conditions: Conditions) -> Array:
-    """Rises of a specimen (n_load, n_velocity), without the effect of velocity on friction [K]."""
-    rises = scene.rises(conditions) / conditions.friction_factor(scene.velocities)
-    rises = rises.reshape(-1, *rises.shape[-2:])
-    rises = np.where(rises < _COLDEST, _COLDEST, rises)
-    return specimen(rises, scene.loads, conditions.criterion.name == "highest")
-
-
-def specimen(rises: Array, loads: Array, is_highest: bool = False) -> Array:
-    """Rises of a specimen (n_load, n_velocity) from those of its m patches, NaN where not known.
-
-    It is the mean of ln(rise) over patches, or their maximum if the highest temperature decides:
-    there the mean is 4 to 8 % too low. Patches differ by nearly a constant along velocity. So a
-    patch that lacks a place counts by its difference from the first patch at the nearest place of
-    that load that both have, interpolated in ln(load) between loads. So does the first patch.
-    """
-    first: Array = rises[0]
-    if len(rises) == 1:
-        return first
-    y = np.log(rises)
-    differences, shifted = [np.zeros_like(first)], []
-    for own in y[1:]:
-        known = np.isfinite(own - y[0])
-        filled_in = np.where(known, own - y[0], _nearest_known(own - y[0], known))
-        rows = known.any(axis=1)
-        if not rows.any():
-            continue
-        between = [np.interp(np.log(loads), np.log(loads[rows]), col) for col in filled_in[rows].T]
-        differences.append(np.where(rows[:, None], filled_in, np.transpose(between)))
-        shifted.append(own - differences[-1])
-    apart = np.max(differences, axis=0) if is_highest else np.mean(differences, axis=0)
-    level = y[0]
-    for other in shifted:
-        level = np.where(np.isnan(level), other, level)
-    return np.asarray(np.exp(level + apart))
-
-
-def _nearest_known(values: Array, is_known: Mask) -> Array:
-    """For each element the nearest known value of its row, by index; NaN in an unknown row."""
-    number = np.arange(values.shape[1])
-    away = np.where(is_known[:, None, :], np.abs(number[:, None] - number), np.inf)
-    found: Array = np.take_along_axis(values, away.argmin(axis=-1), axis=1)
-    return found
 
 
 def _slots(points: Array, places: Array) -> Indices:

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from pipeline.analysis.dataset import Layout
 from pipeline.analysis.likelihood import Belief, Result, condition
 from pipeline.analysis.results import ABSENT, Results, TestResults
+from pipeline.analysis.specimen import specimen_at
 from pipeline.analysis.tables import frame_of, short
 from pipeline.quantities import display
 from pipeline.store.schema import DONE, FAILED
@@ -134,8 +136,13 @@ def _result(rows: Sequence[Row]) -> Result:
 
 
 def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
-    """Yield the tests of a scene with their y."""
-    held = data.tests
+    """Yield the tests of a scene with their y.
+
+    They are computed on the first patch, and raised by what the specimen differs from it.
+    """
+    held, specimen = data.tests, None
+    if data.patches > 1 and data.kind is Layout.PLANE:
+        specimen = specimen_at(data.take_moving(), oil)
     for number, test in enumerate(data.stored.tests):
         try:
             own = own_conditions(test, oil)
@@ -149,6 +156,9 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
             continue
         try:
             rises = [held.rise(place, own) for place in points]
+            if specimen:
+                aparts = itertools.starmap(specimen.apart_at, test.places)
+                rises = [x * math.exp(apart) for x, apart in zip(rises, aparts, strict=True)]
         except InputError as error:
             yield Row(test, own, reason=f"cannot be compared: {error}")
             continue

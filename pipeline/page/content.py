@@ -21,7 +21,8 @@ from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import rise_errors, totals
-from pipeline.analysis.rises import range_of, rises_of, specimen
+from pipeline.analysis.rises import range_of, rises_of
+from pipeline.analysis.specimen import specimen_of
 from pipeline.analysis.tested import Evidence, evidence_of, is_alike
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import Control, controls
@@ -182,10 +183,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     velocities, loads = divided(data.velocities, parts[0]), divided(data.loads, parts[1])
     places = [axis.ravel() for axis in np.meshgrid(loads, velocities, indexing="ij")]
     shape = len(loads), len(velocities)
-    each = [
-        replace(base, plane=_specimen(rises[..., ratio], data, conditions))
-        for ratio in range(rises.shape[-1])
-    ]
+    plain = np.moveaxis(rises, -1, 0) / conditions.friction_factor(data.velocities)
+    each = [replace(base, plane=specimen_of(data, one, conditions).rises) for one in plain]
     planes = np.log([np.reshape(one.rise(*places), shape) for one in each])
     known = planes[np.isfinite(planes)]
     ends = (known.min(), known.max()) if known.size else (0.0, 1.0)
@@ -216,13 +215,6 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         },
         "missing": int((data.asked & ~data.done).sum()),
     }
-
-
-def _specimen(rises: Array, data: Results, conditions: Conditions) -> Array:
-    """Rises of the specimen at points, without the effect of velocity on friction [K]."""
-    plain = rises / conditions.friction_factor(data.velocities)
-    plain = plain.reshape(-1, *plain.shape[-2:])
-    return specimen(plain, data.loads, conditions.criterion.name == "highest")
 
 
 def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) -> dict[str, Any]:

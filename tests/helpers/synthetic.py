@@ -118,6 +118,11 @@ def sweep(
         for name, values in scalars.items()
     }
     data["rise_quantile"] = ((*_STEP, "cooler_share"), quantiles, {"units": "K"})
+    data["rise_sampling"] = (
+        ("load", "velocity", "cooler_share"),
+        np.zeros((*flags.shape, len(QUANTILES))),
+    )
+    data["mean_rise_sampling"] = ("load", "velocity"), np.zeros(flags.shape)
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
     data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))

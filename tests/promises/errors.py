@@ -194,6 +194,7 @@ def plane_of(row, preset, share):
         loads=np.array(row["loads"]),
         velocities=velocities,
         plane=rises,
+        surface=np.zeros(rises.shape),  # all presets have the same surface
         # `fine` has present heat only, too; its error is judged against all the heat so far.
         flags=flags.astype(int) & ~int(WarningKind.PRESENT_HEAT)
         | np.array(slow) * int(WarningKind.SLOW_RISE),

@@ -121,8 +121,14 @@ class Criterion:
     def _rule(self) -> Rule:
         if self.rule is not None:
             return self.rule
-        is_highest = self.name == "share" and self.share == 0
-        return CRITERIA["highest" if is_highest else self.name]
+        return CRITERIA["highest" if self.is_highest else self.name]
+
+    @property
+    def is_highest(self) -> bool:
+        """True if the highest temperature decides."""
+        return self.rule is None and (
+            self.name == "highest" or (self.name == "share" and self.share == 0)
+        )
 
     @property
     def column(self) -> str:

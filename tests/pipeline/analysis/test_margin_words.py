@@ -99,11 +99,17 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
         ((3.0, 2.0, None), {}, "what its warnings ask for"),
         ((3.0, None, 1.0), {}, "its numerical error, which is known for a preset"),
         ((None, 2.0, 1.0), {}, "more points near it"),
+        ((1.0, 2.0, 0.0, 3.0), {}, "more patches (sweep.realizations)"),
         ((3.0, 2.0, 1.0), {"probability": 0.3}, "a test at this point"),
         ((3.0, 2.0, 1.0), {"highest": 0.03}, None),  # mild
     ],
 )
 def test_what_is_not_decided_says_what_kind_of_thing_would_decide_it(here, error, changes, kind):
-    open_ = {"lowest": 0.0, "probability": 0.02, "highest": 0.5, "error": RiseError(*error)}
+    open_ = {
+        "lowest": 0.0,
+        "probability": 0.02,
+        "highest": 0.5,
+        "error": RiseError(*error, *[0.0] * (4 - len(error))),
+    }
     found = changed(here, **open_ | changes)
     assert found.decided_by == kind
