@@ -8,7 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 
-from pipeline.sweep.selection import PRESET_BOUNDS
+from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
 from tests.promises import front, truth

@@ -17,14 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.constants import LEAST_SLOPE
 from tribo import Criterion
 from tribo.types import Array, Indices
 
 _FEWEST = 3  # least number of columns, padded with NaN
 _HALVINGS = 60  # bisections, which exhaust double precision
-
-LEAST_SLOPE = 0.05
-"""Least slope of ln(rise) over ln(velocity or load) for extrapolation beyond the ends of a line."""
 
 
 class Curve:

@@ -19,13 +19,12 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import rise_errors, totals
 from pipeline.analysis.rises import Places, Rises, places_of, rises_of
 from pipeline.analysis.tested import Evidence, evidence_of, forbidden
+from pipeline.constants import DECIDED
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo.types import Array, Mask
 
 NOT_DECIDED = "not decided"
 """Verdict if a further run is neither mild nor severe with 95 % probability."""
-DECIDED = (0.05, 0.5, 0.95)
-"""Probabilities of severe wear: up to the first the verdict is mild, from the last on severe."""
 
 
 @dataclass(frozen=True, eq=False)

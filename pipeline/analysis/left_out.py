@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.analysis.curve import Curve
-from pipeline.sweep.severity import RISE_SLOPES
+from pipeline.constants import RISE_SLOPES
 from tribo.types import Array, Indices, Mask
 
 

@@ -20,10 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import log_ndtr, ndtr
 
+from pipeline.constants import WORTH
 from tribo.types import Array
 
-WORTH = 4
-"""Degrees of freedom of the bias, and results that the prior of the scatter is worth."""
 NARROW = 1e-3
 """Width of an interval in y below which it counts as a Gaussian factor."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)

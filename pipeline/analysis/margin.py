@@ -6,13 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pipeline.analysis.judge import DECIDED, NOT_DECIDED
+from pipeline.analysis.judge import NOT_DECIDED
 from pipeline.analysis.rise_error import RiseError
+from pipeline.constants import DECIDED, LEAST_STATED
 from pipeline.sweep.shown import shown
 
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
 """Caveat on an operating point where wear is mild, but severe at lower loads."""
-_LEAST = 0.01  # least probability that is stated as a number: the tails are not known better
 
 
 @shown
@@ -133,8 +133,8 @@ def verdict_between(lowest: float, highest: float) -> str:
 
 def percent(probability: float) -> str:
     """A probability in words: a percentage, or "less than 1 %"."""
-    if probability < _LEAST:
-        return f"less than {100 * _LEAST:g} %"
-    if probability > 1 - _LEAST:
-        return f"more than {100 * (1 - _LEAST):g} %"
+    if probability < LEAST_STATED:
+        return f"less than {100 * LEAST_STATED:g} %"
+    if probability > 1 - LEAST_STATED:
+        return f"more than {100 * (1 - LEAST_STATED):g} %"
     return f"{100 * probability:.2g} %"

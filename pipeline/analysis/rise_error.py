@@ -26,56 +26,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 from pipeline.analysis.curve import Curve
 from pipeline.analysis.left_out import Alignment
 from pipeline.analysis.rises import Places, Rises, places_of
+from pipeline.constants import BETWEEN, BEYOND, OF_WARNED, RISE_SHARE, ROUGH
 from tribo import WarningKind
 from tribo.types import Array, Indices
-
-SHARE = 0.65
-"""Relative error of a rise over that of the critical velocity: rises grow as velocity^0.5 to 0.7.
-
-Found by `python -m tests.promises.front` and `python -m tests.promises.errors`.
-"""
-
-BETWEEN = 5.0
-"""Bound of the interpolation error, over the root mean square error at points left out.
-
-Both errors are for the same gap, the ratio of the neighbouring loads or velocities. They grow in
-proportion to ln(gap), as the rise is rough at these distances. On 24 scenes the bound holds at 99 %
-of loads and velocities between points of `fine`; with 2.7 it would hold at 97 %.
-Found by `python -m tests.promises.errors`.
-"""
-
-ROUGH = 0.04
-"""Least bound of the interpolation error over ln(gap), after a search of the boundary.
-
-A search leaves too few points to show how rough the rise is. It is the largest bound of the whole
-planes of the shipped scenes, 0.01 to 0.04.
-"""
-
-BEYOND = 0.12
-"""Error of the exponent of an extrapolated power law, for each unit of ln(velocity).
-
-The distance in ln(velocity) counts from the second outermost point.
-
-Found by `python -m tests.promises.errors`.
-"""
-
-_OF_WARNED = {
-    # The largest error seen with each of these three warnings; too few scenes of
-    # `tests.promises.errors` have them for a quantile. Preset `fine` has the error of coarse pixels
-    # too.
-    WarningKind.FEW_STEPS: 0.10,
-    WarningKind.FEW_TURNS: 0.10,
-    WarningKind.COARSE_PIXELS: 0.70,
-    # Seen with 15 to 38 elements in contact, each a single pixel; with some hundreds the error was
-    # 0.6 %. Differences between surfaces, or from smaller pixels, are not included.
-    WarningKind.FEW_NODES: 0.11,
-    WarningKind.SLOW_RISE: 0.03,  # `standard` missed one of 33 points by 3.7 %
-}
-"""Relative error of the rise that a warning adds; for other warnings it is unknown.
-
-Found by `python -m tests.promises.errors`.
-"""
-
 
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed".
@@ -168,9 +121,9 @@ def preset_error(velocity_error: float | None) -> float:
     """Relative error of a temperature rise due to the preset, which sets the grid and load steps.
 
     It is `velocity_error`, the relative error of the critical velocity due to the preset, times
-    the measured ratio `SHARE`. The result is NaN if `velocity_error` is None (unknown).
+    the measured ratio `RISE_SHARE`. The result is NaN if `velocity_error` is None (unknown).
     """
-    return math.nan if velocity_error is None else SHARE * velocity_error
+    return math.nan if velocity_error is None else RISE_SHARE * velocity_error
 
 
 def _interpolation(
@@ -292,5 +245,5 @@ def warned_errors(flags: Indices, durations: Array) -> Array:
     errors = np.where(is_warm, warm, 0.0)
     for kind in {*WarningKind} - {WarningKind.PRESENT_HEAT}:
         is_kind = (flags & int(kind)) > 0
-        errors = np.where(is_kind, np.maximum(errors, _OF_WARNED.get(kind, math.nan)), errors)
+        errors = np.where(is_kind, np.maximum(errors, OF_WARNED.get(kind, math.nan)), errors)
     return errors

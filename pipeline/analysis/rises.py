@@ -24,6 +24,7 @@ from pipeline.analysis.outcomes import Turns, turns_of
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
+from pipeline.constants import FARTHEST, PARTS, PARTS_OF_CURVE
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
@@ -31,10 +32,6 @@ from pipeline.sweep.conditions import Conditions, row_conditions
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError
 from tribo.types import Array, Indices, Mask
-
-_PARTS = 16  # parts of an interval of velocities, at which a line between loads is made
-_PARTS_OF_CURVE = 64  # the same, where friction depends on velocity
-_REACH = 3.0  # a line is continued up to this factor beyond the computed velocities
 
 Places = Array | float
 """Loads [N] or velocities [m/s] of k operating points (k,), or a single one for all of them."""
@@ -255,7 +252,7 @@ class Rises:
         Lines go on beyond the computed velocities, by a factor of up to 3. Two masks (k, m) follow:
         True if y is above the level at the lowest velocity, and at the highest.
         """
-        nodes = self._nodes(loads, _REACH)
+        nodes = self._nodes(loads, FARTHEST)
         lines = self._lines(loads, nodes, np.ones((len(self.loads), len(nodes)), bool))
         curve, limits = Curve(nodes, lines), self.limit * np.exp(levels)
         found = curve.crossings(limits, np.arange(len(loads))[:, None])
@@ -264,15 +261,15 @@ class Rises:
 
     def _nodes(self, loads: Array, reach: float) -> Array:
         """Velocities at which lines at `loads` are made, a factor of `reach` beyond the points."""
-        parts = 1 if np.isin(loads, self.loads).all() else _PARTS
-        parts = _PARTS_OF_CURVE if self.conditions.has_friction_curve else parts
+        parts = 1 if np.isin(loads, self.loads).all() else PARTS
+        parts = PARTS_OF_CURVE if self.conditions.has_friction_curve else parts
         x = self.velocities
         steps = np.diff(x)[:, None] * (np.arange(parts) / parts)
         inner = np.append((x[:-1, None] + steps).ravel(), x[-1])
         inner[::parts] = x
         if reach == 1.0:
             return inner
-        beyond = np.geomspace(1.0, reach, _PARTS_OF_CURVE)[1:]
+        beyond = np.geomspace(1.0, reach, PARTS_OF_CURVE)[1:]
         return np.concatenate([x[0] / beyond[::-1], inner, x[-1] * beyond])
 
     def _lines(self, loads: Array, nodes: Array, holds: Mask) -> Array:

@@ -15,6 +15,7 @@ from pipeline.analysis.likelihood import Belief, Result, condition
 from pipeline.analysis.results import ABSENT, Results, TestResults
 from pipeline.analysis.specimen import specimen_at
 from pipeline.analysis.tables import frame_of, short
+from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.conditions import Conditions
@@ -23,8 +24,6 @@ from pipeline.sweep.severity import rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 
-UNLIKELY = 0.01
-"""Probability by the others below which a test is named as a misfit."""
 APART = 0.05
 """Relative distance of the two critical velocities from which a line names it."""
 _FARTHEST = 20.0  # |y| of a test, so that a rise of 0 or a limit of 0 has one

@@ -17,6 +17,7 @@ import numpy as np
 from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results, ResultsLike, results
 from pipeline.analysis.scenes import value_text
+from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
@@ -130,9 +131,6 @@ def _example(data: Results, flags: Indices) -> str:
     return f"{point}: {'; '.join(filter(None, said)) or kinds}"
 
 
-_APART = 1.1  # least ratio of two velocities that give an exponent
-
-
 def _rises_slowly(scene: Results) -> Mask:
     """Mask of points where d ln(rise)/d ln(velocity) is below `SLOWEST`.
 
@@ -153,7 +151,7 @@ def exponents(x: Array, y: Array) -> Array:
     result = np.full(x.shape, math.nan)
     (known,) = np.nonzero((x > 0) & np.isfinite(y) & (y > 0))
     log_x, log_y = np.log(x[known]), np.log(y[known])
-    least = math.log(_APART)
+    least = math.log(APART_FOR_EXPONENT)
     low = np.maximum(np.searchsorted(log_x, log_x - least, "right") - 1, 0)
     high = np.minimum(np.searchsorted(log_x, log_x + least), len(known) - 1)
     ways = log_x[high] - log_x[low]

@@ -15,11 +15,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.judge import DECIDED, NOT_DECIDED, Judge, judge_of
+from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import Rises, rises_of
 from pipeline.analysis.scenes import value_text
 from pipeline.analysis.warned_points import warning_flags
+from pipeline.constants import DECIDED
 from pipeline.figures import style
 from pipeline.figures.overlays import (
     film_lines,

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.judge import DECIDED, judge_of
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.results import Results, results
@@ -24,6 +24,7 @@ from pipeline.analysis.rise_error import rise_errors, totals
 from pipeline.analysis.rises import range_of, rises_of
 from pipeline.analysis.specimen import specimen_of
 from pipeline.analysis.tested import Evidence, evidence_of, is_alike
+from pipeline.constants import DECIDED
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import Control, controls
 from pipeline.page.pictures import FIELDS, packed_fields

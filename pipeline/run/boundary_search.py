@@ -24,9 +24,6 @@ from pipeline.sweep.severity import rise_limit, worst_rises
 from tribo import InputError
 from tribo.types import Array, Mask
 
-USUAL_TOLERANCE = 0.01
-"""Relative error of the boundary's velocity by points left out, if none is given."""
-
 # In place of 0, which has no logarithm.
 _COLDEST = 1e-9  # rise [K]
 _LEAST_FACTOR = 1e-6  # of friction

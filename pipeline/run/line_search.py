@@ -12,16 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.severity import RISE_SLOPES
+from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST, UNSEEN
 from tribo.types import Array, Indices, Mask
 
-_STEEPEST = 3.0  # slope beyond which a computed one is no evidence: a rise may begin at 0
-_CURVATURE = 0.3  # bound of d²(y − ln µ)/d ln(velocity)²
-_ROUGH = 0.003  # the rise of a rough contact differs by 0.2 % from a smooth curve at each velocity
-# Curvature that a crossing's neighbours do not show, with 0, 1 or 2 further points beside them.
-_UNSEEN = 0.3, 0.1, 0.0
 _PARTS = 64  # parts of an interval of velocities at which the sign is looked at
-_FLATTEST = 0.1  # least slope for the error of a crossing: beside a turn of y it is not known
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +51,7 @@ class Line:
         heat = (self.y - self.friction[::_PARTS])[self.known]  # y − ln(µ)
         slopes = np.diff(heat) / np.diff(x)
         # Wider than usual if computed points have shown other slopes.
-        shown, (gentle, steep) = slopes[np.abs(slopes) < _STEEPEST], RISE_SLOPES
+        shown, (gentle, steep) = slopes[np.abs(slopes) < STEEPEST], RISE_SLOPES
         gentle, steep = min(gentle, shown.min(initial=gentle)), max(steep, shown.max(initial=steep))
         away = at - x[:, None]
         ends = [
@@ -73,7 +67,7 @@ class Line:
             inner, mean = np.clip(at, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
             cubic = PchipInterpolator(x, heat)(inner) + mean * (at - inner)
             middle = np.clip(cubic, low, high)
-            off = _ROUGH + _CURVATURE * _bow(x, at)
+            off = ROUGH_LINE + CURVATURE * _bow(x, at)
             low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
         return low + self.friction, middle + self.friction, high + self.friction
 
@@ -133,8 +127,8 @@ class Line:
             wanted: list[int] = [one for one in further if is_open[one]]
             gap = self.x[first + 1] - self.x[first]
             slope = abs(self.y[first + 1] - self.y[first]) / gap
-            unseen = _UNSEEN[len(further) - len(wanted)]
-            if wanted and unseen * gap**2 / 8 > tolerance * max(slope, _FLATTEST):
+            unseen = UNSEEN[len(further) - len(wanted)]
+            if wanted and unseen * gap**2 / 8 > tolerance * max(slope, FLATTEST):
                 return wanted[0]
         return None
 

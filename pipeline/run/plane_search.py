@@ -6,14 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from pipeline.constants import FEWEST_LOADS, OF_CROSSING, OF_PREDICTION
 from pipeline.run.line_search import Line
 from tribo.types import Array
 
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
-# Shares of the tolerance. That of a load's prediction is small: loads differ by chance, so that one
-# may be predicted well while the next is not.
-_OF_CROSSING, _OF_PREDICTION = 1 / 3, 1 / 6
-_FEWEST = 3  # loads that a prediction rests on before it may end the search
 
 
 def next_points(loads: Array, lines: Sequence[Line], tolerance: float) -> list[tuple[int, int]]:
@@ -28,7 +25,7 @@ def next_points(loads: Array, lines: Sequence[Line], tolerance: float) -> list[t
         steps = [
             (number, step)
             for number, guess in guesses.items()
-            if (step := lines[number].wanted(guess, _OF_CROSSING * tolerance)) is not None
+            if (step := lines[number].wanted(guess, OF_CROSSING * tolerance)) is not None
         ]
         if steps:
             return steps
@@ -59,7 +56,7 @@ def _levels(
             patterns = {(line.is_severe, len(line.crossings())) for line in spanned}
             told = _predicted(loads, before, middle, len(found[middle]))
             off = 0.0 if told is None else np.max(np.abs(told - found[middle]), initial=0.0)
-            if told is None or len(patterns) > 1 or off > _OF_PREDICTION * tolerance:
+            if told is None or len(patterns) > 1 or off > OF_PREDICTION * tolerance:
                 halves += [(first, middle), (middle, end)]
         spans = halves
 
@@ -71,7 +68,7 @@ def _predicted(loads: Array, found: Mapping[int, Array], number: int, count: int
     if not count:
         return np.empty(0)
     alike = sorted(one for one in found if len(found[one]) == count)
-    if len(alike) < _FEWEST:
+    if len(alike) < FEWEST_LOADS:
         return None
     curves = PchipInterpolator(loads[alike], [found[one] for one in alike], extrapolate=True)
     return np.asarray(curves(loads[number]))

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
+from pipeline.constants import BOUNDS_OF_HIGHEST, HIGHEST_SHARE, PRESET_BOUNDS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import PRESET_BOUNDS, preset_of
-
-_OF_FEW_ELEMENTS = {"standard": 0.05}
-"""Error bounds that presets have where the highest temperature decides, if larger than usual.
-
-Rises of `standard` then err by up to 3.1 % at 99 % of 575 points of 20 scenes, instead of 0.8 %;
-rises of `draft` by 3.2 % (`python -m tests.promises.errors`).
-"""
-_FEW = 0.05  # failing share below which the criterion's temperature counts as the highest
+from pipeline.sweep.selection import preset_of
 
 
 def velocity_error(sweep: Sweep) -> float | None:
@@ -21,8 +14,8 @@ def velocity_error(sweep: Sweep) -> float | None:
     """
     preset, criterion = str(_preset(sweep)), sweep.conditions.criterion
     is_highest = criterion.name == "highest"
-    if is_highest or (criterion.name == "share" and criterion.share < _FEW):
-        return _OF_FEW_ELEMENTS.get(preset, PRESET_BOUNDS.get(preset))
+    if is_highest or (criterion.name == "share" and criterion.share < HIGHEST_SHARE):
+        return BOUNDS_OF_HIGHEST.get(preset, PRESET_BOUNDS.get(preset))
     return PRESET_BOUNDS.get(preset)
 
 

@@ -6,16 +6,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from pipeline.constants import PRESET_BOUNDS
 from tribo import PRESETS, Fidelity, Scene
 
 KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
-
-PRESET_BOUNDS = {"draft": 0.05, "standard": 0.015, "fine": 0.005, "reference": 0.005}
-"""Relative error of the critical velocity that each preset promises, see CHOOSING.md.
-
-Judged by `make promises`.
-"""
 
 
 def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:

@@ -29,13 +29,6 @@ from tribo.types import Array
 if TYPE_CHECKING:
     import xarray as xr
 
-RISE_SLOPES = 0.25, 1.2
-"""Usual bounds of d ln(rise)/d ln(velocity) at constant friction; by theory it is 0.5 to 1.
-
-Smooth, heavily worn contacts have less than 0.25. That moves a search of the boundary to other
-points, but hides no crossing if friction is constant.
-"""
-
 MELTS = 1700.0  # K, at which a steel with 1 % carbon begins to melt
 
 MOLTEN = (

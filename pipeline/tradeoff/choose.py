@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from pipeline.constants import PRESET_BOUNDS
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import PRESET_BOUNDS, presets_for
+from pipeline.sweep.selection import presets_for
 from pipeline.sweep.severity import rise_limit
 from pipeline.tradeoff.probe import present_heat_beside_boundary
 from tribo import InputError

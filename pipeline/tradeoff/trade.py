@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.tables import frame_of, lines_of
+from pipeline.constants import DEVIATIONS, LARGEST_TIMES, OF_ONE_ELEMENT, OF_REFERENCE
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
@@ -39,19 +40,6 @@ USUAL = ("draft", "standard", "fine")
 OWN = "the scene's own fidelity"
 _LOADS, _PLACES = 4, 6  # number of points for a single variant, and for several
 _HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
-_MARGIN, _DEVIATIONS = 1.3, 2.5
-"""Factor on the largest error, and standard deviations above the mean error.
-
-The larger result is the error to expect at loads that were not measured, where other summits
-touch. Judged by `make promises`.
-"""
-_OF_REFERENCE = 2e-3
-"""Error of the reference itself, due to its steps and tolerances. Judged by `make promises`."""
-_ONE = 0.1
-"""Error if a single element touches: quantiles of few elements are coarse.
-
-It falls with the number of elements. Judged by `make promises`.
-"""
 
 
 @shown
@@ -211,12 +199,12 @@ def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[fl
     errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
     largest = max(map(abs, errors))
     spread = statistics.stdev(errors) if len(errors) > 2 else 0.0
-    elsewhere = max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
+    elsewhere = max(LARGEST_TIMES * largest, abs(statistics.mean(errors)) + DEVIATIONS * spread)
     return Choice(
         name=name,
         fidelity=measured.fidelity,
         velocity_errors=errors,
         velocity_error=largest,
-        error_at_any_load=elsewhere + _OF_REFERENCE + _ONE / reference.fewest_nodes,
+        error_at_any_load=elsewhere + OF_REFERENCE + OF_ONE_ELEMENT / reference.fewest_nodes,
         seconds=measured.seconds,
     )

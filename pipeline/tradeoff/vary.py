@@ -17,7 +17,7 @@ from pipeline.analysis.at import at
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.frames import boundary_frame
 from pipeline.analysis.warned_points import Warned, warned
-from pipeline.run.boundary_search import USUAL_TOLERANCE
+from pipeline.constants import USUAL_TOLERANCE
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values

@@ -22,13 +22,13 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.rise_error import BETWEEN, RiseError, rise_errors
+from pipeline.analysis.rise_error import RiseError, rise_errors
 from pipeline.analysis.rises import Rises
 from pipeline.analysis.warned_points import exponents
+from pipeline.constants import BETWEEN, PRESET_BOUNDS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.selection import PRESET_BOUNDS
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import conclude, table

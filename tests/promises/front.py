@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.sweep.selection import PRESET_BOUNDS
+from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import commit, conclude, table
 from tests.helpers.entries import changed
 from tests.promises.families import cases

@@ -9,8 +9,8 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.rise_error import preset_error
 from pipeline.analysis.tables import notes_of
+from pipeline.constants import PRESET_BOUNDS
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.selection import PRESET_BOUNDS
 from tests.helpers import page_sweeps, synthetic
 from tribo import WarningKind
 
