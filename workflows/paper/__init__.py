@@ -20,6 +20,7 @@ from tribo import InputError
 
 from .gallery import page
 from .held_load import fig5
+from .heldout import heldout
 from .inference import inverse
 from .line_pressure import fig4
 from .load_record import fig8
@@ -46,7 +47,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
         *(fig4, fig5, fig6, fig8, fig10, band),
-        *(table4, table6, rivals, sensitivity, inverse, steel),
+        *(table4, table6, heldout, rivals, sensitivity, inverse, steel),
     )
 }
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import xarray as xr
 
@@ -71,12 +71,12 @@ class Study:
         """Report in a line what is computed next."""
         self.progress(Progress(words))
 
-    def scene(self, name: str) -> Sweep:
+    def scene(self, name: str, overrides: Mapping[str, Any] | None = None) -> Sweep:
         """Load the scene of this name, with its own fidelity or with the preset asked for."""
         path = Path(self.scenes, f"{name}.toml")
         if self.preset == PUBLISHED:
-            return with_fidelity(load_scene(path), AS_PUBLISHED)
-        return load_scene(path, preset=self.preset)
+            return with_fidelity(load_scene(path, overrides=overrides), AS_PUBLISHED)
+        return load_scene(path, preset=self.preset, overrides=overrides)
 
     def stages(
         self,

@@ -83,6 +83,10 @@ def small(folder, scenes, narrow):
     """Function that returns the report of a small version of a result; cached."""
     made = {}
     fewer = {
+        "heldout": {
+            "_LENGTHS": {"white oil": (4.0, 5.0), "oil A": (4.0,)},
+            "_FACTORS": (-0.3, 0.0, 0.3),
+        },
         "inference": {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1, "_FRICTIONS": (0.1, 0.2)},
         "resolution": {"_INCREMENTS": (20, 30)},
         "sensitivity": {"_LENGTHS": (2.0, 8.0), "_HURST": (0.5,), "TABLE_4": TABLE_4[::3]},
@@ -94,7 +98,7 @@ def small(folder, scenes, narrow):
     def report(name):
         if name not in made:
             options = SMALL
-            if name in ("steel", "fig6", "inverse", "sensitivity", "table4"):
+            if name in ("steel", "fig6", "heldout", "inverse", "sensitivity", "table4"):
                 options = SMALL | {"surfaces": 1}
             with ExitStack() as stack:
                 stack.enter_context(np.errstate(all="raise", under="ignore"))
@@ -132,6 +136,20 @@ def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
     png = (folder / f"{name}.png").read_bytes()
     assert png.startswith(b"\x89PNG")
     assert len(png) < 200_000
+
+
+def test_each_transition_is_predicted_from_the_other_three_of_its_oil(small):
+    """Expected velocities are by another script, at `standard` over 8 surfaces."""
+    data = small("heldout").data
+    expected = [1.11, 1.50, 2.60, 3.63, 3.77, 5.26, 1.09, 2.03]
+    assert data["predicted [m/s]"] == pytest.approx(expected, rel=0.08)
+    assert data["by y = 0 [m/s]"][:4] == pytest.approx([1.12, 1.48, 2.61, 3.62], rel=0.08)
+    off = data["held out, ln(predicted/measured)"]
+    assert np.std(off["friction_load"][:4]) < 0.02
+    # Oil A at 100 °C: the velocity at 400 N from that at 700 N, by F·Vⁿ with n = 1.19.
+    assert off["load"][7] == pytest.approx(
+        np.log(1.25 / 1.88 * (700 / 400) ** (1 / 1.19)), abs=0.01
+    )
 
 
 def test_a_better_conductor_is_cooler_at_every_transition_of_both_oils(small):

@@ -1,0 +1,295 @@
+"""Each measured transition, predicted from the other three of its oil."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
+
+from pipeline import results
+from pipeline.analysis.likelihood import Prior, Result, condition
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
+from pipeline.sweep.conditions import known_critical_temperature
+from tribo.types import Array
+
+from .labels import label_ends
+from .publication import TABLE_4, TABLE_6
+from .report import Report, cells, texts
+from .smooth import SmoothContact
+from .study import Study
+from .transitions import Tested, oil_a, white_oil
+
+_SURFACES = 8
+_LENGTHS = {"white oil": (3.0, 4.0, 5.0, 6.0), "oil A": (4.0,)}  # µm
+_FACTORS = (-0.4, -0.2, 0.0, 0.2, 0.4)  # ln(velocity / measured) that are computed
+_STORES = {"white oil": "irg_transition", "oil A": "oil_a"}
+_SETTLED, _MOST_STEPS = 1e-6, 50  # of ln(critical − bulk)
+_BLOK_EXPONENT = 0.5  # d ln(rise)/d ln(velocity) of Blok's flash temperature
+_GOOD = 0.1  # relative error that agrees, as in report.agree
+_LAWS = {
+    "model": "this model",
+    "friction_load": "(µF)·Vⁿ",
+    "load": "F·Vⁿ",
+    "blok": "Blok",
+}
+_LOOKS = {"model": BLUE, "friction_load": GREEN, "load": GREY, "blok": VERMILION}
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A measured transition, and ln(rise) at friction 1 over ln(velocity), by length [µm]."""
+
+    velocity: float
+    friction: float
+    bulk: float  # [K]
+    curves: Mapping[float, tuple[Array, Array]]
+
+    def y(self, critical: float, length: float) -> float:
+        """ln(rise/limit) at the measured velocity."""
+        x, rises = self.curves[length]
+        return float(PchipInterpolator(x, rises)(math.log(self.velocity))) - self._limit(critical)
+
+    def log_velocity(self, level: float, critical: float, length: float) -> float:
+        """ln(velocity) at which y has a level."""
+        x, rises = self.curves[length]
+        return float(PchipInterpolator(rises - self._limit(critical), x)(level))
+
+    def _limit(self, critical: float) -> float:
+        return math.log((critical - self.bulk) / self.friction)
+
+
+@dataclass(frozen=True)
+class _Predicted:
+    """Predicted ln(velocity): where severe wear is 50 % likely, and where y is 0."""
+
+    likely: float
+    computed: float
+    constant: float  # correlation length [µm], or critical temperature [°C]
+
+
+def heldout(study: Study) -> Report:
+    """Report on what the model predicts for the transitions that it has not seen."""
+    tests = {"white oil": white_oil(study), "oil A": oil_a(study)}
+    held, within = list[_Predicted](), list[_Predicted]()
+    for oil, transitions in tests.items():
+        places = _places(study, oil, transitions)
+        critical = known_critical_temperature(transitions[0][0].conditions)
+        predict = functools.partial(_by_length if oil == "white oil" else _by_tests, critical)
+        held += [predict(_without(places, k), place) for k, place in enumerate(places)]
+        within += [predict(places, place) for place in places]
+    measured = np.concatenate([TABLE_4.velocity, TABLE_6.velocity])
+    predicted = np.exp([one.likely for one in held])
+    laws = _simple_laws(tests)
+    errors = {"model": np.log(predicted / measured).tolist(), **laws}
+    in_sample = np.log(np.exp([one.likely for one in within]) / measured)
+    data = {
+        "measured [m/s]": measured,
+        "predicted [m/s]": predicted,
+        "by y = 0 [m/s]": np.exp([one.computed for one in held]),
+        "chosen": [one.constant for one in held],
+        "in sample [m/s]": measured * np.exp(in_sample),
+        "held out, ln(predicted/measured)": errors,
+    }
+    rms = {name: [_rms(its[:4]), _rms(its[4:])] for name, its in errors.items()}
+    values = {
+        "surfaces": len(study.seeds(_SURFACES)),
+        "white": np.expm1(errors["model"][:4]),
+        "oil_a": np.expm1(errors["model"][4:]),
+        "rms": rms,
+        "all": {name: _rms(its) for name, its in errors.items()},
+        "all_in_sample": _rms(in_sample),
+        "lengths": [one.constant for one in held[:4]],
+        "temperatures": [one.constant for one in held[4:]],
+    }
+    rows = [(oil, *test) for oil, tested in tests.items() for test in tested]
+    return Report.of(
+        "heldout",
+        values,
+        verdicts={
+            "white_oil": np.abs(values["white"]).max() < _GOOD,
+            "oil_a": np.abs(values["oil_a"]).max() < _GOOD,
+            "simple": all(_rms(errors["model"]) < _rms(its) for its in laws.values()),
+        },
+        table=_table(rows, data, held),
+        data=data,
+        figure=_draw(rows, errors),
+    )
+
+
+def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Place]:
+    """Compute the surroundings of the transitions of an oil, or resume its store."""
+    lengths = _LENGTHS[oil]
+    table = [
+        {
+            "load": f"{float(row.normal_load)!r} N",
+            "velocity": f"{float(row.velocity) * math.exp(factor)!r} m/s",
+            "disk.roughness.correlation_length": f"{length!r} um",
+            "wear.specific_wear_rate": scene.entries["wear"]["specific_wear_rate"],
+        }
+        for scene, row in transitions
+        for length in lengths
+        for factor in _FACTORS
+    ]
+    left_out = ["sweep.loads", "sweep.velocities", "sweep.fields", "measured"]
+    changes = {"without": left_out, "sweep.along": table}
+    changes["sweep.realizations"] = len(study.seeds(_SURFACES))
+    scene = study.scene(_STORES[oil], changes)
+    preset = "" if study.preset is None else f"_{study.preset}"
+    _, ds = study.sweep(scene, f"heldout_{_STORES[oil]}{preset}")
+    data = results(ds)
+    rises = np.log(data.rises(data.conditions)).reshape(
+        *map(len, (transitions, lengths, _FACTORS)), -1
+    )
+    # The surfaces are patches of one specimen, whose rise is the mean of their logarithms.
+    means = rises.mean(axis=-1)
+    return [
+        _Place(
+            row.velocity,
+            row.friction,
+            scene.conditions.bulk_temperature,
+            {
+                length: (math.log(row.velocity) + np.array(_FACTORS), curve)
+                for length, curve in zip(lengths, own, strict=True)
+            },
+        )
+        for (scene, row), own in zip(transitions, means, strict=True)
+    ]
+
+
+def _without(places: Sequence[_Place], number: int) -> list[_Place]:
+    return [*places[:number], *places[number + 1 :]]
+
+
+def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
+    """Predict a transition; the length has the least squares of ln(velocity) of the `tests`."""
+
+    def misfit(length: float) -> float:
+        velocities = [test.log_velocity(0.0, critical, length) for test in tests]
+        return _rms(velocities - np.log([test.velocity for test in tests]))
+
+    length = min(place.curves, key=misfit)
+    belief = condition(
+        tuple(Result(test.y(critical, length), width=0.0) for test in tests), Prior()
+    )
+    return _predicted(place, belief.level(0.5), critical, length, constant=length)
+
+
+def _by_tests(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
+    """Predict a transition, with the critical temperature from the `tests`, as ``irg infer``."""
+    (length,), bulk = place.curves, min(test.bulk for test in tests)
+    prior = at = math.log(critical - bulk)
+    for _ in range(_MOST_STEPS):
+        found, way = bulk + math.exp(at), at - prior
+
+        def effect(test: _Place, found: float = found) -> float:
+            return -(found - bulk) / (found - test.bulk)
+
+        own = [(test.y(found, length) - effect(test) * way, effect(test)) for test in tests]
+        tested = tuple(Result(y, width=0.0, a=(a,)) for y, a in own)
+        belief = condition(tested, Prior(), 1)
+        step = prior + float(belief.inputs()[0][0]) - at
+        at += step
+        if abs(step) < _SETTLED:
+            break
+    level = belief.moved(way).level(0.5, (effect(place),))
+    return _predicted(place, level, found, length, constant=found - 273.15)
+
+
+def _predicted(
+    place: _Place, level: float, critical: float, length: float, constant: float
+) -> _Predicted:
+    """Predict a transition, where y has the `level` at which severe wear is 50 % likely."""
+    likely, computed = (place.log_velocity(y, critical, length) for y in (level, 0.0))
+    return _Predicted(likely, computed, constant)
+
+
+def _simple_laws(tests: Mapping[str, Sequence[Tested]]) -> dict[str, list[float]]:
+    """ln(predicted/measured velocity) of simple laws, each fitted to other transitions."""
+    laws: dict[str, list[float]] = {name: [] for name in list(_LAWS)[1:]}
+    exponents = dict.fromkeys(("friction_load", "load"), math.nan)
+    for oil, transitions in tests.items():
+        contact = SmoothContact(transitions[0][0].scene.pin, transitions[0][0].scene.disk)  # type: ignore[arg-type]
+        rows = [
+            (row.normal_load, row.velocity, row.friction, scene.conditions.bulk_temperature)
+            for scene, row in transitions
+        ]
+        F, V, mu, bulk = map(np.array, zip(*rows, strict=True))
+        rises = np.array([contact.flash_rise(*row[:3]) for row in rows])
+        for name, loads in (("friction_load", np.log(mu * F)), ("load", np.log(F))):
+            if oil == "white oil":
+                laws[name] += [_by_power(loads, np.log(V), k) for k in range(len(V))]
+                exponents[name] = np.polyfit(loads, np.log(V), 1)[0]
+            else:  # no law has the bulk temperature: the other transition at the same one
+                level = np.log(V) - exponents[name] * loads
+                pairs = [(k, np.flatnonzero(bulk == bulk[k])) for k in range(len(V))]
+                laws[name] += [
+                    float(level[[j for j in same if j != k]].mean() - level[k]) for k, same in pairs
+                ]
+        limits = [np.delete(bulk + rises, k).mean() - bulk[k] for k in range(len(V))]
+        laws["blok"] += (np.log(limits / rises) / _BLOK_EXPONENT).tolist()
+    return laws
+
+
+def _by_power(loads: Array, velocities: Array, k: int) -> float:
+    """Error of ln(velocity) k, by a straight line over ln(load) through the others."""
+    slope, offset = np.polyfit(np.delete(loads, k), np.delete(velocities, k), 1)
+    return float(offset + slope * loads[k] - velocities[k])
+
+
+def _rms(values: Any) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _table(rows: Sequence[Any], data: dict[str, Any], held: Sequence[_Predicted]) -> pd.DataFrame:
+    errors = data["held out, ln(predicted/measured)"]
+    lines = []
+    for k, (oil, scene, row) in enumerate(rows):
+        hot = row.normal_load, scene.conditions.bulk_temperature - 273.15
+        place = f"{oil.removesuffix(' oil')}, {hot[0]:g} N, {hot[1]:g} °C"
+        constant = f"{held[k].constant:.0f} {'µm' if oil == 'white oil' else '°C'}"
+        velocities = [data[name][k] for name in ("predicted [m/s]", "by y = 0 [m/s]")]
+        off = [math.expm1(its[k]) for its in errors.values()]
+        sample = data["in sample [m/s]"][k] / row.velocity - 1
+        measured = f"{row.velocity:g}"
+        lines.append(
+            (place, measured, constant, *cells(velocities, ".2f"), *cells([*off, sample], "+.0f%"))
+        )
+    sample = np.log(data["in sample [m/s]"] / data["measured [m/s]"])
+    spreads = [_rms(its) for its in (*errors.values(), sample)]
+    lines.append(("rms of ln V", "", "", "", "", *cells(spreads, ".3f")))
+    return texts(
+        ("oil, load, bulk", "measured [m/s]", "chosen", "predicted", "by y = 0", "off",
+         *[*_LAWS.values()][1:], "in sample"),
+        lines,
+    )  # fmt: skip
+
+
+@house_style
+def _draw(rows: Sequence[Any], errors: Mapping[str, Sequence[float]]) -> Figure:
+    figure = Figure(figsize=(10.4, 4.8))
+    axes = figure.subplots()
+    places = np.arange(len(rows))
+    for (name, its), marker in zip(errors.items(), "os^D", strict=True):
+        for part in (slice(0, 4), slice(4, 8)):
+            axes.plot(
+                places[part], 100 * np.expm1(its[part]), color=_LOOKS[name], marker=marker,
+                lw=2.4 if name == "model" else 1.1, ls="-" if name == "model" else "--",
+                label=_LAWS[name] if part.start else None,
+            )  # fmt: skip
+    axes.axhline(0, color=BLACK, lw=0.8)
+    ticks = [
+        f"{oil}\n{row.normal_load:g} N\n{scene.conditions.bulk_temperature - 273.15:g} °C"
+        for oil, scene, row in rows
+    ]
+    axes.set_xticks(places, ticks, fontsize=8)
+    axes.set(xlim=(-0.5, len(rows) - 0.5), ylabel="predicted − measured velocity [%]")
+    axes.set_title("Each transition, predicted from the other three of its oil", loc="left")
+    label_ends(axes)
+    return figure
