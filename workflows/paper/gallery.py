@@ -29,7 +29,7 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
     for report in reports:
         name, title = report.name, report.title
         yield f"\n## {name}\n"
-        yield f"{title[0].upper()}{title[1:]}.\n"
+        yield f"{title[0].upper()}{title[1:]}{'.' * (title[-1] != '?')}\n"
         yield f"![{name}]({name}.png)\n"
         yield f"*{WORDS[name]['see']}*\n"
         if not WORDS[name].get("drawn"):
