@@ -12,12 +12,26 @@ from pipeline import interrupts
 def run() -> None:
     """Run the command line of this process, and exit with its code."""
     sys.unraisablehook = _report
+    _open_streams()
     interrupts.handle(lambda number, frame: _end_process(130, "irg: interrupted\n"))
     from pipeline.cli import main  # takes 0.3 s
 
     code = main()
     interrupts.handle(lambda number, frame: _end_process(code))
+    if code == 130:  # threads that wait for a disk would be waited for
+        _end_process(code)
     sys.exit(code)
+
+
+def _open_streams() -> None:
+    """Lead closed standard streams to nowhere: the next file that is opened took their place."""
+    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+            if nowhere != number:
+                os.dup2(nowhere, number)
+                os.close(nowhere)
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 def _end_process(code: int, line: str = "") -> None:

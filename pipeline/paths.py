@@ -1,5 +1,8 @@
 """Paths as users write them, the text of a file there, and why it cannot be read."""
 
+import errno
+import os
+import stat
 from contextlib import suppress
 from difflib import get_close_matches
 from os import PathLike
@@ -34,13 +37,28 @@ def found_store(path: str | PathLike[str]) -> str | PathLike[str]:
     return path
 
 
-def require_file(path: Path) -> None:
-    """Raise `InputError` for a path that exists but is no file, such as a device or a FIFO."""
-    with suppress(OSError):  # opening it reports the reason better
-        if path.exists() and not path.is_file():
-            from tribo.errors import InputError  # with NumPy, which --help does not need
+def open_regular(path: str | PathLike[str], flags: int = os.O_RDONLY) -> int:
+    """Open a file without waiting for anybody, and return its descriptor.
 
-            raise InputError(f"{path}: cannot be read: it is not a file")
+    `OSError` for what is no regular file, such as a FIFO, a device or a folder.
+    """
+    descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+    mode = os.fstat(descriptor).st_mode
+    if not stat.S_ISREG(mode):
+        os.close(descriptor)
+        code = errno.EISDIR if stat.S_ISDIR(mode) else errno.EINVAL
+        raise OSError(code, "it is not a file", os.fspath(path))
+    return descriptor
+
+
+def read_file(path: str | PathLike[str], most: int | None = None) -> bytes:
+    """Content of a regular file; `OSError` for anything else, or more than `most` bytes."""
+    with open(path, "rb", opener=open_regular) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        if most is not None and size > most:
+            reason = f"it has {size / 1e6:.4g} MB; at most {most / 1e6:.4g} MB are read"
+            raise OSError(errno.EFBIG, reason, os.fspath(path))
+        return stream.read()
 
 
 def reason_of(error: OSError, path: Path) -> str:

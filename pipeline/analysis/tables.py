@@ -9,6 +9,7 @@ import os
 import re
 import textwrap
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -106,11 +107,28 @@ def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:
     """Write the rows of frames as CSV, Markdown or JSON, by the suffix of the file."""
     frame, suffix = pd.concat(frames), out.suffix.lower()
     if suffix == ".csv":
-        text = frame.to_csv(index=False, float_format="%.6g")
+        cells = frame.reset_index(drop=True).apply(_as_cells).rename(columns=_as_cell)
+        text = cells.to_csv(index=False, float_format="%.6g")
     else:
         text = json_of(records(frames)) if suffix == ".json" else "\n".join(markdown_of(frame))
         text += "\n"
     return write_text(text, out)
+
+
+def _as_cells(column: pd.Series) -> pd.Series:
+    if column.dtype.kind in "biuf":
+        return column
+    return pd.Series([*map(_as_cell, column)], dtype=column.dtype, name=column.name)
+
+
+def _as_cell(value: Any) -> Any:
+    """A value of a CSV; an apostrophe before a text that a spreadsheet would take for a formula."""
+    if isinstance(value, str) and value.startswith(("=", "+", "-", "−", "@", "\t", "\r")):
+        with suppress(ValueError):
+            float(value)
+            return value
+        return f"'{value}"
+    return value
 
 
 def records(frames: Iterable[pd.DataFrame]) -> list[dict[str, Any]]:
@@ -190,6 +208,13 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
     """
     path = user_path(out)
+    try:
+        return _checked(path, out, suffixes)
+    except OSError as error:  # such as a name that is too long
+        raise InputError(f"cannot write {out}: {error.strerror}") from error
+
+
+def _checked(path: Path, out: str | Path, suffixes: Sequence[str]) -> Path:
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
         raise InputError(f"cannot write {out}: the suffix must be {allowed}")

@@ -61,6 +61,14 @@ def _run_command(options: argparse.Namespace) -> Any:
         return function(options)
 
 
+def _has_folder() -> bool:
+    """True if the working folder exists."""
+    try:
+        return Path.cwd().is_dir()
+    except OSError:
+        return False
+
+
 def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Namespace], Any]) -> int:
     """Run the `function` of a command, print its result or its error, and return the exit code."""
     # Imported here, as they import NumPy, which --help does not need.
@@ -97,7 +105,8 @@ def exit_code_of(options: argparse.Namespace, function: Callable[[argparse.Names
             # Zarr raises a RuntimeError for a damaged chunk.
             if not isinstance(error, OSError) and "decompress" not in str(error):
                 raise
-            output.complain(f"cannot go on: {error}{safe}")
+            reason = error if _has_folder() else "the working folder was deleted; go to another"
+            output.complain(f"cannot go on: {reason}{safe}")
             with suppress(OSError, ValueError, AttributeError):
                 # Keep Python from flushing stdout again at exit.
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -8,6 +8,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -213,8 +214,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     paths = {name: value for name, value in vars(options).items() if isinstance(value, str | Path)}
     read = [Path(value) for name, value in paths.items() if name not in o.WRITTEN]
     for out in (Path(value) for name, value in paths.items() if name in o.WRITTEN):
-        if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
-            options.parser.error(f"{out} is read by this command; name another file to write")
+        with suppress(OSError):  # such as a name that is too long, which the command reports
+            if out.is_file() and any(one.exists() and out.samefile(one) for one in read):
+                options.parser.error(f"{out} is read by this command; name another file to write")
     return options
 
 

@@ -6,7 +6,9 @@ import functools
 import io
 import itertools
 import math
+import re
 import textwrap
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -50,6 +52,15 @@ _LETTER = 0.55  # mean width of a letter over the font size
 _CAPTION = 2  # most lines of a caption in a figure of usual width
 _MOST_LEGEND = 0.2  # share of the height for the legend, above which the figure grows
 
+_OF_COLOUR = re.compile(r"color$|prop_cycle$|usetex$")
+_COLOURS = {
+    name: (_HOUSE if name in _HOUSE else rcParamsDefault)[name]
+    for name in rcParamsDefault
+    if _OF_COLOUR.search(name)
+}
+"""Settings that a caller's style does not change: colours, and words set without TeX."""
+_one_style = threading.RLock()  # Matplotlib's settings belong to all threads
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -90,6 +101,14 @@ class Picture(Figure):
         wanted = wanted_width(width)
         super().__init__(figsize=(wanted, height * (wanted / width) ** 0.5))
 
+    def draw(self, renderer: Any) -> None:
+        """Draw the figure, in the house's style, also where a notebook or window asks for it."""
+        house_style(super().draw)(renderer)
+
+    def savefig(self, *args: Any, **options: Any) -> None:
+        """Write the figure to a file, with Matplotlib's arguments."""
+        house_style(super().savefig)(*args, **options)
+
     def _repr_png_(self) -> bytes:
         """The figure as PNG bytes, for display in a notebook."""
         written = io.BytesIO()
@@ -104,15 +123,19 @@ def canvas(size: tuple[float, float] | None = None) -> tuple[Figure, Axes]:
 
 
 def house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Decorator: draw in one style, but keep matplotlib settings that the caller changed."""
+    """Decorator: draw in one style, but keep matplotlib settings that the caller changed.
+
+    Colours are the house's own, since lines and words have colours that need them.
+    """
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
         share = min(max(wanted_width(_USUAL) / _USUAL, _SMALLEST), 1.0)
         look = dict(_HOUSE) | {name: share * _HOUSE[name] for name in _SIZES}
-        unset = [name for name in look if rcParams[name] == rcParamsDefault[name]]
-        with rc_context({name: look[name] for name in unset}):
-            return draw(*args, **kwargs)
+        with _one_style:
+            unset = [name for name in look if rcParams[name] == rcParamsDefault[name]]
+            with rc_context({name: look[name] for name in unset} | _COLOURS):
+                return draw(*args, **kwargs)
 
     return styled
 

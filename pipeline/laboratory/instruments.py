@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from pipeline.paths import read_file
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
@@ -84,11 +85,13 @@ def _read_x3p(path: Path) -> RawScan:
         if layers > 1:
             raise InputError(f"{path}: {layers} layers; give a file with one")
 
-        def member(name: str) -> bytes:
-            return archive.read(main.removesuffix("main.xml") + _text(root, name))
+        def member(name: str, size: int) -> bytes:
+            with archive.open(main.removesuffix("main.xml") + _text(root, name)) as stream:
+                return stream.read(size)  # more than these would only fill memory
 
         if _text(root, "PointDataLink"):
-            values = np.frombuffer(member("PointDataLink"), _POINTS[_text(z_axis, "DataType", "D")])
+            form = np.dtype(_POINTS[_text(z_axis, "DataType", "D")])
+            values = np.frombuffer(member("PointDataLink", nx * ny * form.itemsize), form)
         else:
             cells = [(one.text or "").split(";")[-1] for one in root.findall(".//{*}Datum")]
             values = np.array([float(cell) if cell.strip() else np.nan for cell in cells])
@@ -97,7 +100,7 @@ def _read_x3p(path: Path) -> RawScan:
         step, offset = (float(_text(z_axis, *x)) for x in (("Increment", "1"), ("Offset", "0")))
         heights = values.astype(float).reshape(ny, nx) * step + offset
         if _text(root, "ValidPointsLink"):
-            bits = np.frombuffer(member("ValidPointsLink"), np.uint8)
+            bits = np.frombuffer(member("ValidPointsLink", -(-nx * ny // 8)), np.uint8)
             is_valid = np.unpackbits(bits, bitorder="little")[: nx * ny].reshape(ny, nx)
             heights[is_valid == 0] = np.nan
     if any(_text(axis, "AxisType", "I") != "I" for axis in (x_axis, y_axis)):
@@ -113,7 +116,7 @@ def _text(element: Any, name: str, usual: str = "") -> str:
 
 def _read_gwy(path: Path) -> RawScan:
     """Read a Gwyddion file: the first channel with a length unit, else the first without a unit."""
-    content = path.read_bytes()
+    content = read_file(path)
     if not content.startswith(b"GWYP"):
         raise InputError(f"{path}: does not begin as Gwyddion writes; {_SAVE}")
     _, held, _ = _gwy_object(content, 4)
@@ -182,7 +185,7 @@ def _read_by_library(path: Path) -> RawScan:
                 f"{path}: SurfaceTopography may know its format: get that with "
                 f'"pip install SurfaceTopography", or {_SAVE}'
             ) from error
-        content = path.read_bytes()
+        content = read_file(path)
         source: Any = str(path)
         if content.startswith(b"DSCOMPRESSED"):
             source = io.BytesIO(_unpacked_sur(content))
@@ -227,9 +230,9 @@ def _unpacked_sur(content: bytes) -> bytes:
     (count,) = struct.unpack_from("<I", content, begin)
     sizes = struct.unpack_from(f"<{2 * count}I", content, begin + 4)
     place, parts = begin + 4 + 8 * count, list[bytes]()
+    if sum(sizes[::2]) > 2**30:
+        raise InputError("unpacks to more than 1 GiB; crop or average the surface first")
     for raw, packed in zip(sizes[::2], sizes[1::2], strict=True):
-        if raw > 2**30:
-            raise InputError("unpacks to more than 1 GiB; crop or average the surface first")
-        parts.append(zlib.decompress(content[place : place + packed]))
+        parts.append(zlib.decompressobj().decompress(content[place : place + packed], raw))
         place += packed
     return b"DIGITAL SURF" + content[12:begin] + b"".join(parts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tokenize
 import zipfile
 from collections.abc import Mapping
@@ -14,15 +15,17 @@ import numpy as np
 from pipeline.laboratory.instruments import RawScan, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
-from pipeline.paths import reason_of, require_file, user_path
+from pipeline.paths import open_regular, reason_of, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from pipeline.sweep.areal import remove_form
+from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from tribo import InputError
 from tribo.surface import average_roughness, rms_height
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # largest file, unpacked
+_MOST_PACKED = 100  # most times that packing makes measured heights smaller
 _SAME = 0.01  # relative difference below which two lengths agree
 _LONE = 30.0  # distance of an outlier from all other heights, in their standard deviations
 
@@ -68,15 +71,10 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     or the optional packages for its format are not installed.
     """
     path = user_path(path)
-    require_file(path)
     suffix = path.suffix.lower()
     try:
-        size = unpacked_size(path) if zipfile.is_zipfile(path) else path.stat().st_size
-        if size > _MOST_BYTES:
-            raise InputError(
-                f"{path}: {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are read. "
-                "Crop or average the surface first"
-            )
+        os.close(open_regular(path))  # a FIFO would be waited for
+        _require_size(path)
         if suffix in TEXT:
             raw = read_text(path)
         elif suffix == ".npy":
@@ -100,6 +98,22 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     if min(heights.shape) < 2:
         _refuse_profile(path, heights[np.isfinite(heights)])
     return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), raw.steps)
+
+
+def _require_size(path: Path) -> None:
+    """Raise an `InputError` for a file that takes too much memory, also once it is unpacked."""
+    packed = path.stat().st_size
+    size = unpacked_size(path) if zipfile.is_zipfile(path) else packed
+    if size > _MOST_BYTES:
+        raise InputError(
+            f"{path}: {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are read. "
+            "Crop or average the surface first"
+        )
+    if size > _MOST_PACKED * packed and size > MOST_BYTES_OF_TEXT:
+        raise InputError(
+            f"{path}: unpacks to {size / 1e6:.0f} MB, {size / packed:.0f} times its size; measured "
+            f"heights are at most {_MOST_PACKED} times smaller when packed. Save them anew"
+        )
 
 
 def _read_array(path: Path) -> Array:

@@ -6,6 +6,7 @@ of missing heights.
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from pathlib import Path
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.laboratory.instruments import RawScan
-from pipeline.paths import decoded
+from pipeline.paths import decoded, read_file
 from pipeline.scene.sheet import find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
@@ -55,10 +56,10 @@ def read_text(path: Path) -> RawScan:
     Raises an `InputError` if the text has no matrix of numbers, x and y are not on a regular grid,
     or there are several tables.
     """
-    text, _ = decoded(path.read_bytes())
+    text, _ = decoded(read_file(path))
     try:
         head, table, above, blocks = _split([_NO_DATA.sub("nan", x) for x in text.splitlines()])
-    except InputError as error:
+    except (InputError, csv.Error) as error:  # as by a field of 200 000 letters
         raise InputError(f"{path}: {error}") from error
     if hole := _SENTINEL.search("\n".join(head)):
         table[table == float(hole[1])] = np.nan

@@ -23,6 +23,7 @@ from distributed.scheduler import DEFAULT_EXTENSIONS
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.machine import oom_kills
+from pipeline.paths import read_file
 from pipeline.run import forkserver
 from pipeline.run.forkserver import WORKER_ENVIRONMENT, block_interrupts
 from pipeline.run.work import SAFE, ExecutionError
@@ -230,7 +231,7 @@ def client_of(
     """
     try:
         if file is not None:  # Dask would wait for a missing file without end
-            address = str(json.loads(file.read_text())["address"])
+            address = str(json.loads(read_file(file))["address"])
         with silence_logging_cmgr(logging.CRITICAL):
             return Client(address, set_as_default=False, timeout=patience)
     # A TypeError means that certificates are missing.

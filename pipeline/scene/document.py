@@ -14,7 +14,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.paths import reason_of
+from pipeline.paths import read_file, reason_of
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -26,6 +26,7 @@ from pipeline.scene.faults import (
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.scene.toml_slips import explain_slip
+from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
 _KEYS = table_of(SceneFile).keys
@@ -189,7 +190,7 @@ def _toml(path: Path) -> dict[str, Any]:
         if path.exists() and not path.is_file():
             what = "a store" if (path / "zarr.json").exists() else "not a file"
             raise SceneFileError(path, [f"cannot be read: {what}; give a scene file (TOML)"])
-        content = path.read_bytes()
+        content = read_file(path, MOST_BYTES_OF_TEXT)
     except (OSError, ValueError) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         if isinstance(error, FileNotFoundError) and not reason.endswith(")"):

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline import extras
-from pipeline.paths import decoded, reason_of, require_file, user_path
+from pipeline.paths import decoded, read_file, reason_of, user_path
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -259,14 +259,11 @@ def read_lines(path: Path, names: Names, sheet: str | None) -> list[Lines]:
     None reads all sheets. `names` are the quantities that headings may name, which help to find the
     separator of cells in a text.
     """
-    require_file(path)
     try:
-        content = path.read_bytes()
+        content = read_file(path, MOST_BYTES_OF_TEXT)
         if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
             tables: list[Lines] = extras.module("workbook").read_book(path, sheet)
             return tables
-        if len(content) > MOST_BYTES_OF_TEXT:
-            raise InputError(f"{path} has more than 100 MB; keep the columns and rows of one test")
         text, form = decoded(content)
         mark = find_separator(lines := text.splitlines(), names)
         rows = [row for row in split_lines(lines, mark) if any(row.cells)]

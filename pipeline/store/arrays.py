@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore, StorePath
 
+from pipeline.store.folder import FolderStore
 from pipeline.store.place import ROOT
 from pipeline.store.schema import (
     COMPRESSION,
@@ -44,10 +45,8 @@ class _BoundedZstd(ZstdCodec):
         return await asyncio.to_thread(self._decode_sync, chunk_bytes, chunk_spec)
 
     def _decode_sync(self, chunk_bytes: Buffer, chunk_spec: ArraySpec) -> Buffer:
-        dtype = chunk_spec.dtype.to_native_dtype()
         # Without this limit a damaged chunk of some kilobytes could unpack to gigabytes.
-        size = _MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize
-        content = np.zeros(size * math.prod(chunk_spec.shape), np.uint8)
+        content = np.zeros(_size(chunk_spec.dtype.to_native_dtype(), chunk_spec.shape), np.uint8)
         self._zstd_codec.decode(chunk_bytes.to_bytes(), content)
         return chunk_spec.prototype.buffer.from_array_like(content)
 
@@ -96,8 +95,16 @@ def open_arrays(
     for name, document in documents.items():
         metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**COMPRESSION)]}
         place = StorePath(store, prefix + path_of(name))
-        arrays[name] = zarr.Array(zarr.AsyncArray(metadata, place, settings))
+        array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, place, settings))
+        if isinstance(store, FolderStore):
+            # What does not compress at all grows by less than this.
+            store.most[place.path] = 2 * _size(array.dtype, array.chunks) + _MOST_OF_TEXT
     return arrays
+
+
+def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
+    """Most bytes of values of a type and shape."""
+    return (_MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
 class Encoder:

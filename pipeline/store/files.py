@@ -12,6 +12,8 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from pipeline.paths import open_regular
+
 PARTIAL = ".irg-partial"
 """Ending of the names of files that are being written; nobody else's files have it."""
 THREADS = 8
@@ -35,11 +37,19 @@ def _require_no_link(path: Path) -> None:
 
 
 def open_file(root: Path, key: str) -> int:
-    """Open or create the file `key` of a store; return its file descriptor."""
+    """Open or create the file `key` of a store; return its file descriptor.
+
+    `OSError` for a link, a file with a second name, and what is no regular file.
+    """
     path = _path_of(root, key)
     _require_no_link(path)
     make_folder(path.parent)
-    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+    descriptor = open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
+    if os.fstat(descriptor).st_nlink > 1:
+        os.close(descriptor)
+        what = "it is a hard link, so it has another name: delete it if no run uses the store"
+        raise OSError(errno.EMLINK, what, os.fspath(path))
+    return descriptor
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
@@ -57,8 +67,9 @@ def write_file(path: Path, content: bytes) -> None:
     """Write a file under a temporary name, wait until it is on the disk, and rename it."""
     begun = path.with_name(path.name + PARTIAL)
     _require_no_link(begun)
+    begun.unlink(missing_ok=True)  # left by a kill, or a hard link to somebody's file
     try:
-        with begun.open("wb") as stream:
+        with begun.open("xb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())

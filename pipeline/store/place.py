@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.paths import user_path
+from pipeline.paths import read_file, user_path
 from pipeline.store import files
 from tribo import TriboError
 
@@ -33,6 +33,7 @@ ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, so that every path to the store finds it."""
+_MOST_OF_DOCUMENT = 2**28  # bytes of a JSON document, which has the scene's text
 REMEDY = "irg run with its scene mends it; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
@@ -81,15 +82,21 @@ class Folder:
 
     def zarr(self) -> Store:
         """Read-only Zarr store of the folder."""
-        from zarr.storage import LocalStore  # which workers do not need
+        from pipeline.store.folder import FolderStore  # Zarr, which workers do not need
 
-        return LocalStore(self.path, read_only=True)
+        return FolderStore(self.path)
 
     def read(self, key: str) -> bytes | None:
-        """Content of the file `key`; None if there is no such file."""
+        """Content of the document `key`; None if there is no such file."""
         with suppress(FileNotFoundError, NotADirectoryError):
-            return (self.path / key).read_bytes()
+            return read_file(self.path / key, _MOST_OF_DOCUMENT)
         return None
+
+    def has(self, key: str) -> bool:
+        """True if there is something named `key`, readable or not."""
+        with suppress(FileNotFoundError, NotADirectoryError):
+            return bool((self.path / key).stat())
+        return False
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Create or replace files (`contents` by key); return once they are on the disk."""
@@ -129,6 +136,10 @@ class Bucket:
         with suppress(FileNotFoundError):
             return bytes(system.cat_file(above + key))
         return None
+
+    def has(self, key: str) -> bool:
+        """True if there is an object `key`."""
+        return self.read(key) is not None
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Create or replace objects (`contents` by key); several are sent at the same time."""

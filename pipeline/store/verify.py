@@ -140,7 +140,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
             is_done = (store.flags[block] == DONE).any()
             for name, of_block in values.items():
                 is_lost = is_done and (key := store.key(name, chunk)) not in keys
-                if of_block is None or (is_lost and store.place.read(key) is None):
+                if of_block is None or (is_lost and not store.place.has(key)):
                     _note_chunk(store, damage, name, chunk, block)
             for index, point, entries in stored_entries(store, block, values):
                 if fault := fault_of(store, point, entries):
@@ -160,7 +160,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
 def _read_flags(store: Store, damage: _Damage, chunk: Index, block: Slices) -> None:
     """Read a chunk of ``status`` and ``asked`` into `store`, or note it as damaged."""
     for name, marks in (("status", store.flags), ("asked", store.asked)):
-        is_there = store.place.read(store.key(name, chunk)) is not None
+        is_there = store.place.has(store.key(name, chunk))
         if is_there and (values := _read(store, name, block)) is not None:
             marks[block] = values
         elif is_there or name == "status" or store.flags[block].any():

@@ -1,17 +1,22 @@
 """Input on which no reader may hang, run out of memory or end with a traceback."""
 
+import csv
 import json
 import os
+import re
 import resource
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.tables import write_frames
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
 from pipeline.scene.along import OperatingPoints
@@ -41,6 +46,51 @@ def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
     for scene in (fifo("a.toml"), "/dev/zero"):
         assert main(["check", str(scene)]) == 2
         assert "not a file" in capsys.readouterr().err
+
+
+def a_pipe(file):
+    os.mkfifo(file)
+
+
+def no_end(file):
+    file.symlink_to("/dev/zero")
+
+
+def huge(file):
+    file.touch()
+    os.truncate(file, 10**12)
+
+
+@pytest.mark.parametrize("lay", [a_pipe, no_end, huge])
+@pytest.mark.parametrize("name", ["status", "max_rise"])
+def test_a_chunk_that_is_no_file_of_its_size_is_named_at_once(lay, name, copy, irg):
+    (chunk,) = sorted((copy / name).glob("c.*"))[:1]
+    chunk.unlink()
+    lay(chunk)
+    said = "it has 1e+06 MB; at most 0.0" if lay is huge else "it is not a file"
+    assert f"{chunk} cannot be read: {said}" in irg("verify", copy, code=2)
+    assert re.search(f"{name}.* cannot be read", irg("boundary", copy, code=2))
+
+
+def test_a_cell_of_200_000_letters_is_refused_in_a_line(tmp_path, irg):
+    (tmp_path / "a.txt").write_text("x" * 200_000 + " 1 2\n3 4\n")
+    assert irg("surface", tmp_path / "a.txt", code=2).count("\n") == 1
+
+
+def test_what_a_spreadsheet_would_compute_is_written_as_text(tmp_path):
+    texts = ["=1+1", "+x", "-y", "@z", "\tt", "-0.5", "mild"]
+    frame = pd.DataFrame({"=head": texts, "number": np.arange(-3.0, 4)})
+    cells = list(csv.reader(write_frames([frame], tmp_path / "a.csv").read_text().splitlines()))
+    first, second = zip(*cells, strict=True)
+    assert first == ("'=head", "'=1+1", "'+x", "'-y", "'@z", "'\tt", "-0.5", "mild")
+    assert second == ("number", "-3", "-2", "-1", "0", "1", "2", "3")
+
+
+def test_a_command_without_a_standard_stream_ends_with_its_code(alone, tmp_path):
+    run = 'exec "$0" -m pipeline boundary "$1" '
+    for closed, code, store in (("2>&-", 0, alone), (">&- 2>&-", 2, tmp_path), ("<&-", 0, alone)):
+        done = subprocess.run(["sh", "-c", run + closed, sys.executable, store], check=False)
+        assert done.returncode == code, closed
 
 
 def test_any_title_is_shown_and_drawn(tmp_path, capsys):

@@ -2,14 +2,18 @@
 
 import ast
 import errno
+import io
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+import pipeline
 from pipeline.figures import style
+from tests.helpers import synthetic
 from tribo import InputError
 
 ROOT = Path(__file__).parents[3]
@@ -46,6 +50,45 @@ def test_a_user_can_take_the_style_by_its_name():
     with plt.style.context("pipeline.figures.house"):
         assert plt.rcParams["axes.prop_cycle"].by_key()["color"][0] == style.BLUE
         assert plt.rcParams["legend.frameon"] is False
+
+
+def _drawn(store, where):
+    """Bytes of a diagram, drawn where ``where(draw)`` calls the function that draws."""
+
+    def draw(_=None):
+        written = io.BytesIO()
+        pipeline.plot(store).savefig(written, format="png")
+        return written.getvalue()
+
+    return where(draw)
+
+
+def _with(settings):
+    def where(draw):
+        with plt.rc_context(settings):
+            return draw()
+
+    return where
+
+
+def _in_threads(draw):
+    with ThreadPoolExecutor(3) as threads:
+        (one,) = {*threads.map(draw, range(4))}
+    return one
+
+
+PLACES = {
+    "dark": _with(plt.style.library["dark_background"]),
+    "tex": _with({"text.usetex": True}),
+    "threads": _in_threads,
+}
+
+
+@pytest.mark.parametrize("where", PLACES.values(), ids=PLACES)
+def test_a_figure_is_the_same_in_any_style_and_thread_of_its_caller(where):
+    store, before = synthetic.sweep(), dict(plt.rcParams)
+    assert _drawn(store, where) == _drawn(store, lambda draw: draw())
+    assert dict(plt.rcParams) == before
 
 
 @pytest.mark.parametrize("ending", [".pdf", ".png", ".svg"])

@@ -232,6 +232,7 @@ REFUSALS = {
     "broken": (instrument(RuntimeError("bad header\nmore")), "cannot be read as .opd: bad header"),
     "no library": (no_library, "pip install SurfaceTopography"),
     "unknown": (scan(b"x", None, "a.abc"), "SurfaceTopography has no reader for .abc"),
+    "packed": (bomb("a.x3p", 200_000_000, read_surface), "unpacks to 200 MB, "),
     "bomb": (bomb("a.x3p", 2**31, read_surface), "2.0 GiB; at most 1 GiB are"),
     "packed bomb": (packed_bomb, "unpacks to more than 1 GiB"),
     "no main": (bomb("a.x3p", 2**10, read_surface), "an archive without main.xml"),

@@ -126,7 +126,7 @@ FILES = {
     "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"), "row 4: 1 s, inf N; both must be"),
     "load back": (load(b"time [s],load [N]\n0,0\n2,5\n# pause\n1,6\n"),
                   "row 5: time 1 s after 2 s"),
-    "load large": (long_load, "has more than 100 MB; keep the columns and rows of one test"),
+    "load large": (long_load, "at most 100 MB are read"),
     "load falls": (load(b"time [s],load [N]\n0,7\n1,5\n"), "begins at 7 N"),
     "points empty": (points("load [N],velocity [m/s],friction\n3,1,\n"), "friction: is empty"),
     "load clock": (load(b"time,load [N]\n10:00:00,0\n10h,5\n"), '"10h" is no time of a clock'),

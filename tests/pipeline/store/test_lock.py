@@ -117,10 +117,11 @@ def test_all_files_of_a_store_follow_the_umask(tmp_path):
     ("make", "said"),
     [
         (Path.symlink_to, "cannot be written: it is a link, and a store has none"),
-        (lambda file, _: os.mkfifo(file), "cannot be written: "),
+        (lambda file, _: os.mkfifo(file), "cannot be written: it is not a file"),
+        (Path.hardlink_to, "cannot be written: it is a hard link, so it has another name"),
         (lambda file, _: file.mkdir(), "cannot be written: "),
     ],
-    ids=["a link", "a pipe", "a folder"],
+    ids=["a link", "a pipe", "a hard link", "a folder"],
 )
 def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make, said):
     (path / LOCK).unlink()
