@@ -19,6 +19,7 @@ from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
 from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
 from pipeline.analysis.scenes import side_by_side
 from pipeline.quantities import UNITS
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
@@ -48,7 +49,9 @@ def boundary(ds: ResultsLike, **conditions: Any) -> xr.Dataset:
         which wear turns severe, computed, untouched by tests. NaN if wear never does so, is severe
         at the lowest computed value, or is not known. ``tested_velocity(load)`` [m/s] is where
         severe wear is 50 % likely, with tests; ``tested_velocity_low`` and ``tested_velocity_high``
-        are the ends of its band: first 5 %, and last 95 %.
+        are the ends of its band: first 5 %, and last 95 %. ``velocity_error(load)`` is the relative
+        numerical error of ``critical_velocity``, a bound at 95 %, and ``surface_error(load)`` the
+        part of it that more patches would reduce.
 
         The names of further variables have the suffix ``_at_load`` or ``_at_velocity``:
 
@@ -122,6 +125,10 @@ def _plane_boundary(data: Results) -> xr.Dataset:
             film = oil.film_parameter(places["load"], places["velocity"], bulk)
             words = "film parameter at the crossing"
             result[f"film_parameter_at_{line}"] = _variable(line, film, "1", words)
+    errors = velocity_errors(judge.rises, data.loads, result["critical_velocity"].values)
+    whole, surface = "relative numerical error of the critical velocity", "its part by the surface"
+    result["velocity_error"] = _variable("load", totals(errors), "1", whole)
+    result["surface_error"] = _variable("load", errors[SURFACE], "1", surface)
     low, middle, high = judge.tested_velocities(data.loads)
     for name, values, words in (
         ("tested_velocity", middle, "velocity at which severe wear is 50 % likely, with tests"),

@@ -23,6 +23,8 @@ WITH_TESTS = {
     "tested_velocity_high": "95 % [m/s]",
 }
 """Column headings of the velocities at which severe wear is 50, 5 and 95 % likely."""
+ERRORS = {"velocity_error": "error [%]", "surface_error": "by surface [%]"}
+"""Column headings of the numerical error of critical velocities, and of its part by the surface."""
 
 
 def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
@@ -34,6 +36,7 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     name = "critical_velocity" if axis == "load" else "critical_load"
     values = {column_heads(name)[name]: boundaries[name]}
     if axis == "load":
+        values |= {head: boundaries[name] for name, head in ERRORS.items()}
         values |= {head: boundaries[name] for name, head in WITH_TESTS.items()}
     values["outcome"] = boundaries[f"words_at_{axis}"]
     if (film := f"film_parameter_at_{axis}") in boundaries:

@@ -39,12 +39,16 @@ the error was 1 %.
 """
 
 
+_BESIDE = 1.01  # ratio of velocities between which an exponent is taken
+
 _PARTS = (
     "interpolation",
     "preset",
     "warned points",
     "surface",
 )
+SURFACE = _PARTS.index("surface")
+"""Place of the part of the surface among the parts of an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +119,18 @@ def rise_errors(rises: Rises, loads: Places, velocities: Places) -> Array:
     between = _interpolation(rises, rows, columns, loads, velocities)
     surface = np.sqrt(np.square(rises.surface)[rows[..., None], columns].mean(axis=(1, 2)))
     return np.stack(np.broadcast_arrays(between, preset_error(rises.promised), warned, surface))
+
+
+def velocity_errors(rises: Rises, loads: Array, velocities: Array) -> Array:
+    """Relative errors of the critical velocities at k loads by cause (4, k); see `rise_errors`.
+
+    An error of the rise moves them by this error over the exponent d ln(rise)/d ln(velocity). An
+    unknown error is NaN.
+    """
+    ahead, behind = (rises.y(loads, velocities * _BESIDE**way) for way in (1, -1))
+    exponents = np.abs(ahead - behind) / (2 * math.log(_BESIDE))
+    parts = rise_errors(rises, loads, velocities)
+    return parts / np.where(exponents > 0, exponents, math.nan)
 
 
 def preset_error(velocity_error: float | None) -> float:

@@ -124,7 +124,7 @@ def _mean_square(sampling: Array) -> Array:
 def _extended(difference: Array, loads: Array) -> Array:
     """Differences from the first patch at all places, from those that both have."""
     known = np.isfinite(difference)
-    rows = known.any(axis=1)
+    rows = np.asarray(known.any(axis=1))
     nearest = np.where(known, difference, _nearest_known(difference, known))
     between = [np.interp(np.log(loads), np.log(loads[rows]), one) for one in nearest[rows].T]
     return np.where(rows[:, None], nearest, np.transpose(between))

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.frames import ERRORS
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin import PASSED, Margin
 from pipeline.analysis.margin_frame import forbidding_words
@@ -17,6 +18,7 @@ from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tested import APART
 from pipeline.quantities import UNITS, display
 from pipeline.sweep.remarks import remarks, split_notes
+from tribo.types import Array
 
 
 def condition_lines(conditions: Iterable[str]) -> list[str]:
@@ -35,6 +37,20 @@ def model_error_line(errors: Iterable[str]) -> str:
     return f"the model's own error: {first}" + f", and {len(others)} more" * bool(others)
 
 
+def error_words(errors: Array, surface: Array) -> str:
+    """Relative numerical errors of critical velocities in words, and their part by the surface."""
+    if not np.isfinite(errors).any():
+        return "not known"
+    part = f", surface {_percents(surface)}" if np.nanmax(surface) > 0 else ""
+    return f"± {_percents(errors)} of the critical velocity (95 %){part}"
+
+
+def _percents(values: Array) -> str:
+    """Range of relative values in words, such as "1.2 to 3.4 %"."""
+    ends = [f"{100 * end:.2g}" for end in (np.nanmin(values), np.nanmax(values))]
+    return f"{' to '.join(dict.fromkeys(ends))} %"
+
+
 def missing_lines(missing: int) -> list[str]:
     """Line of text with the number of points that are `missing`; empty list if all are done."""
     return [f"{missing} points are pending or failed and were left out"] * bool(missing)
@@ -43,6 +59,7 @@ def missing_lines(missing: int) -> list[str]:
 def boundary_lines(boundaries: xr.Dataset) -> list[str]:
     """Lines to print below a boundary: how far the model may be off, tests, missing points."""
     return [
+        f"numerical error: {error_words(*(boundaries[name].values for name in ERRORS))}",
         model_error_line(attribute_values(boundaries, "model_error")),
         *tests_apart(boundaries),
         *test_lines(*(attribute_values(boundaries, name) for name in ("misfits", "waiting"))),

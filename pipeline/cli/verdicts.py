@@ -11,7 +11,7 @@ import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.frames import JUDGED, boundary_frame
+from pipeline.analysis.frames import ERRORS, JUDGED, boundary_frame
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin_frame import (
     LONG,
@@ -87,7 +87,7 @@ def boundary(options: argparse.Namespace) -> Result:
         crossings = pipeline.boundary(data)
     table = boundary_frame(crossings, options.by)
     alone = ["friction"] if "friction" in crossings.attrs else []
-    shown = short(table, [*alone, *JUDGED.values(), "notes"])
+    shown = short(table, [*alone, *JUDGED.values(), ERRORS["surface_error"], "notes"])
     few = shown if options.all else some_rows(shown, _MOST_ROWS)
     left_out = len(shown) - len(few)
     rests = [f"{left_out} more rows: --all, or -o TABLE.csv"] * bool(left_out)

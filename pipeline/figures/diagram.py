@@ -17,9 +17,11 @@ from matplotlib.patches import Patch
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
 from pipeline.analysis.results import Results
+from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
 from pipeline.analysis.rises import Rises, rises_of
 from pipeline.analysis.scenes import value_text
 from pipeline.analysis.warned_points import warning_flags
+from pipeline.analysis.words import error_words
 from pipeline.constants import DECIDED
 from pipeline.figures import style
 from pipeline.figures.overlays import (
@@ -88,6 +90,9 @@ def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         legend += _lines_with_tests(axes, judge, x, y, plane)
         legend += _friction_lines(axes, judge.rises, x, y)
         legend += film_lines(axes, data, judge.conditions)
+        critical = judge.rises.turns("velocity", data.loads).critical
+        errors = velocity_errors(judge.rises, data.loads, critical)
+        caption += f"\nnumerical error: {error_words(totals(errors), errors[SURFACE])}"
         caption += f"\nthe model's own error: {judge.evidence.text}"
         if waiting := ", ".join(str(row.test.number) for row in judge.evidence.waiting):
             said = f"without a result, so not every verdict is given: test {waiting}"
@@ -205,7 +210,7 @@ def _friction_lines(axes: Axes, rises: Rises, x: Array, y: Array) -> list[Artist
 def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
     """Mark each point by its outcome on all surfaces together; return the legend's entries.
 
-    Wear is mild, severe, or severe on some surfaces; or the point is failed or pending. A point
+    Wear is mild, severe, or severe on some patches; or the point is failed or pending. A point
     with a warning has a second mark.
     """
     r, limit = data.rises(conditions), rise_limit(conditions)
@@ -216,7 +221,7 @@ def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Arti
     kinds: list[tuple[str, Mask, dict[str, Any]]] = [
         ("mild wear, computed", mild & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", severe & ~mild, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
-        ("severe on some surfaces", mild & severe,
+        ("severe on some patches", mild & severe,
          {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK}),
         ("pending", pending, {"marker": "o", "mfc": GREY, "mec": "none"}),

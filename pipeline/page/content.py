@@ -20,7 +20,7 @@ from pipeline.analysis.judge import judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.results import Results, results
-from pipeline.analysis.rise_error import rise_errors, totals
+from pipeline.analysis.rise_error import SURFACE, rise_errors, totals
 from pipeline.analysis.rises import range_of, rises_of
 from pipeline.analysis.specimen import specimen_of
 from pipeline.analysis.tested import Evidence, evidence_of, is_alike
@@ -187,7 +187,7 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     plain = np.moveaxis(rises, -1, 0) / conditions.friction_factor(data.velocities)
     each = [replace(base, plane=specimen_of(data, one, conditions).rises) for one in plain]
     planes = np.log([np.reshape(one.rise(*places), shape) for one in each])
-    known = planes[np.isfinite(planes)]
+    errors, known = rise_errors(base, *places), planes[np.isfinite(planes)]
     ends = (known.min(), known.max()) if known.size else (0.0, 1.0)
     targets = np.linspace(ends[0], ends[1], _TARGETS)
     states = np.where(base.is_done(*places), COMPUTED, INTERPOLATED)
@@ -204,7 +204,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         },
         "friction_factors": conditions.friction_factor(velocities).tolist(),
         "plane": packed_array(planes, "<f4"),
-        "errors": packed_array(np.log1p(totals(rise_errors(base, *places))), "<f4"),
+        "errors": packed_array(np.log1p(totals(errors)), "<f4"),
+        "surface_errors": packed_array(np.log1p(errors[SURFACE]), "<f4"),
         "state": digit_string(states),
         "targets": targets.tolist(),
         "turns": {

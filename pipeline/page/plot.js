@@ -100,7 +100,7 @@ function showChart(id, isThere, text, x, y, draw) {
 
 /** Data of the page, with base64 tables decoded to arrays. */
 function readContent() {
-  const packed = ["plane", "errors", "rises", "times", "values", "likely", "places"];
+  const packed = ["plane", "errors", "surface_errors", "rises", "times", "values", "likely", "places"];
   return JSON.parse(element("content").textContent ?? "", (name, value) => {
     if (typeof value !== "string" || !packed.includes(name)) return value;
     return new Float32Array(Uint8Array.from(atob(value), (letter) => letter.charCodeAt(0)).buffer);

@@ -120,6 +120,19 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
 
 
+def test_the_boundary_states_its_error_and_the_part_of_the_surface():
+    ds = patches(sampling=0.03)
+    found = pipeline.boundary(ds).sel(load=400.0)
+    here = pipeline.margin(ds, 400.0, found["critical_velocity"].item())
+    rise = here.decisive_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    for name, error in (
+        ("surface_error", here.error.surface),
+        ("velocity_error", here.temperature_error),
+    ):
+        relative = error / rise / synthetic.VELOCITY_EXPONENT
+        assert found[name].item() == pytest.approx(relative, rel=1e-9)
+
+
 def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
     relative = []
     for criterion in ("share", "highest"):

@@ -69,10 +69,12 @@ def contour(axes, gid):
 
 def test_diagram_says_its_conditions(drawn):
     (legend,) = drawn.figure.legends
-    severe, error = legend.get_title().get_text().split("\n")
+    severe, numerical, error = legend.get_title().get_text().split("\n")
     assert severe == (
-        "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
+        "severe wear: more than 10 % of the contact above 145 °C; "
+        "friction 0.1 (tests 0.091 to 0.103), bulk 25 °C"
     )
+    assert re.fullmatch("numerical error: ± .* % of the critical velocity .95 %.", numerical)
     assert re.fullmatch(
         "the model's own error: .* % of the rise .90 %., by 4 tests and the prior", error
     )
