@@ -45,13 +45,41 @@ ds = pipeline.at("a.zarr", [0.1, 0.12], {"pin": "60 degC", "disk": 300.0}, "150 
 pipeline.at(Path("a.zarr"), np.array([0.1, 0.15, 0.2]), **{"pin.radius": "2 mm"})
 pipeline.boundary(Path("a.zarr"))
 pipeline.temperatures(ds)
-pipeline.margin(ds, "400 N", 1.5)
+pipeline.margin(ds, "400 N", 1.5).verdict
 pipeline.margin("a.zarr", {"load": ["400 N"], "velocity": [2.0]})["verdict"]
+answers: pipeline.Answers = ds.irg
+answers.margin("400 N", 1.5, friction=0.12).probability
+pipeline.plot(ds, "ramp", load="400 N", out="a.png")
+"""
+SLIPS = """
+import pipeline
+ds = pipeline.open_sweep("a.zarr")
+pipeline.margin(ds, "400 N", 1.5)[0]
+pipeline.margin(ds, "400 N", 1.5, frction=0.12)
+pipeline.margin(ds, "400 N", 1.5).verdct
+pipeline.boundary(ds, criterion="hottest")
+pipeline.plot(ds, "diagramm")
+pipeline.plot(ds, "ramp", lod="400 N")
+pipeline.load_scene("first_try", preset="drat")
+pipeline.run_sweep("first_try", "a.zarr", workers="4")
+answers: pipeline.Answers = ds.irg
+answers.margin("400 N", 1.5)[0]
 """
 
 
-def test_a_type_checker_accepts_the_calls_that_the_pages_describe(tmp_path):
-    (tmp_path / "calls.py").write_text(CALLS)
-    command = [sys.executable, "-m", "mypy", str(tmp_path / "calls.py")]
+def lines_refused(text, folder):
+    """Numbers of the lines of a script that mypy refuses."""
+    (folder / "calls.py").write_text(text)
+    command = [sys.executable, "-m", "mypy", "--hide-error-context", str(folder / "calls.py")]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout
+    return {int(line) for line in re.findall(r"calls\.py:(\d+): error", done.stdout)}
+
+
+def test_a_type_checker_finds_slips_of_a_user(tmp_path):
+    wrong = {n for n, line in enumerate(SLIPS.splitlines(), 1) if re.search(r"[(]|\[0\]", line)}
+    wrong.remove(SLIPS.splitlines().index('ds = pipeline.open_sweep("a.zarr")') + 1)
+    assert lines_refused(SLIPS, tmp_path) == wrong
+
+
+def test_a_type_checker_accepts_the_calls_that_the_pages_describe(tmp_path):
+    assert lines_refused(CALLS, tmp_path) == set()

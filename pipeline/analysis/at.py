@@ -11,7 +11,7 @@ import math
 import secrets
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 import xarray as xr
@@ -34,7 +34,7 @@ from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk
+from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk, CriterionName
 from pipeline.sweep.laws import name_of
 from tribo import InputError, Rule
 from tribo.types import Array
@@ -45,9 +45,19 @@ _NAMES = {path: name for name, path in PATHS.items()}
 _UNITS = {path: UNITS[name] for name, path in FIELDS.items() if name in UNITS}
 
 
-CONDITIONS = {"without_tests", "friction", "bulk_temperature", "critical_temperature", "share",
-              "criterion"}  # fmt: skip
-"""Conditions that answers take as keywords."""
+class ConditionKeywords(TypedDict, total=False):
+    """Conditions that answers take as keywords, as `at` does."""
+
+    friction: float | str | Sequence[float] | Array
+    bulk_temperature: Bulk | Sequence[float | str]
+    critical_temperature: float | str | Sequence[float | str]
+    share: float | str | Sequence[float | str]
+    criterion: CriterionName | Rule
+    without_tests: bool
+
+
+CONDITIONS = {*ConditionKeywords.__annotations__}
+"""Names of the conditions that answers take as keywords."""
 
 
 def at(

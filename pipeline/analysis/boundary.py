@@ -6,12 +6,12 @@ with tests.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.at import asked_at
+from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.decisive import attributes_by
@@ -31,7 +31,7 @@ from tribo.types import Array
 
 
 @np.errstate(under="ignore")
-def boundary(ds: ResultsLike, **conditions: Any) -> xr.Dataset:
+def boundary(ds: ResultsLike, **conditions: Unpack[ConditionKeywords]) -> xr.Dataset:
     """Find the critical velocity at each load, and the critical load at each velocity.
 
     Parameters

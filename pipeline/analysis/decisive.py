@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.at import at
+from pipeline.analysis.at import ConditionKeywords, at
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.scenes import side_by_side
@@ -30,7 +30,7 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
 
 
 @np.errstate(under="ignore")
-def temperatures(ds: xr.Dataset | PathLike, **conditions: Any) -> xr.Dataset:
+def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionKeywords]) -> xr.Dataset:
     """Temperatures of the contact at each step of each point.
 
     Parameters

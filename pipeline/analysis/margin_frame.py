@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple, Unpack, overload
 
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.at import asked_at
+from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import Judge, judge_of
@@ -41,17 +41,25 @@ Points = OperatingPoints | PathLike | Mapping[str, Sequence[Any]]
 
 @overload
 def margin(
-    ds: ResultsLike, load: Any, velocity: float | str, **conditions: Any
-) -> Margin | pd.DataFrame: ...
+    ds: ResultsLike,
+    load: float | str,
+    velocity: float | str,
+    **conditions: Unpack[ConditionKeywords],
+) -> Margin: ...
 
 
 @overload
-def margin(ds: ResultsLike, load: Points | None = None, **conditions: Any) -> pd.DataFrame: ...
+def margin(
+    ds: ResultsLike, load: Points | None = None, **conditions: Unpack[ConditionKeywords]
+) -> pd.DataFrame: ...
 
 
 @np.errstate(under="ignore")
 def margin(
-    ds: ResultsLike, load: Any = None, velocity: Any = None, **conditions: Any
+    ds: ResultsLike,
+    load: Any = None,
+    velocity: Any = None,
+    **conditions: Unpack[ConditionKeywords],
 ) -> Margin | pd.DataFrame:
     """Judge operating points without a new simulation: verdict, and distance from severe wear.
 
@@ -76,10 +84,11 @@ def margin(
     Returns
     -------
     Margin or DataFrame
-        For one operating point in a single scene its `Margin`. Otherwise a data frame with a row
-        for each point: load, velocity, the ``verdict`` on a further run, the ``probability`` that
-        it is severe, the contact temperature that the criterion compares with the critical
-        temperature (``decisive temperature [°C]``), its numerical ``temperature error [K]``, and
+        For one operating point, given by load and velocity, its `Margin`. Otherwise a data frame
+        with a row for each point of each scene: load, velocity, the ``verdict`` on a further run,
+        the ``probability`` that it is severe, the contact temperature that the criterion compares
+        with the critical temperature (``decisive temperature [°C]``), its numerical ``temperature
+        error [K]``, and
         its ``distance [K]`` below the critical temperature. For velocity and for load it also has
         the lowest critical value, its ratio to the point's own value, and the outcome; and ``with
         tests [m/s]``, the velocity at which severe wear is 50 % likely. Points outside the computed
@@ -88,8 +97,8 @@ def margin(
     Raises
     ------
     InputError
-        If a single operating point is outside the sweep, or too few points are done for it; or if
-        the table has faults, all of which the message names.
+        If a single operating point is outside the sweep, too few points are done for it, or the
+        sweep has several scenes; or if the table has faults, all of which the message names.
 
     Examples
     --------
@@ -113,7 +122,13 @@ def margin(
     elif not (load is None or isinstance(load, OperatingPoints)):
         points = OperatingPoints.read(load)
     found = [*asked_of(data, points)]
-    if velocity is not None and len(found) == 1:
+    if velocity is not None:
+        if len(found) > 1:
+            raise InputError(
+                f"the sweep has {len(found)} scenes, by {' and '.join(data.entry_dims)}; select "
+                "one by pipeline.at, or give the place as a table, for a row of each scene: "
+                '{"load": [...], "velocity": [...]}'
+            )
         return found[0].known()
     return margin_frame(data, found, points)
 
@@ -221,7 +236,9 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             lowest=float(low[k]),
             highest=float(high[k]),
             decisive_temperature=float(temperatures[k]),
-            error=RiseError.of(parts[k]).times(conditions.temperature_error(temperatures[k])),
+            error=RiseError.of(parts[k]).times(
+                float(conditions.temperature_error(temperatures[k]))
+            ),
             critical_temperature=critical,
             distance=critical - float(temperatures[k]),
             model_error=judge.evidence.text,

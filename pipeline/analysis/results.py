@@ -207,6 +207,12 @@ class Results:
     store: str | None = field(repr=False)  # address of the store, which has the messages
     origin: Origin = field(repr=False)
 
+    def __repr__(self) -> str:
+        sizes = {name: self.rows.sizes[name] for name in self.front if name in self.rows.sizes}
+        sizes |= {"load": len(self.loads), "velocity": len(self.velocities)}
+        words = ", ".join(f"{name} {size}" for name, size in sizes.items())
+        return f"Results: {self.stored.title} ({words})"
+
     @property
     def entry_dims(self) -> tuple[str, ...]:
         """Names of dimensions of varied entries, or of table rows, not of surfaces."""

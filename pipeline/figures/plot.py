@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import inspect
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.analysis.at import CONDITIONS, asked_at
+from pipeline.analysis.at import CONDITIONS, ConditionKeywords, asked_at
 from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
@@ -20,6 +20,19 @@ from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.tested import draw_tests
 from pipeline.scene.units import in_si
 from tribo import InputError
+
+Kind = Literal["diagram", "ramp", "fields", "temperature", "tests"]
+
+
+class PlotOptions(ConditionKeywords, total=False):
+    """Options of figures of a sweep, and conditions to judge by."""
+
+    load: float | str | Sequence[float | str]
+    velocity: float | str | Sequence[float | str]
+    realization: int
+    show: str
+    log: bool
+
 
 KINDS: dict[str, Callable[..., Figure]] = {
     "diagram": diagram,
@@ -34,11 +47,11 @@ KINDS: dict[str, Callable[..., Figure]] = {
 @np.errstate(under="ignore")
 def plot(
     ds: Any,
-    kind: str | None = None,
+    kind: Kind | None = None,
     out: str | Path | None = None,
     width: float | str | None = None,
     plain: bool = False,
-    **options: Any,
+    **options: Unpack[PlotOptions],
 ) -> Figure | Path:
     """Draw a figure of a sweep, or of the result of a study.
 
@@ -89,17 +102,18 @@ def plot(
     study = getattr(ds, "drawn_by", None)
     only = study.rpartition("draw_")[2] if study else ""
     kinds = {only: pkgutil.resolve_name(study)} if study else KINDS
-    kind = kind or next(iter(kinds))
-    if kind not in kinds:
-        raise InputError(f"kind is {kind!r}; give one of {', '.join(kinds)}")
-    judged = {} if study else {name: options.pop(name) for name in CONDITIONS & options.keys()}
-    _, *allowed = inspect.signature(kinds[kind]).parameters  # the first is what is drawn
-    for name in options:
+    named: str = kind or next(iter(kinds))
+    if named not in kinds:
+        raise InputError(f"kind is {named!r}; give one of {', '.join(kinds)}")
+    asked: dict[str, Any] = {**options}
+    judged = {} if study else {name: asked.pop(name) for name in CONDITIONS & asked.keys()}
+    _, *allowed = inspect.signature(kinds[named]).parameters  # the first is what is drawn
+    for name in asked:
         if name not in allowed:
             others = ", ".join(allowed) or "none"
-            raise InputError(f"{kind} has no option {name!r}; it has {others}")
+            raise InputError(f"{named} has no option {name!r}; it has {others}")
     path = None if out is None else writable_path(out, FIGURES)
     metres = None if width is None else in_si("width", width, "1 m")
     with style.fitted(metres, plain):
-        drawn: Figure = kinds[kind](ds if study else asked_at(ds, judged), **options)
+        drawn: Figure = kinds[named](ds if study else asked_at(ds, judged), **asked)
     return drawn if path is None else style.save_figure(drawn, path)

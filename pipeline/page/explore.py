@@ -11,12 +11,12 @@ from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
 from string import Template
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.at import asked_at
+from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results
 from pipeline.analysis.tables import writable_path, write_text
@@ -62,7 +62,7 @@ def explore(
     out: str | Path,
     most_fields: int = MOST_FIELDS,
     points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]] | None = None,
-    **conditions: Any,
+    **conditions: Unpack[ConditionKeywords],
 ) -> Page:
     """Write the results of a sweep as an interactive HTML page.
 

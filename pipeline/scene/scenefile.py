@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from pipeline.sweep.variants import SEED, surfaces
 @np.errstate(under="ignore")
 def load_scene(
     path: str | PathLike[str],
-    preset: str | None = None,
+    preset: PresetName | None = None,
     overrides: Mapping[str, Any] | None = None,
     laws: Mapping[str, Any] | None = None,
 ) -> Sweep:
@@ -125,6 +125,7 @@ def _require_few_points(sweep: Sweep) -> None:
         )
 
 
+PresetName = Literal["draft", "standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 

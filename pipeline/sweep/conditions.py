@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from pipeline.quantities import units_in_si
 from pipeline.sweep.laws import StoredRule, name_of
 from tribo import Conditions as Conditions
 from tribo import Criterion, InputError, Rule
 
+CriterionName = Literal["share", "highest", "mean"]
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 

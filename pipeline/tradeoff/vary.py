@@ -21,7 +21,7 @@ from pipeline.constants import USUAL_TOLERANCE
 from pipeline.run.cluster import Client
 from pipeline.run.sweep import run_sweep
 from pipeline.scene.over import notes_on_first_values
-from pipeline.scene.scenefile import load_scene
+from pipeline.scene.scenefile import PresetName, load_scene
 from pipeline.scene.units import NUMBER
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -61,7 +61,7 @@ class Variations:
 def vary(
     scene: PathLike,
     over: Mapping[str, Iterable[Any]],
-    preset: str | None = None,
+    preset: PresetName | None = None,
     overrides: Mapping[str, Any] | None = None,
     laws: Mapping[str, Any] | None = None,
     out: PathLike | None = None,

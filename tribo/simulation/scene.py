@@ -116,6 +116,12 @@ class Scene:
                 f"along x, {self.pixels.size[0]:g} m"
             )
 
+    def __repr__(self) -> str:
+        parts = (self.pin, self.roughness, self.loading, self.wear, self.motion)
+        names = ", ".join(type(part).__name__ for part in parts if part is not None)
+        pixels = " × ".join(map(str, self.pixels.shape))
+        return f"<Scene: {names}, {pixels} pixels, pin radius {self.pin.radius:g} m>"
+
     @property
     def track_length(self) -> float:
         """Length of the track around a pin that rolls [m]."""

@@ -62,7 +62,7 @@ class Study:
 
     scenes: str | Path = WORKFLOWS
     results: str | Path = "results"
-    preset: str | None = None
+    preset: Any = None
     surfaces: int | None = None
     workers: int | None = None
     progress: Report = silent

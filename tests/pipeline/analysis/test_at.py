@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+import tribo
 from pipeline.analysis.at import COLDEST_OIL, HOTTEST_OIL, oil_temperature
 from tests.helpers import synthetic
 from tests.pipeline.conftest import commit_all
@@ -54,7 +55,9 @@ def test_several_values_are_rows_and_each_is_as_alone(sweep):
     )
     crossings = pipeline.boundary(rows)["critical_velocity"]
     assert crossings.dims == ("friction.coefficient", "temperature.bulk", "load")
-    table = pipeline.margin(rows, 600.0, 1.2)
+    table = pipeline.margin(rows, {"load": [600.0], "velocity": [1.2]})
+    with pytest.raises(tribo.InputError, match="the sweep has 4 scenes"):
+        pipeline.margin(rows, 600.0, 1.2)
     for row in table.to_dict("records"):
         friction, bulk = row["friction.coefficient"], row["temperature.bulk [°C]"] + 273.15
         alone = pipeline.at(sweep, friction, bulk_temperature=bulk)
