@@ -19,7 +19,7 @@ The public names, in the order of work:
 
 - bodies: `Material`, `contact_modulus`, `Pin`, `Cylinder`, `Ball`, `Crowned`, `PINS`
 - surface: `Grid`, `Surface`, `SelfAffineRoughness`, `MeasuredRoughness`
-- load, motion and wear: `Ramp`, `MeasuredLoad`, `Motion`, `Wear`, `WearLaw`
+- load, motion and wear: `Ramp`, `Stages`, `MeasuredLoad`, `Motion`, `Wear`, `WearLaw`
 - simulation: `Scene`, `Fidelity`, `PRESETS`, `simulate`, `State`, `measures`, `warnings`,
   `WarningKind`
 - verdict: `Conditions`, `judge`, `Verdict`, `Criterion`, `Rule`, `CRITERIA`, `QUANTILES`
@@ -36,6 +36,7 @@ from .errors import InvariantError as InvariantError
 from .errors import TriboError as TriboError
 from .loading import MeasuredLoad as MeasuredLoad
 from .loading import Ramp as Ramp
+from .loading import Stages as Stages
 from .material import Material as Material
 from .material import Oil as Oil
 from .material import contact_modulus as contact_modulus

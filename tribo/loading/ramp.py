@@ -43,6 +43,13 @@ class Station:
         Integral of the load over the time since the loading began, ∫F dt [N s].
     holding : bool
         True if the load has been the same since the station before.
+    is_shown : bool
+        True at the onset and at the end of a stage, whose temperatures are always computed.
+    velocity : float or None
+        Sliding velocity since the station before [m/s]; None for that of the point.
+    slid, worn : float or None
+        Distance slid [m], and ∫F V dt [N m], since the loading began; None if they follow from the
+        point's velocity.
 
     Examples
     --------
@@ -59,6 +66,14 @@ class Station:
     index: int
     impulse: float
     holding: bool = False
+    is_shown: bool = False
+    velocity: float | None = None
+    slid: float | None = None
+    worn: float | None = None
+
+    def distance(self, velocity: float) -> float:
+        """Distance slid since the loading began [m], at the sliding velocity of a point [m/s]."""
+        return abs(velocity) * self.time if self.slid is None else self.slid
 
 
 @dataclass(frozen=True, slots=True)

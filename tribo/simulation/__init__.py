@@ -6,6 +6,7 @@ from tribo.simulation.conditions import Conditions as Conditions
 from tribo.simulation.contact_ramp import contact_key as contact_key
 from tribo.simulation.contact_ramp import contacts as contacts
 from tribo.simulation.contact_ramp import mechanics as mechanics
+from tribo.simulation.contact_ramp import ramp_key as ramp_key
 from tribo.simulation.corrections import Corrections as Corrections
 from tribo.simulation.corrections import Track as Track
 from tribo.simulation.corrections import state_rises as state_rises
@@ -25,10 +26,12 @@ from tribo.simulation.pins import Cylinder as Cylinder
 from tribo.simulation.pins import Pin as Pin
 from tribo.simulation.point import heated as heated
 from tribo.simulation.point import simulate as simulate
+from tribo.simulation.point import stages_of as stages_of
 from tribo.simulation.point_warnings import PointWarning as PointWarning
 from tribo.simulation.point_warnings import WarningKind as WarningKind
 from tribo.simulation.point_warnings import warnings as warnings
 from tribo.simulation.scene import Scene as Scene
+from tribo.simulation.stage_window import widen_window as widen_window
 from tribo.simulation.state import Heat as Heat
 from tribo.simulation.state import State as State
 from tribo.simulation.step_measures import measures as measures

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tribo.errors import InputError
-from tribo.loading import MeasuredLoad, Ramp
+from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.simulation.corrections import Corrections
 from tribo.simulation.friction import Friction
 from tribo.thermal import BULK_RATIOS, Criterion
@@ -177,7 +177,7 @@ class Conditions:
         corrections = self.corrections and replace(self.corrections, friction=Friction())
         return replace(self, friction=friction, corrections=corrections)
 
-    def under(self, loading: Ramp | MeasuredLoad) -> Conditions:
+    def under(self, loading: Ramp | Stages | MeasuredLoad) -> Conditions:
         """The conditions with the load history of `loading` added to their corrections, if any."""
         corrections = self.corrections and self.corrections.under(loading)
         return self if corrections == self.corrections else replace(self, corrections=corrections)

@@ -14,14 +14,14 @@ implicit step that may end a step. The size of elements is chosen before, see `e
 from __future__ import annotations
 
 import itertools
-from collections.abc import Container, Hashable, Iterator, Sequence
+from collections.abc import Callable, Container, Hashable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from tribo.errors import InputError, require_positive
-from tribo.loading import Station
+from tribo.loading import Stages, Station
 from tribo.simulation.cache import unworn_contact
 from tribo.simulation.element_size import fit_elements
 from tribo.simulation.finer_grids import refine_step
@@ -56,8 +56,19 @@ def mechanics(scene: Scene) -> Scene:
 
 def contact_key(scene: Scene, load: float, velocity: float, requested: Container[int]) -> Hashable:
     """What the contacts of a point depend on, and the stations at which they are asked for."""
-    asked = [one.index for one in scene.all_stations(load) if one.index in requested]
+    asked = [one.index for one in scene.all_stations(load, velocity) if one.index in requested]
     return mechanics(scene), velocity, load, *asked
+
+
+def ramp_key(scene: Scene, load: float, velocity: float) -> tuple[float, float]:
+    """What the ramp to a point depends on beside the mechanics of its scene: velocity, increment.
+
+    Stages of velocity share one ramp.
+    """
+    loading = scene.loading
+    if isinstance(loading, Stages) and loading.velocities:
+        velocity = loading.velocities[0]
+    return velocity, scene.ramp_increment(load)
 
 
 def contacts(
@@ -103,10 +114,15 @@ def contacts(
     trunks = Trunks() if trunks is None else trunks
     scene = fit_elements(scene, normal_load)
     levels = tuple(scene.levels())
-    stations = list(scene.stations(normal_load, requested))
+    stations = list(scene.stations(normal_load, requested, velocity))
     if not scene.remembers_steps:
         for station in stations:
             yield _independent_state(levels, normal_load, velocity, station)
+        return
+    key = mechanics(scene), *ramp_key(scene, normal_load, velocity)
+    if isinstance(scene.loading, Stages):
+        stage = partial(_advance_stage, levels, velocity, requested)
+        yield from _staged(trunks, key, start(scene), stations, stage, note)
         return
     shared = list(
         itertools.takewhile(
@@ -116,7 +132,6 @@ def contacts(
             stations,
         )
     )
-    key = mechanics(scene), velocity, scene.ramp_increment(normal_load)
     memo = trunks.last(contact_key(scene, normal_load, velocity, requested))
     advanced = partial(_advance, levels, velocity)
     new = trunks.reach(key, start(scene), shared, advanced, note)
@@ -131,6 +146,47 @@ def contacts(
         yield replace(one, course=course) if one.is_requested else one
     if trunks.has_room_for(ends):
         memo["ends"] = ends
+
+
+def _staged(
+    trunks: Trunks,
+    key: Hashable,
+    begin: State,
+    stations: Sequence[Station],
+    advance: Callable[[State, Station], State],
+    note: Note | None,
+) -> Iterator[State]:
+    """Yield the states of stages that `trunks` did not have yet, and the last one in any case.
+
+    All stages are one ramp, which higher stages continue from the end of the last.
+    """
+    yield from trunks.reach(key, begin, stations[:-1], advance, note)
+    rest = trunks.reach(key, begin, stations, advance, note)
+    while True:
+        try:
+            next(rest)
+        except StopIteration as end:
+            last, course = end.value
+            break
+    yield replace(last, course=course)
+
+
+def _advance_stage(
+    levels: tuple[Scene, ...],
+    velocity: float,
+    requested: Container[int],
+    before: State,
+    station: Station,
+) -> State:
+    """Compute a step of a stage, on the finest grid at its onset, its end and where `requested`.
+
+    The next step continues from `State.history` where there is one.
+    """
+    velocity = velocity if station.velocity is None else station.velocity
+    begin, after = _last_part(levels, velocity, before.history or before, station)
+    if station.is_shown or station.index in requested:
+        return _solve_requested(levels, begin, after, station, velocity)
+    return after
 
 
 def _ends(
@@ -259,5 +315,6 @@ def _later_state(contact: State, station: Station, velocity: float) -> State:
         impulse=station.impulse,
         index=station.index,
         on_trunk=station.on_trunk,
-        sliding_distance=abs(velocity) * station.time,
+        velocity=station.velocity,
+        sliding_distance=station.distance(velocity),
     )

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from tribo.errors import InputError, require_positive
-from tribo.loading import MeasuredLoad, Ramp
+from tribo.loading import MeasuredLoad, Ramp, Stages
 from tribo.material import Material
 from tribo.simulation.friction import Curve, Friction
 from tribo.simulation.motion import Motion
@@ -134,11 +134,11 @@ class Corrections:
                 "conditions' coefficient scales it"
             )
 
-    def under(self, loading: Ramp | MeasuredLoad) -> Self:
+    def under(self, loading: Ramp | Stages | MeasuredLoad) -> Self:
         """Return these corrections with the load course or the load rate of `loading` filled in."""
-        if isinstance(loading, MeasuredLoad):
-            return replace(self, course=loading.course, rate=None)
-        return replace(self, course=(), rate=loading.rate)
+        if isinstance(loading, Ramp):
+            return replace(self, course=(), rate=loading.rate)
+        return replace(self, course=loading.course, rate=None)
 
     @property
     def keeps_heat(self) -> bool:

@@ -27,7 +27,7 @@ from tribo.constants import (
     PIXELS_OF_POSITIONS,
     SHIFT,
 )
-from tribo.loading import MeasuredLoad, Station
+from tribo.loading import MeasuredLoad, Stages, Station
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.scene import Scene
@@ -77,7 +77,10 @@ def imprint_of(scene: Scene, wear: Wear, distance: float) -> float:
 def _part_factor(scene: Scene) -> int:
     """Factor on the number of parts of a step of wear: above 1 if few elements touch, else 1."""
     loading = scene.loading
-    highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
+    if isinstance(loading, Stages):
+        highest = loading.loads[-1]
+    else:
+        highest = loading.peak if isinstance(loading, MeasuredLoad) else loading.reference_load
     return MORE_PARTS if position_count(scene, highest) >= FEW_POSITIONS else 1
 
 

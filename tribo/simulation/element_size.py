@@ -33,7 +33,7 @@ from tribo.constants import (
     SUMMIT_QUANTILE,
     TIGHTEST_TOLERANCE,
 )
-from tribo.loading import Ramp
+from tribo.loading import MeasuredLoad, Stages
 from tribo.material import contact_modulus
 from tribo.simulation.cache import cached_summits
 from tribo.simulation.disk_positions import position_count
@@ -131,10 +131,13 @@ def summit_width(scene: Scene) -> float:
 def _lowest_load(scene: Scene, normal_load: float) -> float:
     """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N].
 
-    If the scene's loading is a recorded load, and so no ramp, the result is `normal_load` itself.
+    If the load rises in stages, it is that of the last stage. If the scene's loading is a recorded
+    load, and so no ramp, the result is `normal_load` itself.
     """
     loading = scene.loading
-    return loading.lowest(normal_load) if isinstance(loading, Ramp) else normal_load
+    if isinstance(loading, Stages):
+        return loading.loads[-1]
+    return normal_load if isinstance(loading, MeasuredLoad) else loading.lowest(normal_load)
 
 
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.errors import InputError
-from tribo.loading import Ramp
+from tribo.loading import Ramp, Stages
 from tribo.simulation.conditions import Conditions
-from tribo.simulation.point import simulate
+from tribo.simulation.point import simulate, stages_of
 from tribo.simulation.scene import Scene
 from tribo.simulation.step_measures import measures
 from tribo.simulation.trunks import Trunks
@@ -43,7 +43,7 @@ def judge(
     Verdict
         Mild or severe at the worst time, when the rise is highest, once the load is reached. This
         time is sought at the beginning and the end of a hold, or at all its steps if bodies keep
-        heat.
+        heat. Of a specimen in stages it is sought at onset and end of all stages up to this one.
 
     Raises
     ------
@@ -70,17 +70,17 @@ def judge(
     conditions = conditions.under(scene.loading)
     if parts := conditions.corrections:
         conditions = replace(conditions, corrections=replace(parts, motion=scene.motion))
-    requested: list[int] = []
-    if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
-        stations = scene.all_stations(load)
-        requested = [station.index for station in stations if station.holding]
-    states = [
-        state
-        for state in simulate(scene, load, velocity, trunks, requested)
-        if state.heat is not None and state.normal_load >= load
-    ]
+    if isinstance(scene.loading, Stages):
+        states, least = stages_of(scene, load, velocity, trunks), 0.0
+    else:
+        requested: list[int] = []
+        if parts and parts.keeps_heat and isinstance(scene.loading, Ramp):
+            stations = scene.all_stations(load)
+            requested = [station.index for station in stations if station.holding]
+        states, least = list(simulate(scene, load, velocity, trunks, requested)), load
+    states = [one for one in states if one.heat is not None and one.normal_load >= least]
     if not states:
         raise InputError(f"load is {load:g} N, at which nothing is in contact")
     records = [{**measures(scene, state), **state.heat.columns} for state in states if state.heat]
     columns = {name: np.array([one[name] for one in records]) for name in records[0]}
-    return verdict(columns, load, conditions)
+    return verdict(columns, least, conditions)

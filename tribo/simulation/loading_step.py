@@ -91,6 +91,7 @@ def advance(
     10.0
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
+    velocity = velocity if station.velocity is None else station.velocity
     distance = abs(velocity) * (station.time - state.time)
     wear = wear_of_step(scene, state, distance, velocity)
     passed = state.pressure if guess is None else guess
@@ -114,7 +115,8 @@ def advance(
         normal_load=station.normal_load,
         time=station.time,
         # Not the sum of the steps, whose last bits would depend on which steps led here.
-        sliding_distance=abs(velocity) * station.time,
+        sliding_distance=station.distance(velocity),
+        velocity=station.velocity,
         impulse=station.impulse,
         on_trunk=station.on_trunk,
         index=station.index,
@@ -139,7 +141,7 @@ def _worn_volume(
     element represents [m²].
     """
     rate = wear.specific_wear_rate * abs(velocity)
-    if scene.wears_by_law:  # the rate is known for this step alone
+    if scene.wears_by_law or station.velocity is not None:  # the rate is that of this step alone
         before = float(state.wear_depth.sum()) * element_area
         return before + rate * (station.impulse - state.impulse)
     return rate * station.impulse

@@ -11,11 +11,13 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from dataclasses import replace
 
+from tribo.errors import InputError
 from tribo.simulation.contact_ramp import contacts
+from tribo.simulation.point_warnings import touched_edges
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.temperature import heat
-from tribo.simulation.trunks import Trunks
+from tribo.simulation.trunks import Note, Trunks
 
 
 def simulate(
@@ -69,9 +71,60 @@ def simulate(
     """
     for state in contacts(scene, normal_load, velocity, trunks, requested):
         if state.is_requested and state.heat is None:
-            yield replace(state, heat=heat(scene, state, velocity))
+            yield replace(state, heat=heat(scene, state, _present(state, velocity)))
         else:
             yield state
+
+
+def stages_of(
+    scene: Scene, normal_load: float, velocity: float, trunks: Trunks | None = None
+) -> list[State]:
+    """States with a temperature at onset and end of each stage up to the one asked for.
+
+    The stage is that at a load [N], or at a `velocity` [m/s] of stages of velocity. The
+    temperatures have `Heat.sampling`.
+
+    Raises
+    ------
+    InputError
+        If there is no such stage, or its contact reaches an edge of the window.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> stages = tribo.Stages(loads=(5.0, 10.0), holds=(1.0, 1.0), rate=10.0)
+    >>> for state in stages_of(replace(scene, loading=stages), 10.0, 0.065):
+    ...     print(f"{state.normal_load:g} N, {state.time:g} s: {0.1 * state.heat.max_rise:.1f} K")
+    5 N, 0.5 s: 4.8 K
+    5 N, 1.5 s: 4.8 K
+    10 N, 2 s: 7.4 K
+    10 N, 3 s: 7.4 K
+    """
+
+    def heated_if_asked(contact: State) -> State | None:
+        if not contact.is_requested:
+            return None
+        if contact.heat is not None:
+            return contact
+        found = heat(scene, contact, _present(contact, velocity), is_sampled=True)
+        return replace(contact, heat=found)
+
+    note = Note(("stages", scene, velocity), heated_if_asked)
+    states = list(contacts(scene, normal_load, velocity, trunks, note=note))
+    # Without wear a stage depends on no other, and there is no course.
+    noted = states[-1].course or map(heated_if_asked, states)
+    found = [state for state in noted if state is not None]
+    if edges := touched_edges(scene, states[-1]):
+        raise InputError(
+            f"the stage at {normal_load:g} N and {velocity:g} m/s touches the window's "
+            f"{' and '.join(edges)}, beyond which it would carry load, too; give more window.pixels"
+        )
+    return found
+
+
+def _present(contact: State, velocity: float) -> float:
+    """Present velocity of a state [m/s]: that of its stage, or else of the point."""
+    return velocity if contact.velocity is None else contact.velocity
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:

@@ -24,6 +24,7 @@ from tribo.constants import (
     TOO_WARM,
     WIDEST,
 )
+from tribo.loading import Ramp
 from tribo.material import contact_modulus
 from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.disk_positions import part_count
@@ -151,17 +152,21 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
 
 def _warn_edge(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if the contact reaches an edge of the window, so that the window is too narrow."""
-    touched = [
-        f"{name} edge"
-        for name, axis in (("x", 0), ("y", 1))
-        if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
-    ]
-    if touched:
+    if touched := touched_edges(scene, state):
         yield (
             WarningKind.CONTACT_AT_EDGE,
             f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
             "a wider window would carry load there too",
         )
+
+
+def touched_edges(scene: Scene, state: State) -> list[str]:
+    """Edges of the window that the contact reaches, such as "x edge"."""
+    return [
+        f"{name} edge"
+        for name, axis in (("x", 0), ("y", 1))
+        if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
+    ]
 
 
 def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
@@ -226,7 +231,7 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn if a rolling pin turns only a few times, or happens to be at rest at this velocity."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
-    turning = abs(scene.velocities_at(state.sliding_distance / state.time).pin)
+    turning = abs(scene.velocities_at(state.speed).pin)
     turns = turning * state.time / scene.track_length
     if turning == 0 and scene.motion.entrainment_velocity is not None:
         said = "stands still at this very velocity, and wears flat where at others it stays round"
@@ -254,7 +259,7 @@ def _slow_rise(scene: Scene, state: State) -> Iterator[Reason]:
     volume = float(state.wear_depth.mean()) * scene.nominal_area
     if not volume or state.pressure[[0, -1]].any():
         return
-    velocity = state.sliding_distance / state.time
+    velocity = state.speed
     radius = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0] / 2
     modulus = contact_modulus(scene.pin.material, scene.disk)
     unworn = scene.pin.hertz(state.normal_load, modulus).half_width
@@ -349,7 +354,7 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
 
 def _longest_step(scene: Scene, state: State) -> float:
     """Duration of the longest step so far [s]."""
-    if state.on_trunk:
+    if state.on_trunk and isinstance(scene.loading, Ramp):
         return state.time / state.index
     times = [0.0, *(station.time for station in stations_so_far(scene, state))]
     return float(np.diff(times).max(initial=0.0))

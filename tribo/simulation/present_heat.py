@@ -46,7 +46,7 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     >>> f"{100 * excess_of_present_heat(scene, state):.3f} %"  # after a minute at full load
     '0.000 %'
     """
-    speed = state.sliding_distance / state.time if state.time else 0.0
+    speed = state.speed
     if state.heat is None or not speed or not scene.friction_heat:
         return 0.0
     ages, lacking = _missing_load(scene, state)
@@ -68,7 +68,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
     A `state` from a loading to a higher load may have been computed with other steps.
     """
-    stations = scene.all_stations(state.normal_load)
+    stations = scene.all_stations(state.normal_load, state.velocity)
     return [station for station in stations if station.time <= state.time * (1 + 1e-12)]
 
 

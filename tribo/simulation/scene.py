@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from tribo.constants import FEWEST_ELEMENTS, LOCAL_TOLERANCE
 from tribo.errors import InputError
-from tribo.loading import MeasuredLoad, Ramp, Station
+from tribo.loading import MeasuredLoad, Ramp, Stages, Station
 from tribo.material import Material
 from tribo.numerics import Grid
 from tribo.simulation.fidelity import Fidelity
@@ -42,7 +42,7 @@ class Scene:
         Material of the body that moves along +x.
     pixels : Grid
         The patch of the contact, and the pixels on which the disk's roughness is given.
-    loading : Ramp or MeasuredLoad
+    loading : Ramp, Stages or MeasuredLoad
         Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
         Roughness of the disk, or a surface of your own; smooth if not given.
@@ -73,7 +73,7 @@ class Scene:
     pin: Pin
     disk: Material
     pixels: Grid
-    loading: Ramp | MeasuredLoad
+    loading: Ramp | Stages | MeasuredLoad
     roughness: SelfAffineRoughness | MeasuredRoughness | Surface | None = None
     wear: Wear | WearLaw | None = None
     friction_heat: bool = True
@@ -270,14 +270,17 @@ class Scene:
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
-    def stations(self, normal_load: float, requested: Container[int] = ()) -> Iterator[Station]:
+    def stations(
+        self, normal_load: float, requested: Container[int] = (), velocity: float | None = None
+    ) -> Iterator[Station]:
         """Times at which the contact must be solved, with loads, up to a load [N] and in its hold.
 
         Each is the end of a step. If a state depends on earlier states, all steps are yielded.
-        Otherwise only the last step, the step in which a ramp reaches the load, and steps with an
-        index in `requested`.
+        Otherwise only the last step, the step in which a ramp reaches the load, onsets and ends of
+        stages, and steps with an index in `requested`. `velocity` [m/s] tells the last of stages
+        of velocity.
         """
-        stations = self.all_stations(normal_load)
+        stations = self.all_stations(normal_load, velocity)
         if self.remembers_steps:
             yield from stations
             return
@@ -285,25 +288,30 @@ class Scene:
         for station in stations:
             # Where a hold begins, too: how warm the bodies are depends on the load until then.
             reaches = is_ramp and station.normal_load == normal_load and not station.holding
-            if station.index in requested or reaches:
+            if station.index in requested or station.is_shown or reaches:
                 yield replace(station, on_trunk=station.on_trunk and station.index in requested)
                 shown = station.index
         if station.index != shown:
             yield replace(station, on_trunk=False)
 
-    def all_stations(self, normal_load: float) -> Iterator[Station]:
-        """Ends of all steps of the loading up to a load [N] and of its hold: times and loads."""
-        fidelity = self.fidelity
-        return self.loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
+    def all_stations(self, normal_load: float, velocity: float | None = None) -> Iterator[Station]:
+        """Ends of all steps of the loading up to a load [N] and of its hold: times and loads.
+
+        `velocity` [m/s] tells the last of stages of velocity.
+        """
+        fidelity, loading = self.fidelity, self.loading
+        if isinstance(loading, Stages):
+            return loading.stations(normal_load, fidelity.increments, velocity)
+        return loading.stations(normal_load, fidelity.increments, fidelity.hold_increments)
 
     def ramp_increment(self, normal_load: float) -> float:
-        """Increment [N] of the ramp to a load [N]; 0 for a recorded load.
+        """Increment [N] of the ramp to a load [N]; 0 for stages and for a recorded load.
 
         Loads with equal increments share a ramp.
         """
-        if isinstance(self.loading, MeasuredLoad):
-            return 0.0
-        return self.loading.increment(normal_load, self.fidelity.increments)
+        if isinstance(self.loading, Ramp):
+            return self.loading.increment(normal_load, self.fidelity.increments)
+        return 0.0
 
     @property
     def coarsening(self) -> int:

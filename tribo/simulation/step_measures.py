@@ -68,7 +68,7 @@ def _windows_worn(scene: Scene, state: State) -> float:
     result is 1.
     """
     moves = scene.motion and state.time > 0
-    return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
+    return scene.windows_worn(state.speed) if moves else 1.0
 
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:

@@ -1,0 +1,171 @@
+"""One specimen under a load, or a velocity, that rises in stages."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import small_scene
+from tribo import (
+    Ball,
+    Conditions,
+    Grid,
+    InputError,
+    MeasuredLoad,
+    Ramp,
+    Stages,
+    Wear,
+    judge,
+    measures,
+    simulate,
+)
+from tribo.simulation import Trunks, stages_of, widen_window
+
+LOADS = 100.0, 250.0, 400.0
+STAGES = Stages(LOADS, (10.0, 20.0, 10.0), rate=150.0)
+DECISIVE = 0.9
+
+
+def worn_scene(loading=STAGES, **fidelity):
+    """A rough pin that stages wear to 0.55 mm, in a window of 0.77 mm."""
+    scene = small_scene(increments=8, imprint=0.0, **fidelity)
+    return replace(scene, loading=loading, pixels=Grid((192, 48), (4e-6, 4e-6)), wear=Wear(1.2e-15))
+
+
+def rises(states):
+    return np.array([float(np.quantile(s.heat.rise[s.pressure > 0], DECISIVE)) for s in states])
+
+
+@pytest.mark.parametrize("fidelity", [{}, {"history_coarsening": 2}, {"heat_model": "history"}])
+def test_a_stage_is_the_same_alone_and_on_the_way_to_the_last(fidelity):
+    scene, cached = worn_scene(**fidelity), Trunks()
+    whole = stages_of(scene, 400.0, 2.0, cached)
+    for load, count in ((100.0, 2), (250.0, 4)):
+        alone = stages_of(scene, load, 2.0)
+        for other in (whole[:count], stages_of(scene, load, 2.0, cached)):
+            assert len(other) == len(alone) == count
+            for a, b in zip(other, alone, strict=True):
+                assert a.time == b.time
+                assert np.array_equal(a.heat.rise, b.heat.rise)
+                assert np.array_equal(a.wear_depth, b.wear_depth)
+
+
+def test_a_column_of_stages_costs_one_specimen():
+    scene, cached = worn_scene(), Trunks()
+    counts = [len(list(simulate(scene, load, 2.0, cached))) for load in LOADS]
+    assert counts == [8 + 2, 3 + 2, 3 + 2]
+    assert len(list(simulate(scene, 400.0, 2.0, Trunks()))) == sum(counts)
+
+
+def test_stages_are_within_1_percent_of_a_record_typed_by_hand():
+    scene = worn_scene()
+    found = rises(stages_of(scene, 400.0, 2.0))
+    times = np.cumsum([0.0, 100 / 150, 10.0, 1.0, 20.0, 1.0])
+    record = MeasuredLoad(times, np.array([0.0, 100.0, 100.0, 250.0, 250.0, 400.0]))
+    typed = replace(scene, loading=record, fidelity=replace(scene.fidelity, increments=96))
+    *_, end = simulate(typed, 400.0, 2.0)
+    assert found[4] == pytest.approx(rises([end])[0], rel=0.01)
+    # A fresh pin at the same place is far hotter.
+    *_, fresh = simulate(replace(scene, loading=Ramp(150.0, 400.0)), 400.0, 2.0)
+    assert rises([fresh])[0] > 1.2 * found[4]
+
+
+def test_worn_volume_and_distance_add_up_over_stages_of_velocity():
+    stages = Stages((300.0,), (10.0, 20.0, 5.0), 150.0, velocities=(0.5, 1.0, 2.0))
+    scene = worn_scene(stages)
+    states = stages_of(scene, 300.0, 2.0)
+    impulses = np.array([300.0 * (1 + 10.0), 300.0 * 20.0, 300.0 * 5.0])
+    volume = 1.2e-15 * impulses @ (0.5, 1.0, 2.0)
+    record = measures(scene, states[-1])
+    assert record["wear_volume"] == pytest.approx(volume, rel=1e-9)
+    assert record["sliding_distance"] == pytest.approx(0.5 * 12 + 1.0 * 20 + 2.0 * 5)
+    assert [state.velocity for state in states] == [0.5, 0.5, 1.0, 1.0, 2.0, 2.0]
+    assert stages.worn_impulse(1.0) == pytest.approx(volume / 1.2e-15)
+
+
+def test_a_stage_of_velocity_is_heated_by_its_own_velocity_alone():
+    slow, fast = (
+        Stages((300.0,), (10.0, 10.0), 150.0, velocities=(0.5, velocity)) for velocity in (1.0, 2.0)
+    )
+    one, other = (
+        stages_of(worn_scene(stages), 300.0, stages.velocities[-1]) for stages in (slow, fast)
+    )
+    # Both meet the second stage with the same wear, at the same time; only the heat differs.
+    assert np.array_equal(one[2].pressure, other[2].pressure)
+    assert rises(one[:2]) == pytest.approx(rises(other[:2]), rel=1e-12)
+    assert 1.3 < rises(other)[2] / rises(one)[2] < 2.0
+    # The first stage is a ramp with a hold at that velocity.
+    fresh = replace(worn_scene(), loading=Ramp(150.0, 300.0, hold=10.0))
+    reached, *_, held = (one for one in simulate(fresh, 300.0, 0.5) if one.heat)
+    assert rises(one[:2]) == pytest.approx(rises([reached, held]), rel=0.01)
+
+
+def test_the_first_stage_is_that_of_a_ramp():
+    ramp = worn_scene(Ramp(150.0, 100.0))
+    *_, fresh = simulate(ramp, 100.0, 2.0)
+    scene = worn_scene(Stages((100.0,), (10.0,), 150.0))
+    onset, _ = stages_of(scene, 100.0, 2.0)
+    assert rises([onset])[0] == pytest.approx(rises([fresh])[0], rel=1e-6)
+
+
+def test_a_verdict_is_of_the_hottest_stage_so_far():
+    oil = Conditions(0.1, bulk_temperature=298.15, critical_temperature=418.15)
+    loads = 100.0, 120.0, 400.0
+    scene = worn_scene(Stages(loads, (60.0, 10.0, 10.0), 150.0))
+    verdicts = [judge(scene, load, 2.0, oil) for load in loads]
+    alone = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
+    assert alone[2] < alone[0]  # a worn pin is cooler at 120 N than the unworn one at 100 N
+    expected = np.maximum.accumulate(alone)[1::2]
+    found = [one.decisive_temperature for one in verdicts]
+    assert found == pytest.approx(list(expected), rel=1e-3)
+    assert verdicts[1].time == verdicts[0].time == pytest.approx(100 / 150)
+
+
+def test_without_wear_each_stage_is_a_contact_of_its_own():
+    scene = replace(worn_scene(), wear=None)
+    states = stages_of(scene, 250.0, 2.0)
+    assert [state.normal_load for state in states] == [100.0, 100.0, 250.0, 250.0]
+    *_, fresh = simulate(replace(scene, loading=Ramp(150.0, 250.0)), 250.0, 2.0)
+    assert np.array_equal(states[2].pressure, fresh.pressure)
+
+
+def test_the_window_holds_the_worn_pin():
+    scene = worn_scene(Stages(LOADS, (60.0,) * 3, 150.0))
+    wide = widen_window(scene, 2.0)
+    *_, end = stages_of(wide, 400.0, 2.0)
+    chord = np.cbrt(12 * 2e-3 * 1.2e-15 * scene.loading.worn_impulse(2.0) / scene.pin.length)
+    assert measures(wide, end)["contact_width"] == pytest.approx(chord, rel=0.05)
+    assert 1.25 * chord <= wide.pixels.size[0] < 1.4 * chord
+    assert wide.pixels.shape[1] == scene.pixels.shape[1]
+    assert wide.grid.shape[0] % 2 == 0
+    assert widen_window(scene, 0.01) == scene  # its own is as wide
+    assert widen_window(replace(scene, loading=Ramp(150.0, 400.0)), 2.0).pixels == scene.pixels
+    # A ball is worn to a circle.
+    ball = replace(
+        scene, pin=Ball(5e-3, scene.pin.material), pixels=Grid((64, 64), (4e-6, 4e-6), (False,) * 2)
+    )
+    round_window = widen_window(ball, 2.0).pixels.shape
+    volume = 1.2e-15 * scene.loading.worn_impulse(2.0)
+    assert round_window[0] == round_window[1] > 1.25 * (64 * 5e-3 * volume / np.pi) ** 0.25 / 4e-6
+
+
+def test_a_stage_that_touches_an_edge_fails():
+    scene = worn_scene(Stages(LOADS, (60.0,) * 3, 150.0))
+    narrow = replace(scene, pixels=Grid((128, 48), (4e-6, 4e-6)))
+    assert len(stages_of(narrow, 100.0, 2.0)) == 2
+    with pytest.raises(InputError, match=r"400 N and 2 m/s touches the window's x edge"):
+        stages_of(narrow, 400.0, 2.0)
+
+
+def test_stages_are_refused_in_plain_words():
+    with pytest.raises(InputError, match=r"load is 200 N, .* one of 100, 250, 400 N"):
+        stages_of(worn_scene(), 200.0, 2.0)
+    velocities = Stages((300.0,), (10.0, 10.0), 150.0, velocities=(0.5, 1.0))
+    with pytest.raises(InputError, match=r"velocity is 2 m/s, .* one of 0.5, 1 m/s"):
+        stages_of(worn_scene(velocities), 300.0, 2.0)
+    with pytest.raises(InputError, match="do not rise from 200 to 100"):
+        Stages((200.0, 100.0), (10.0, 10.0), 150.0)
+    with pytest.raises(InputError, match=r"2 loads, 0 velocities and 1 holds"):
+        Stages((200.0, 300.0), (10.0,), 150.0)
+    with pytest.raises(InputError, match="hold"):
+        Stages((200.0,), (0.0,), 150.0)
