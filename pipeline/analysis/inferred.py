@@ -1,19 +1,24 @@
-"""The critical temperature as an uncertain input, found from the tests of a scene."""
+"""What tests say of the uncertain inputs of a scene, its critical temperature among them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.special import ndtr
 
 from pipeline.analysis.at import asked_at
-from pipeline.analysis.likelihood import Belief, Prior, condition
+from pipeline.analysis.inputs import Effects, effects_of
+from pipeline.analysis.likelihood import Belief, condition
 from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import Evidence, evidence_of
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
+from pipeline.sweep.inputs import RISE
 from pipeline.sweep.shown import shown
 from tribo import InputError
 
@@ -23,13 +28,83 @@ _MOST_STEPS = 50
 _LARGEST = math.log(2.0)  # of a step in ln(critical − bulk)
 
 
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """A case after its tests: conditions with the critical temperature found, and the evidence.
+
+    The critical temperature counts as λ = ln(critical − bulk temperature of the scene). y and its
+    change by λ are taken again at the value found, until that moves by less than 0.1 K.
+    """
+
+    conditions: Conditions
+    evidence: Evidence
+    effects: Effects
+    way: float  # of the critical temperature from its value before, in standard deviations
+    sides: tuple[bool, bool]  # whether some result was mild, and whether some was severe
+
+    @property
+    def is_bounded(self) -> bool:
+        """False if tests alone give the critical temperature, and bound it from one side only."""
+        number = self.effects.critical
+        is_alone = number is not None and self.effects.inputs[number].spread is None
+        return not is_alone or self.sides == (True, True)
+
+
+def weigh(data: Results, conditions: Conditions, effects: Effects) -> Weighed:
+    """Weigh the tests of a scene, with its uncertain inputs.
+
+    Raises
+    ------
+    InputError
+        If the critical temperature is to come from tests alone, and no test has a result.
+    """
+    number = effects.critical
+    if number is None:
+        evidence = evidence_of(data, conditions, effects)
+        return Weighed(conditions, evidence, effects, 0.0, _sides(evidence))
+    bulk, is_alone = effects.bulk, effects.inputs[number].spread is None
+    prior = at = math.log(known_critical_temperature(conditions) - bulk)
+    for _ in range(_MOST_STEPS):
+        found = replace(conditions, critical_temperature=bulk + math.exp(at))
+        way = (at - prior) / effects.scale
+        evidence = evidence_of(data, found, effects, way)
+        sides = _sides(evidence)
+        if is_alone and sides != (True, True):
+            break
+        mean = float(evidence.belief.inputs()[0][number])
+        step = prior + effects.scale * mean - at
+        step = math.copysign(min(abs(step), _LARGEST), step)
+        at += step
+        if abs(math.exp(at) - math.exp(at - step)) < _SETTLED:
+            break
+    if is_alone and not evidence.results:
+        raise InputError(
+            f"the scene {data.sweep.name} has no test with a result, from which to find the "
+            "critical temperature; give it [[measured]] or [[tested]], and run it"
+        )
+    evidence = replace(evidence, belief=evidence.belief.moved(way, number))
+    return Weighed(found, evidence, effects, way, sides)
+
+
+@shown
+@dataclass(frozen=True, slots=True)
+class Known:
+    """An uncertain input before and after the tests, in words."""
+
+    path: str  #: Its entry.
+    before: str  #: Value and standard uncertainty as given.
+    after: str  #: Value and standard uncertainty after the tests.
+    mean: float  #: Its mean after the tests, in standard deviations from its value before.
+    spread: float  #: Its standard deviation after the tests, in standard deviations before.
+
+
 @shown
 @dataclass(frozen=True, eq=False)
 class Inferred:
-    """What tests say of the critical temperature.
+    """What tests say of the critical temperature, and of other uncertain inputs.
 
-    The input is λ = ln(critical − bulk temperature of the scene), of standard deviation 1 about the
-    scene's own.
+    The input is λ = ln(critical − bulk temperature of the scene). Its standard deviation about the
+    scene's own is 1, or what the scene's uncertainty says.
     """
 
     temperature: float  #: Critical temperature [K].
@@ -38,20 +113,13 @@ class Inferred:
     own_spread: float  #: Standard deviation on this rig, without the bias [K].
     at_least: float | None  #: Where only mild tests bound it: its 5 % quantile [K].
     at_most: float | None  #: Where only severe tests bound it: its 95 % quantile [K].
+    inputs: tuple[Known, ...]  #: Each other uncertain input, before and after the tests.
     evidence: Evidence = field(repr=False)  #: Tests at the temperature found.
 
     @property
     def is_bounded(self) -> bool:
         """True if tests bound the temperature from both sides."""
         return self.at_least is None and self.at_most is None
-
-    def effect(self, conditions: Conditions) -> float:
-        """Change of y for one standard deviation of λ, under a place's own bulk temperature."""
-        return _effect(self.temperature, self.bulk, conditions)
-
-
-def _effect(critical: float, bulk: float, conditions: Conditions) -> float:
-    return -(critical - bulk) / (critical - conditions.coldest_bulk_temperature)
 
 
 @np.errstate(under="ignore")
@@ -99,48 +167,72 @@ def infer(ds: ResultsLike, **conditions: Any) -> Inferred:
 def infer_critical_temperature(data: Results, conditions: Conditions) -> Inferred:
     """Find the critical temperature from the tests of a scene.
 
-    y and its change by λ are taken again at the value found, until that moves by less than 0.1 K.
-
     Raises
     ------
     InputError
         If no test has a result.
     """
-    bulk = data.stored.conditions.coldest_bulk_temperature
-    prior = math.log(known_critical_temperature(conditions) - bulk)
-    at = prior
-    for _ in range(_MOST_STEPS):
-        critical = bulk + math.exp(at)
-        evidence, belief = _conditioned(data, conditions, critical, bulk, at - prior, data.prior)
-        sides = _sides(evidence)
-        if sides != (True, True):
-            break
-        step = prior + float(belief.inputs()[0][0]) - at
-        step = math.copysign(min(abs(step), _LARGEST), step)
-        at += step
-        if abs(math.exp(at) - math.exp(at - step)) < _SETTLED:
-            break
+    effects = effects_of(data, conditions, infers=True)
+    found, number = weigh(data, conditions, effects), effects.critical or 0
+    evidence, bulk, scale = found.evidence, effects.bulk, effects.scale
     if not evidence.results:
         raise InputError(
             f"the scene {data.sweep.name} has no test with a result, from which to find the "
             "critical temperature; give it [[measured]] or [[tested]], and run it"
         )
-    _, alone = _conditioned(
-        data, conditions, critical, bulk, at - prior, replace(data.prior, bias=0.0)
-    )
-    scale = math.exp(at)
-    spreads = (scale * float(one.inputs()[1][0]) for one in (belief, alone))
-    is_mild, is_severe = sides
-    temperature = bulk + math.exp(prior + float(belief.inputs()[0][0]))
+    exact = replace(data.prior, bias=0.0)
+    alone = condition(evidence.results, exact, len(effects.inputs))
+    temperature = known_critical_temperature(found.conditions)
+    spreads = [
+        scale * (temperature - bulk) * float(one.inputs()[1][number])
+        for one in (evidence.belief, alone)
+    ]
+    ends = [
+        temperature
+        if found.is_bounded
+        else bulk + (temperature - bulk) * math.exp(scale * _quantile(evidence.belief, p, number))
+        for p in (0.05, 0.95)
+    ]
+    is_mild, is_severe = found.sides
     return Inferred(
-        temperature=temperature if is_mild and is_severe else bulk + math.exp(prior),
+        temperature=temperature,
         bulk=bulk,
-        spread=next(spreads),
-        own_spread=next(spreads),
-        at_least=bulk + math.exp(prior + _quantile(belief, 0.05)) if not is_severe else None,
-        at_most=bulk + math.exp(prior + _quantile(belief, 0.95)) if not is_mild else None,
-        evidence=replace(evidence, belief=belief.moved(at - prior)),
+        spread=spreads[0],
+        own_spread=spreads[1],
+        at_least=ends[0] if not (found.is_bounded or is_severe) else None,
+        at_most=ends[1] if not (found.is_bounded or is_mild) else None,
+        inputs=known_inputs(found),
+        evidence=evidence,
     )
+
+
+def known_inputs(found: Weighed) -> tuple[Known, ...]:
+    """Each uncertain input with a standard uncertainty, before and after the tests."""
+    means, spreads = found.evidence.belief.inputs()
+    rows, effects = [], found.effects
+    for number, one in enumerate(effects.inputs):
+        if one.spread is None:
+            continue
+        mean, spread = float(means[number]), float(spreads[number])
+        if number == effects.critical:
+            mean += found.way
+            value = known_critical_temperature(found.conditions)
+            width = effects.scale * (value - effects.bulk) * spread
+        else:
+            width = one.spread * spread
+            value = one.value + one.spread * mean
+            if not one.is_kelvin:
+                value = one.value * math.exp(one.spread * mean)
+        if one.path == RISE:
+            value = (1 + one.value) * math.exp(one.spread * mean) - 1
+        rows.append(Known(one.path, one.words(), one.words(value, width), mean, spread))
+    return tuple(rows)
+
+
+def inputs_frame(inputs: Sequence[Known]) -> pd.DataFrame:
+    """Data frame of uncertain inputs, with a row for each."""
+    heads = "uncertain input", "before the tests", "after the tests"
+    return frame_of(heads, [(one.path, one.before, one.after) for one in inputs])
 
 
 def _sides(evidence: Evidence) -> tuple[bool, bool]:
@@ -150,24 +242,9 @@ def _sides(evidence: Evidence) -> tuple[bool, bool]:
     return mild, severe
 
 
-def _conditioned(
-    data: Results, conditions: Conditions, critical: float, bulk: float, way: float, prior: Prior
-) -> tuple[Evidence, Belief]:
-    """Evidence at a critical temperature [K], with λ as an input that is `way` from its prior."""
-    evidence = evidence_of(data, replace(conditions, critical_temperature=critical))
-    results = []
-    for result, rows in zip(evidence.results, evidence.members, strict=True):
-        own = rows[0].conditions
-        assert own is not None  # a test without conditions has no result
-        effect = _effect(critical, bulk, own)
-        results.append(replace(result, y=result.y - effect * way, a=(effect,)))
-    held = replace(evidence, results=tuple(results))
-    return held, condition(held.results, prior, 1)
-
-
-def _quantile(belief: Belief, share: float) -> float:
-    """Quantile of the first input, in its standard deviations from the prior."""
-    means, spreads = belief.means[:, 0], np.sqrt(belief.covariances[:, 0, 0])
+def _quantile(belief: Belief, share: float, k: int) -> float:
+    """Quantile of input k, in its standard deviations from where it is counted."""
+    means, spreads = belief.means[:, k], np.sqrt(belief.covariances[:, k, k])
     low, high = -20.0, 20.0
     for _ in range(80):
         middle = (low + high) / 2

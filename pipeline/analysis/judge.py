@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.analysis.inferred import Inferred, infer_critical_temperature
+from pipeline.analysis.inferred import Weighed, weigh
+from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import rise_errors, totals
 from pipeline.analysis.rises import Places, Rises, places_of, rises_of
-from pipeline.analysis.tested import Evidence, evidence_of, forbidden
+from pipeline.analysis.tested import Evidence, forbidden
 from pipeline.constants import DECIDED
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo.types import Array, Mask
@@ -32,8 +33,7 @@ class Judge:
     """Rises and evidence of one case, under the conditions of `rises`."""
 
     rises: Rises
-    evidence: Evidence
-    inferred: Inferred | None  #: The critical temperature, where it is found from the tests.
+    weighed: Weighed  #: The tests and uncertain inputs.
 
     @property
     def conditions(self) -> Conditions:
@@ -46,14 +46,19 @@ class Judge:
         return self.rises.source
 
     @property
-    def a(self) -> tuple[float, ...]:
-        """Change of y for one standard deviation of each uncertain input."""
-        return (self.inferred.effect(self.conditions),) if self.inferred else ()
+    def evidence(self) -> Evidence:
+        """What the tests say."""
+        return self.weighed.evidence
+
+    @property
+    def effects(self) -> Effects:
+        """How far each uncertain input moves y."""
+        return self.weighed.effects
 
     @property
     def open_sides(self) -> tuple[bool, bool]:
         """Whether no place at all is mild, and none is severe."""
-        if self.inferred is not None and not self.inferred.is_bounded:
+        if not self.weighed.is_bounded or self.effects.waiting:
             return True, True
         return self.evidence.open_sides()
 
@@ -63,12 +68,13 @@ class Judge:
         Friction and bulk temperature move the place alone; a critical temperature moves the tests,
         too.
         """
-        if not own:
+        given = [name for name, value in own.items() if value is not None]
+        if not given:
             return self
         rises = self.rises.judged_by(own)
-        if own.get("critical_temperature") is None:
-            return replace(self, rises=rises)
-        return Judge(rises, evidence_of(self.source, rises.conditions), None)
+        if "critical_temperature" in given or self.source.is_exact:
+            return _judge(self.source, rises, given)
+        return replace(self, rises=rises)
 
     def chances(self, loads: Places, velocities: Places) -> tuple[Array, Array, Array]:
         """Probabilities of severe wear (k,): lowest, as computed and highest by numerical error.
@@ -80,7 +86,8 @@ class Judge:
         is_known = np.isfinite(error)
         shift = np.where(is_known, np.log1p(error), 0.0)
         ends = np.stack([y - shift, y, y + shift])
-        low, middle, high = self.evidence.belief.probability(ends, self.a)
+        a = self.effects.at(self.conditions, loads, velocities)
+        low, middle, high = self.evidence.belief.probability(ends, a)
         return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
@@ -107,16 +114,31 @@ class Judge:
 
     @functools.cached_property
     def levels(self) -> tuple[float, float, float]:
-        """Y at which a place is severe with a probability of 5, 50 and 95 %."""
-        low, middle, high = (self.evidence.belief.level(share, self.a) for share in DECIDED)
+        """Y at which a place is severe with a probability of 5, 50 and 95 %.
+
+        Where uncertain inputs are simulated, these hold in the middle of the plane.
+        """
+        low, middle, high = self._levels(self.effects.middle(self.conditions))
         return low, middle, high
+
+    def _levels(self, a: Sequence[float]) -> list[float]:
+        return [self.evidence.belief.level(share, a) for share in DECIDED]
+
+    def levels_at(self, loads: Array, velocities: Array) -> Array:
+        """`levels` (3, k) at k places: found where inputs are simulated, and linear between."""
+        nodes = self.effects.nodes
+        if nodes is None:
+            return np.repeat(np.array(self.levels)[:, None], len(loads), axis=1)
+        a = self.effects.at(self.conditions, *nodes)
+        found = np.array([self._levels(one) for one in a.tolist()]).T
+        return np.array([self.effects.interpolate(one, loads, velocities) for one in found])
 
     def tested_velocities(self, loads: Array) -> Array:
         """Velocities with tests at k loads (3, k): first P = 5 %, first 50 %, and last 95 % [m/s].
 
         NaN where there is none up to 3 times beyond the computed velocities.
         """
-        places, begins, ends = self.rises.crossings(loads, np.array(self.levels))
+        places, begins, ends = self.rises.crossings(loads, self.levels_at)
         first, last = np.fmin.reduce(places, axis=2), np.fmax.reduce(places, axis=2)
         found = np.where(begins, math.nan, first)
         found[:, -1] = np.where(ends[:, -1], last[:, -1], math.nan)
@@ -125,12 +147,12 @@ class Judge:
 
 def judge_of(data: Results, conditions: Conditions | None = None) -> Judge:
     """Judge of one case, under `conditions`; None for those of `data`."""
-    judged = conditions or data.conditions
-    inferred = None
-    if data.infers:
-        inferred = infer_critical_temperature(data, judged)
-        judged = replace(judged, critical_temperature=inferred.temperature)
-    rises = rises_of(data, judged)
+    return _judge(data, rises_of(data, conditions or data.conditions))
+
+
+def _judge(data: Results, rises: Rises, given: Sequence[str] = ()) -> Judge:
+    """Judge by rises; `given` has the names of conditions that were given for a place."""
+    judged = rises.conditions
     _ = known_critical_temperature(judged)  # raises, as without it there is no verdict
-    evidence = inferred.evidence if inferred else evidence_of(data, judged)
-    return Judge(rises, evidence, inferred)
+    weighed = weigh(data, judged, effects_of(data, judged, given))
+    return Judge(rises.under(weighed.conditions), weighed)

@@ -81,19 +81,48 @@ class Belief:
     #: the smaller tail of an interval.
     expected: tuple[float, ...] = ()
 
-    def probability(self, y: Array | float, a: Sequence[float] = ()) -> Array:
-        """Probability that a place is severe, at each of `y`; `a` as in `Result`."""
-        row = self._row(a)
-        shift = np.einsum("gk,gk->g", self.means, row)
-        width = np.sqrt(np.einsum("gk,gkl,gl->g", row, self.covariances, row) + self.scatter**2)
-        places = np.asarray(y, float)
-        found = np.empty(places.size)
-        step = max(1, _AT_ONCE // len(self.weights))
-        for begin in range(0, places.size, step):
-            part = places.ravel()[begin : begin + step, None]
-            found[begin : begin + step] = ndtr((part + shift) / width) @ self.weights
-        found = np.clip(found, 0.0, 1.0)
-        return np.where(np.isnan(places), math.nan, found.reshape(places.shape))
+    def probability(self, y: Array | float, a: Sequence[float] | Array = ()) -> Array:
+        """Probability that a place is severe, at each of `y`.
+
+        `a` (n,) as in `Result`, or (k, n) for k places along the last axis of `y`.
+        """
+        places, effects = np.asarray(y, float), np.asarray(a, float)
+        if effects.ndim < 2:
+            shift, width = self._moments(effects[None])
+            found = self._severe(places.reshape(-1, 1), shift, width).reshape(places.shape)
+            return np.where(np.isnan(places), math.nan, found)
+        each, back = np.unique(effects, axis=0, return_inverse=True)
+        columns = places.reshape(-1, places.shape[-1]).T
+        found, step = np.empty_like(columns), max(1, _AT_ONCE // len(self.weights))
+        if len(each) == 1:
+            return self.probability(places, each[0])
+        for begin in range(0, len(columns), step):
+            part = slice(begin, begin + step)
+            shift, width = self._moments(each[back.ravel()[part]])
+            for k, column in enumerate(columns[part].T):
+                found[part, k] = self._severe(column[:, None], shift, width)
+        return np.where(np.isnan(places), math.nan, found.T.reshape(places.shape))
+
+    def _moments(self, a: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation (k, g) of what is added to y at k places."""
+        n = self.means.shape[1] - 1
+        a = a if a.shape[1] else np.zeros((1, n))
+        own, bias = self.covariances[:, :-1, :-1], self.bias
+        shift = a @ self.means[:, :-1].T + bias * self.means[:, -1]
+        variance = self.scatter**2 + bias**2 * self.covariances[:, -1, -1]
+        for i in range(n):
+            along = a @ own[:, i].T + 2 * bias * self.covariances[:, i, -1]
+            variance = variance + a[:, [i]] * along
+        return shift, np.sqrt(np.broadcast_to(variance, shift.shape))
+
+    def _severe(self, y: Array, shift: Array, width: Array) -> Array:
+        """Probability of severe wear at `y` (k, 1), with moments (k, g) or (1, g)."""
+        found, step = np.empty(len(y)), max(1, _AT_ONCE // len(self.weights))
+        for begin in range(0, len(y), step):
+            part = slice(begin, begin + step)
+            own = (shift, width) if len(shift) == 1 else (shift[part], width[part])
+            found[part] = ndtr((y[part] + own[0]) / own[1]) @ self.weights
+        return np.clip(found, 0.0, 1.0)
 
     def level(self, probability: float, a: Sequence[float] = ()) -> float:
         """The y at which a place is severe with this probability, found by halving."""
@@ -111,13 +140,11 @@ class Belief:
         mean = self.weights @ means
         return mean, np.sqrt(self.weights @ squares - mean**2)
 
-    def moved(self, way: float) -> Belief:
-        """The belief with its single input counted from `way` of its standard deviations on."""
-        return replace(self, means=self.means - np.array([way, 0.0]))
-
-    def _row(self, a: Sequence[float]) -> Array:
-        own = np.broadcast_to(np.asarray(a, float), (len(self.weights), len(a)))
-        return np.concatenate([own, self.bias[:, None]], axis=1)
+    def moved(self, way: float, number: int = 0) -> Belief:
+        """The belief with one of its inputs counted from `way` of its standard deviations on."""
+        step = np.zeros(self.means.shape[1])
+        step[number] = way
+        return replace(self, means=self.means - step)
 
 
 @functools.lru_cache(maxsize=64)

@@ -267,7 +267,9 @@ def forbidding_words(judge: Judge) -> tuple[str, str]:
     """Why no place of a case is mild, and why none is severe; empty where tests allow it."""
     no_mild, no_severe = judge.open_sides
     why = waiting_words(judge.evidence)
-    if judge.inferred is not None and not judge.inferred.is_bounded:
+    if lacking := judge.effects.waiting:
+        why = f"the uncertain {', '.join(lacking)} waits for its points: irg run SCENE"
+    if not judge.weighed.is_bounded:
         why = "the tests bound the critical temperature from one side only"
     return why * no_mild, why * no_severe
 

@@ -275,10 +275,9 @@ class Results:
         return Prior(self.stored.base.model_bias, self.stored.base.model_scatter)
 
     @property
-    def infers(self) -> bool:
-        """True if the critical temperature is to be found from the tests."""
-        is_given = PATHS["critical_temperature"] in self.judged
-        return self.stored.base.infers_critical and self.takes_tests and not is_given
+    def is_exact(self) -> bool:
+        """True if conditions that are given in place of the scene's have no uncertainty."""
+        return bool(self.rest.attrs.get("exact"))
 
     @property
     def patches(self) -> int:

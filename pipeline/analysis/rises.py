@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -246,18 +246,32 @@ class Rises:
         done, turns_back = np.where(is_point, nodes, math.nan), self.conditions.has_friction_curve
         return turns_of(nodes, lines, limits, done, self.ends[axis], turns_back)
 
-    def crossings(self, loads: Array, levels: Array) -> tuple[Array, Mask, Mask]:
+    def crossings(
+        self, loads: Array, levels: Callable[[Array, Array], Array]
+    ) -> tuple[Array, Mask, Mask]:
         """Velocities (k, m, n) at which y crosses m levels at k loads, ascending, then NaN.
 
-        Lines go on beyond the computed velocities, by a factor of up to 3. Two masks (k, m) follow:
-        True if y is above the level at the lowest velocity, and at the highest.
+        `levels` returns them at places. Lines go on beyond the computed velocities, by a factor of
+        up to 3. Two masks (k, m) follow: True if y is above the level at the lowest velocity, and
+        at the highest.
         """
         nodes = self._nodes(loads, FARTHEST)
         lines = self._lines(loads, nodes, np.ones((len(self.loads), len(nodes)), bool))
-        curve, limits = Curve(nodes, lines), self.limit * np.exp(levels)
-        found = curve.crossings(limits, np.arange(len(loads))[:, None])
-        first, last = (curve.end(end)[1][:, None] > limits for end in (0, -1))
-        return found, np.asarray(first), np.asarray(last)
+        places = [axis.ravel() for axis in np.meshgrid(loads, nodes, indexing="ij")]
+        shifts = levels(*places).reshape(-1, *lines.shape)
+        curves = [Curve(nodes, lines / np.exp(shift)) for shift in shifts]
+        rows = np.arange(len(loads))
+        found = [curve.crossings(np.array(self.limit), rows) for curve in curves]
+        most = max(one.shape[-1] for one in found)
+        padded = [
+            np.pad(one, ((0, 0), (0, most - one.shape[-1])), constant_values=math.nan)
+            for one in found
+        ]
+        first, last = (
+            np.stack([curve.end(end)[1] > self.limit for curve in curves], axis=1)
+            for end in (0, -1)
+        )
+        return np.stack(padded, axis=1), first, last
 
     def _nodes(self, loads: Array, reach: float) -> Array:
         """Velocities at which lines at `loads` are made, a factor of `reach` beyond the points."""

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.dataset import Layout
+from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.likelihood import Belief, Result, condition
 from pipeline.analysis.results import ABSENT, Results, TestResults
 from pipeline.analysis.specimen import specimen_at
@@ -49,6 +50,7 @@ class Row:
     mild: float = math.nan
     temperature: float = math.nan  # that the criterion compares, at the test's place [K]
     reason: str = ""  #: Why the test has no y; empty if it has one.
+    place: int = 0  #: Number of the test in the scene, from 0.
 
     @property
     def name(self) -> str:
@@ -105,20 +107,33 @@ def _signed(percent: float) -> str:
     return f"{percent:+.0f}" if abs(percent) >= 10 else f"{percent:+.2g}"
 
 
-def evidence_of(data: Results, oil: Conditions) -> Evidence:
+def evidence_of(
+    data: Results, oil: Conditions, effects: Effects | None = None, way: float = 0.0
+) -> Evidence:
     """Compare the tests of a scene with the model.
 
     Critical temperature, criterion and `[model] rise` are those of `oil`; friction and bulk
-    temperature are each test's own.
+    temperature are each test's own. The critical temperature is `way` of its standard deviations
+    from its value before the tests.
     """
+    effects = effects_of(data, oil) if effects is None else effects
     rows = tuple(_rows(data, oil)) if data.takes_tests else ()
     grouped = dict[str, list[Row]]()
     for row in rows:
         if not row.reason:
             grouped.setdefault(row.specimen, []).append(row)
     members = tuple(map(tuple, grouped.values()))
-    results = tuple(map(_result, members))
-    return Evidence(rows, results, members, condition(results, data.prior))
+    results = tuple(_moved_result(own, effects, way) for own in members)
+    return Evidence(rows, results, members, condition(results, data.prior, len(effects.inputs)))
+
+
+def _moved_result(rows: Sequence[Row], effects: Effects, way: float) -> Result:
+    """What one specimen says, with the inputs at their values before the tests."""
+    found = [effects.of_test(row.place, row.test, row.conditions) for row in rows if row.conditions]
+    a = tuple(np.mean(found, axis=0).tolist())
+    moved = 0.0 if effects.critical is None else a[effects.critical] * way
+    result = _result(rows)
+    return replace(result, y=result.y - moved, a=a)
 
 
 def _result(rows: Sequence[Row]) -> Result:
@@ -166,7 +181,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
         temperature = float(own.contact_temperature(rises[-1]))
         severe = y[-1] if test.outcome != "mild" else math.nan
         mild = y[0] if test.outcome != "severe" else math.nan
-        yield Row(test, own, severe, mild, temperature)
+        yield Row(test, own, severe, mild, temperature, place=number)
 
 
 def _why_missing(held: TestResults, place: int) -> str:

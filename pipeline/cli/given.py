@@ -121,5 +121,5 @@ def dataset_in(
     """
     ds = pipeline.open_sweep(options.store) if ds is None else ds
     entries = {path: value for path, value in options.at if path not in foreign}
-    without_tests = getattr(options, "without_tests", False)
-    return pipeline.at(ds, **conditions_in(options), without_tests=without_tests, **entries)
+    flags = values_in(options, "without_tests", "exact")
+    return pipeline.at(ds, **conditions_in(options), **flags, **entries)

@@ -213,7 +213,8 @@ OVER = several(
     "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
     "the scene", values.settings,
 )  # fmt: skip
-JUDGED = (AT, CONDITIONS, WITHOUT_TESTS)
+EXACT = flag("--exact", "take conditions that are given here as exact, without [uncertainty]")
+JUDGED = (AT, CONDITIONS, WITHOUT_TESTS, EXACT)
 
 OF_INFER = (
     *OF_SCENE, CRITERION, *KEPT,

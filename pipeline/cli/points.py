@@ -43,10 +43,10 @@ def point(options: argparse.Namespace) -> Result:
         velocities=velocities,
         tests=() if options.without_tests else sweep.tests,
     )
-    source = stored_tests_of(sweep) if places.tests else None
-    count = len(velocities) + sum(len(test.places) for test in places.tests)
+    source = stored_tests_of(sweep) if places.own_points else None
+    count = len(velocities) + sum(len(one.places) for one in places.own_points)
     if source is None and count > _MANY:
-        tell(f"{count} points are simulated, with those of the tests; --without-tests leaves these")
+        tell(f"{count} points are simulated, with those of tests and uncertain inputs")
     with store_path(None) as path:
         with working("simulating") as progress, writing(path, places) as store:
             wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]

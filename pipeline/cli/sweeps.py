@@ -189,6 +189,9 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     if cost.tests:
         yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
+    if cost.inputs:
+        simulated = ", ".join(one.path for one in sweep.inputs if one.is_simulated)
+        yield "inputs", f"{cost.inputs} points for the uncertain {simulated}"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"

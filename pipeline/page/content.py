@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.judge import judge_of
+from pipeline.analysis.inputs import effects_of
+from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.results import Results, results
@@ -30,6 +31,7 @@ from pipeline.page.controls import Control, controls
 from pipeline.page.pictures import FIELDS, packed_fields
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import Conditions, plain_values
+from pipeline.sweep.inputs import CRITICAL
 from pipeline.sweep.severity import above_colder, corrected_columns, rise_limit, worst_moment
 from tribo import Criterion, InputError
 from tribo.types import Array, Indices, Mask
@@ -61,8 +63,8 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     data = results(ds).take_moving()
     data.require_plane()
     sweep, conditions = data.sweep, data.conditions
-    if data.infers:
-        conditions = judge_of(data).conditions
+    judge = judge_of(data) if data.stored.inputs and conditions.critical_temperature else None
+    conditions = judge.conditions if judge else conditions
     unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
     ratios, done = _tabulated_ratios(unequal), data.done
     columns = corrected_columns(data.columns, conditions)
@@ -85,7 +87,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
         "bulk_ratios": ratios,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
         **_planes(decisive, data, conditions),
-        **_evidence(data, conditions, form),
+        **_evidence(data, conditions, form, judge),
         "fields": packed_fields(data.rest, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
@@ -219,8 +221,13 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     }
 
 
-def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) -> dict[str, Any]:
+def _evidence(
+    data: Results, conditions: Conditions, form: Sequence[Control], judge: Judge | None
+) -> dict[str, Any]:
     """What tests say, by critical temperature: probabilities by y, levels, and each test.
+
+    Uncertain inputs count as in the middle of the plane. At a critical temperature of the slider
+    other than the scene's, this one is exact.
 
     - ``criticals``: critical temperatures [K] of the tables, within those of the slider.
     - ``ys``: values of y of the table ``likely``, by critical temperature and y.
@@ -238,12 +245,17 @@ def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) ->
     for critical in criticals.tolist():
         try:
             under = replace(conditions, critical_temperature=critical)
-            found = evidence_of(data, under)
-            sides = found.open_sides()
+            if judge and critical == own:
+                found, effects, sides = judge.evidence, judge.effects, judge.open_sides
+            else:
+                effects = effects_of(data, under).without(CRITICAL)
+                found = evidence_of(data, under, effects)
+                sides = found.open_sides()
+            a = effects.middle(under)
         except InputError:  # at or below the bulk temperature
-            found, sides = _no_evidence(data), (True, True)
+            found, sides, a = _no_evidence(data), (True, True), ()
         evidence = found if critical == own else evidence
-        likely.append(found.belief.probability(ys))
+        likely.append(found.belief.probability(ys, a))
         levels.append(np.interp(DECIDED, likely[-1], ys).tolist())
         open_sides.append(sides)
     return {

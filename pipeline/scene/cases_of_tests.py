@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -74,20 +74,20 @@ class TestReader:
 
         `base` is the scene itself. A test without `with` or a hold of its own shares its scene.
         """
-        read, made = functools.cache(lambda key: self._changed_parts(json.loads(key))), []
+        made = []
         of_key = {"measured": itertools.count(), "tested": itertools.count()}
         for number, test in enumerate(map(test_of, tests_of(self.parts.declared))):
             place, case = f"{_list_of(test)}[{next(of_key[_list_of(test)])}]", base
             wrong = [*_misplaced(test)]
             if test.changes and not wrong:
-                parts, found = read(json.dumps(dict(test.changes)))
+                parts, found = self.read_changed(json.dumps(dict(test.changes)))
                 wrong += [f"{fault.key}: {fault.problem}" for fault in found]
                 faults.notes += [note for note in found.notes if note.place in test.changes]
                 if parts and parts.scene.unequal_bulks != base.scene.unequal_bulks:
                     problem = "this changes the unequal bulks, which must be the same in all tests"
                     wrong.append(f"{problem}; give bulk_temperature")
                 elif parts:
-                    case = _case_of(parts, base)
+                    case = case_of(parts, base)
                     if not self.reader.is_stored:
                         test = replace(test, changes=self._complete(parts, test.changes))
             for problem in wrong:
@@ -115,12 +115,19 @@ class TestReader:
             without = replace_value(without, "fidelity", None)
         return replace_values(without, own)
 
-    def _changed_parts(self, own: Mapping[str, Any]) -> tuple[Parts | None, Faults]:
-        faults = Faults(self.reader.is_stored, allows_store_only=True)
-        return self.reader.read_all(self._written_with(own), faults), faults
+    @functools.cached_property
+    def read_changed(self) -> Callable[[str], tuple[Parts | None, Faults]]:
+        """Function that reads the scene with changes by path, given as JSON, and their faults."""
+
+        @functools.cache
+        def read(changes: str) -> tuple[Parts | None, Faults]:
+            faults = Faults(self.reader.is_stored, allows_store_only=True)
+            return self.reader.read_all(self._written_with(json.loads(changes)), faults), faults
+
+        return read
 
 
-def _case_of(parts: Parts, base: Case) -> Case:
+def case_of(parts: Parts, base: Case) -> Case:
     """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
     names = "friction", "bulk_temperature", "disk_temperature", "corrections"
     own = {name: getattr(parts.conditions, name) for name in names}
@@ -165,14 +172,14 @@ def _list_of(test: Measurement) -> str:
 def _misplaced(test: Measurement) -> Iterator[str]:
     """Faults of paths in the changes of a test that it states itself, or cannot have."""
     for path in test.changes:
-        if any(_is_in(path, other) for other in _OF_ALL):
+        if any(is_in(path, other) for other in _OF_ALL):
             yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
         for name, others in _OWN.items():
-            if getattr(test, name) is not None and any(_is_in(path, one) for one in others):
+            if getattr(test, name) is not None and any(is_in(path, one) for one in others):
                 yield f"{quoted(path)} is set by the {name} of this test; give one of them"
 
 
-def _is_in(path: str, other: str) -> bool:
+def is_in(path: str, other: str) -> bool:
     """True if an entry is another one, or in its table, or its table has the other one."""
     return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")
 

@@ -70,16 +70,6 @@ def _surfaces_without_seeds(scene: Any) -> Misfits:
         yield "sweep.realizations", f"{count} {problem}"
 
 
-@_check("uncertainty", "temperature.critical")
-def _unknown_inputs(scene: Any) -> Misfits:
-    for path in scene.uncertainty or ():
-        if path != "temperature.critical":
-            yield f'uncertainty."{path}"', 'cannot be uncertain; give "temperature.critical"'
-        elif scene.temperature.critical is None:
-            problem = "has no value from which to begin; give temperature.critical, too"
-            yield f'uncertainty."{path}"', problem
-
-
 @_check("pin.length", "window.pixels", "window.pixel_size")
 def _short_pin(scene: Any) -> Misfits:
     length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]

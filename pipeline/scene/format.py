@@ -387,10 +387,11 @@ class SceneFile(Declared):
         "Temperatures that decide whether wear is severe. They act after the simulation."]
     model: A[Model | None, "What the model leaves out, and its error."] = None
     uncertainty: A[dict[str, str] | None,
-        ByPath(OneOf((FROM_TESTS,)), "paths of entries that are not known"),
-        '`"temperature.critical" = "from tests"` finds the critical temperature from the tests; '
-        "the scene's own is where the search begins.",
-        Example({"temperature.critical": FROM_TESTS})] = None
+        ByPath(Text(), "paths of entries that are not known exactly"),
+        'Standard uncertainties of entries: "20 %", "factor 2", of temperatures "8 K". '
+        '`"temperature.critical" = "from tests"` finds the critical temperature from the tests '
+        "alone; the scene's own is where the search begins.",
+        Example({"materials.steel.thermal_conductivity": "20 %"})] = None
     fidelity: A[Any, table_of(FidelityTable),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None

@@ -13,6 +13,7 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
+from pipeline.scene.uncertain import InputReader
 from pipeline.sweep.case import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
@@ -100,7 +101,9 @@ def read_sweep(
     parts, found = source.parts, Faults() if faults is None else faults
     declared, base = parts.declared, _case_of((), parts)
     entries = source.reader.complete(source.written, parts)
-    tests = TestReader(source.reader, source.written, entries, parts).tests(base, found)
+    test_reader = TestReader(source.reader, source.written, entries, parts)
+    tests = test_reader.tests(base, found)
+    inputs = tuple(InputReader(test_reader, base, variants).inputs(tests, found))
     if faults is None and found:
         raise InputError(f"{found[0].key}: {found[0].problem}")
     return Sweep(
@@ -115,6 +118,7 @@ def read_sweep(
         fields=declared.sweep.fields,
         steps=declared.sweep.steps,
         tests=tests,
+        inputs=inputs,
         notes=notes,
         sources=sources,
         stations=stations,
@@ -154,7 +158,6 @@ def _case_of(name: Variant, parts: Parts) -> Case:
         friction_band=friction.band,
         model_bias=model.bias,
         model_scatter=model.scatter,
-        infers_critical=bool(parts.declared.uncertainty),
         lubricant=parts.oil,
         preset=parts.preset,
     )

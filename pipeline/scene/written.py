@@ -12,7 +12,7 @@ from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
 from pipeline.scene.declare import ByPath, Either, List, Table, Tables, attribute_of, table_of
 from pipeline.scene.format import FidelityTable
-from pipeline.scene.kinds import Kind, Quantity
+from pipeline.scene.kinds import Kind, Quantity, Text
 from pipeline.scene.units import si_unit, to_si, typeset
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
@@ -26,7 +26,8 @@ def entries_of(kind: Kind, value: Any) -> Any:
 
     `kind` says how the entry is read: as a quantity, list or table, for example. A list gives a
     list of converted values, a table a dictionary of them. The result is None if `value` is None,
-    infinite or an empty tuple, or `kind` is `ByPath`: a scene file then leaves out the entry.
+    infinite or an empty tuple, or `kind` is `ByPath` without texts: a scene file then leaves out
+    the entry.
     """
     match kind:
         case _ if value is None or value == math.inf or (isinstance(value, tuple) and not value):
@@ -43,6 +44,8 @@ def entries_of(kind: Kind, value: Any) -> Any:
             return [entries_of(of, one) for one in value]
         case Tables(of):
             return {key: entries_of(of, one) for key, one in value.items()}
+        case ByPath(Text()):  # [uncertainty]
+            return dict(value)
         case ByPath():  # such tables are stored as rows, or as the user wrote them
             return None
         case Quantity():

@@ -108,7 +108,7 @@ def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
     Results of the layout before stay where they are, unless the tests need more steps.
     """
     old = before.layout if before else None
-    if not sweep.tests:
+    if not sweep.own_points:
         return old and old._replace(slots=grown_slots(old.slots, sweep))
     judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
     steps = most_steps(sweep, slots, judges_hold)

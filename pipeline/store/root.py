@@ -395,7 +395,7 @@ def _fit_axes(root: Root) -> bool:
 
 def _numbers_of(sweep: Sweep) -> range:
     """Numbers that the test of a slot may have."""
-    return range(NO_TEST, len(sweep.tests))
+    return range(NO_TEST, len(sweep.own_points))
 
 
 def read_metadata(place: StorePlace) -> dict[str, Document]:

@@ -27,8 +27,6 @@ class Case:
     model_bias, model_scatter : float
         How far the model may be off, as parts of the rise: shared by all specimens, and each one's
         own.
-    infers_critical : bool
-        True if the critical temperature is to be found from the tests.
     lubricant : Oil or None
         The oil between the bodies, which does not affect simulations.
     preset : str or None
@@ -41,6 +39,5 @@ class Case:
     friction_band: tuple[float, float] | None
     model_bias: float
     model_scatter: float
-    infers_critical: bool
     lubricant: Oil | None
     preset: str | None

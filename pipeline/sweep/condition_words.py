@@ -50,7 +50,7 @@ def verdict_conditions(
     conditions: Conditions, velocity: float | None = None, tests: Iterable[Measurement] = ()
 ) -> str:
     """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`."""
-    critical = display(known_critical_temperature(conditions), "°C")
+    critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
     return f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
 
 

@@ -22,7 +22,7 @@ def scene_ids(sweep: Sweep) -> list[int]:
         case = sweep.case(name)
         parts = [of_part(getattr(case.scene, one.name)) for one in fields(case.scene)]
         rest = [getattr(case, one.name) for one in fields(case) if one.name not in _NAMED]
-        return digest((*parts, rest, sweep.tests))
+        return digest((*parts, rest, sweep.tests, sweep.inputs))
 
     for name in table.names:
         ids.append(int.from_bytes(bytes.fromhex(of_scene(name)[:8]), signed=True))

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Self
 from pipeline.sweep.case import Case
 from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.digest import digest
+from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_places
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.remarks import Remark
 from pipeline.sweep.shown import shown
@@ -66,6 +67,8 @@ class Sweep:
         Steps to store; None for the default.
     tests : tuple of Measurement
         Tests of the scene, each with its own case; those that measured a transition come first.
+    inputs : tuple of Input
+        Uncertain inputs of the scene.
     notes : sequence of Remark
         Assumptions made on reading the scene.
     sources : tuple of FromLibrary
@@ -99,6 +102,7 @@ class Sweep:
     fields: bool
     steps: Steps | None
     tests: tuple[Measurement, ...]
+    inputs: tuple[Input, ...] = ()
     notes: Sequence[Remark] = ()
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None
@@ -118,7 +122,7 @@ class Sweep:
         labels = self.variants.columns, [row.labels for row in self.rows]
         plane = self.loads, self.velocities, self.fields, self.steps
         words = self.title, self.caveat
-        return digest(((self.base, *self.cases), plane, words, self.tests, labels))
+        return digest(((self.base, *self.cases), plane, words, self.tests, self.inputs, labels))
 
     @property
     def scene(self) -> Scene:
@@ -154,6 +158,12 @@ class Sweep:
     def tested(self) -> tuple[Measurement, ...]:
         """Tests with an outcome, mild or severe."""
         return tuple(test for test in self.tests if test.outcome)
+
+    @cached_property
+    def own_points(self) -> tuple[Measurement | InputPoints, ...]:
+        """What has points beside the plane: the tests, then the uncertain inputs."""
+        places = spread_places(self.loads, self.velocities)
+        return (*self.tests, *input_points(self.inputs, self.base, places, self.tests))
 
     @property
     def rows(self) -> tuple[Row, ...]:

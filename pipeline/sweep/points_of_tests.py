@@ -1,4 +1,4 @@
-"""Points of the tests of a scene: a sweep of their own, each at its load and velocity."""
+"""Points of the tests and uncertain inputs of a scene: a sweep of their own."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Slot(NamedTuple):
     scene_hash: str
     load: float  # [N]
     velocity: float  # [m/s]
-    test: int  # number of the test in the scene, from 0
+    test: int  # number of the test in the scene, from 0; uncertain inputs follow
 
     @property
     def is_wanted(self) -> bool:
@@ -36,11 +36,11 @@ class Slot(NamedTuple):
 
 
 def wanted_slots(sweep: Sweep) -> list[Slot]:
-    """The points of a scene's tests, in the order of the tests."""
+    """The points of a scene's tests and uncertain inputs, in the order of `Sweep.own_points`."""
     return [
-        Slot(sweep.hash_scene(test.simulated.scene), *place, number)
-        for number, test in enumerate(sweep.tests)
-        for place in test.places
+        Slot(sweep.hash_scene(one.simulated.scene), *place, number)
+        for number, one in enumerate(sweep.own_points)
+        for place in one.places
     ]
 
 
@@ -73,9 +73,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
     """
     columns = (
         Column(TEST_POINT, meaning="number of the point of a test"),
-        Column(
-            TEST, "1", TEST_POINT, meaning=f"number of the test in the scene, {NO_TEST} for none"
-        ),
+        Column(TEST, "1", TEST_POINT, meaning=f"number of the test or input, {NO_TEST} for none"),
         Column(SCENE_HASH, None, TEST_POINT, meaning="SHA-256 of the scene that is simulated"),
         *(
             Column(k, unit, TEST_POINT, meaning=f"{k} of the test")
@@ -83,7 +81,9 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
         ),
     )
     rows = tuple(Row({TEST_POINT: k, **slot._asdict()}, {}) for k, slot in enumerate(slots))
-    cases = (sweep.tests[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots)
+    cases = (
+        sweep.own_points[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots
+    )
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -98,7 +98,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
 
 def judges_holds(sweep: Sweep) -> bool:
     """True if the holds of tests are judged at each step, since a body gets warmer in them."""
-    kept = (test.simulated.conditions.corrections for test in sweep.tests)
+    kept = (one.simulated.conditions.corrections for one in sweep.own_points)
     return any(corrections.keeps_heat for corrections in kept if corrections)
 
 
@@ -106,7 +106,7 @@ def most_steps(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> int:
     """Room for the stored steps of the points of tests, also if they are held."""
     stations = Stations("end", judges_hold)
     pairs = {
-        (sweep.tests[slot.test].simulated.scene, slot.load) for slot in slots if slot.is_wanted
+        (sweep.own_points[slot.test].simulated.scene, slot.load) for slot in slots if slot.is_wanted
     }
     return max(len(stations.kept(_held(scene), load)) for scene, load in pairs)
 

@@ -31,7 +31,7 @@ from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "stations"}
 _TESTS = {"measured": False, "tested": True}  # True if each test has an outcome
-_DECLARED = ("title", "caveat", "friction_band", "model_scatter", "model_bias")
+_DECLARED = ("title", "caveat", "friction_band", "model_scatter", "model_bias", "uncertainty")
 PART_OF = {one.name: "scene" for one in fields(tribo.Scene)}
 PART_OF |= dict.fromkeys((*_TESTS, "oil", "preset"), "parts")
 PART_OF |= dict.fromkeys(("loads", "velocities", "fields", "steps"), "plane")
@@ -137,7 +137,7 @@ def _entries(name, value, sweep):
             return {"sweep.velocities": _quantities(value, "1 m/s")}
         case "fields" | "steps", _:
             return {f"sweep.{name}": value}
-        case "title" | "caveat", _:
+        case "title" | "caveat" | "uncertainty", _:
             return {name: value}
         case "fidelity", _:
             return {"fidelity": entries_of(table_of(FidelityTable), complete_fidelity(None, value))}

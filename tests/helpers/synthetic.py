@@ -141,12 +141,14 @@ def sweep(
     return with_tests(xr.Dataset(data, coords, attributes_of(of)), rise)
 
 
-def with_tests(ds, rise=rise, status=DONE):
+def with_tests(ds, rise=rise, status=DONE, moved=None):
     """The dataset with results of the tests of its scene, each at the end of its load.
 
-    `status` is one state of all their points, or one for each.
+    `status` is one state of all their points, or one for each. `moved` has the factor on the rise
+    of each simulated uncertain input, by path.
     """
-    slots = wanted_slots(scene_sweep(ds))
+    stored = scene_sweep(ds)
+    slots = wanted_slots(stored)
     if not slots:
         return ds
     flags = np.broadcast_to(status, len(slots))
@@ -170,6 +172,8 @@ def with_tests(ds, rise=rise, status=DONE):
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
+    paths = [getattr(stored.own_points[slot.test], "path", "") for slot in slots]
+    hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
     found[test_variable("rise_quantile")] = (TEST_POINT, TEST_STEP, "cooler_share"), hot
     return ds.assign_coords(found)
