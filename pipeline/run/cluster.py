@@ -14,6 +14,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import dask
 from distributed import Client as Client
@@ -59,7 +60,8 @@ LOST = f"the Dask scheduler is lost; {SAFE}"
 
 _START, _TRIES = 120.0, 3  # time that workers may take to start [s], and attempts
 _END = 60.0  # time that the cluster may take to end [s], after which its processes are killed
-_WORD = 10.0  # time without a worker after which the user is told [s]
+WORD = 10.0
+"""Time without a worker, or without news of any point, after which the user is told [s]."""
 # The extension `spans` keeps 300 B for each task that has ever been.
 _EXTENSIONS = {name: one for name, one in DEFAULT_EXTENSIONS.items() if name != "spans"}
 _ADVICE = "take fewer workers, or fewer window.pixels"
@@ -122,11 +124,12 @@ class Connection:
     patience: float = PATIENCE  #: Time for answers, and for workers to come if there are none [s].
     progress: Report = silent
     cluster: LocalCluster | None = None  #: The cluster if it was started here.
-    #: Number of threads of each worker, by address, at the last update.
+    #: Number of threads of each worker that takes tasks, by address, at the last update.
     workers: dict[str, int] = field(default_factory=dict)
+    _signs: dict[str, _Sign] = field(default_factory=dict)
     _reported: set[str] = field(default_factory=set)
     _looked: float = -math.inf
-    _seen: float = field(default_factory=time.monotonic)
+    _seen: float = field(default_factory=time.monotonic)  # time when a worker last took tasks
     _kills: int = field(default_factory=oom_kills)
 
     def report(self, words: str) -> None:
@@ -152,27 +155,70 @@ class Connection:
     def update(self) -> bool:
         """Update `workers`, at most once a second; return True if they were updated now.
 
-        Raises an `ExecutionError` if the scheduler is lost, or there is no worker for too long.
+        Raises an `ExecutionError` if the scheduler is lost, or no worker takes tasks for too long.
         """
         now = time.monotonic()
         if now - self._looked < POLL:
             return False
         self._looked = now
-        with self.reached():
-            self.workers = self.client.nthreads(callback_timeout=self.patience)
+        self._look(now)
         if self.cluster:  # Dask replaces a worker only if asked, 15 s after its death
             self.cluster.scale(len(self.cluster.worker_spec))
         dask.utils.key_split.cache_clear()  # its cache has 240 B for each of the last 100 000 tasks
         patience, absent = duration(self.patience), now - self._seen
-        if self.workers:
-            self._seen = now
-        elif absent >= self.patience:
-            raise ExecutionError(
-                f"there is no Dask worker, and none has come within {patience}; {SAFE}"
-            )
-        elif absent >= min(_WORD, self.patience / 2):
-            self.report(f"there is no Dask worker; waiting up to {patience} for one")
+        if not self.workers and absent >= self.patience:
+            raise ExecutionError(f"{self._cause()}, and none has come within {patience}; {SAFE}")
+        if not self.workers and absent >= min(WORD, self.patience / 2):
+            self.report(f"{self._cause()}; waiting up to {patience} for one")
         return True
+
+    def _look(self, now: float) -> None:
+        """Ask the scheduler for its workers, and note which of them take tasks."""
+        with self.reached():
+            # Not by `Client.scheduler_info`, which waits without end for a scheduler that stands.
+            asked = self.client.scheduler.identity
+            found = self.client.sync(asked, n_workers=-1, callback_timeout=self.patience)["workers"]
+        before, self._signs = self._signs, {}
+        for address, one in found.items():
+            sign = before.get(address)
+            is_able = one["status"] == "running" and not (sign and sign.beat == one["last_seen"])
+            since = now if is_able or sign is None else sign.since
+            self._signs[address] = _Sign(one["status"], one["last_seen"], since)
+        self.workers = {
+            address: found[address]["nthreads"]
+            for address, sign in self._signs.items()
+            if sign.status == "running" and now - sign.since < WORD
+        }
+        self._seen = max([self._seen, *(sign.since for sign in self._signs.values())])
+
+    def has(self, worker: str) -> bool:
+        """True if a worker is there, and has not stood still or been paused for too long."""
+        sign = self._signs.get(worker)
+        return sign is not None and self._looked - sign.since < max(self.patience, 2 * WORD)
+
+    def _cause(self) -> str:
+        """Why no worker takes tasks, in words."""
+        if not self._signs:
+            return "there is no Dask worker"
+        paused = [address for address, sign in self._signs.items() if sign.status == "paused"]
+        silent = self._signs.keys() - {*paused}
+        causes = [
+            f"{_named(paused)} paused by Dask, for want of memory there" if paused else "",
+            f"{_named(silent)} silent, stopped or restarting" if silent else "",
+        ]
+        return f"no Dask worker takes tasks: {', '.join(filter(None, causes))}"
+
+    def report_wait(self, own: Collection[str]) -> None:
+        """Report if tasks of others keep all threads of the workers; `own` are keys of this run."""
+        with self.reached():
+            asked = self.client.scheduler.processing
+            found = self.client.sync(asked, workers=None, callback_timeout=self.patience)
+        others = {address: len({*keys} - {*own}) for address, keys in found.items()}
+        if all(others.get(address, 0) >= count for address, count in self.workers.items()):
+            self.report(
+                f"no Dask worker has a free slot: tasks of others ({sum(others.values())}) "
+                "run or wait there, and points are computed after them"
+            )
 
     def memory_cause(self, workers: Collection[str]) -> str:
         """Message that one of `workers` (addresses) was killed for lack of memory; else empty.
@@ -187,6 +233,19 @@ class Connection:
         if self.cluster and oom_kills() > self._kills:
             return f"the kernel has killed processes here for want of memory; {_ADVICE}"
         return ""
+
+
+class _Sign(NamedTuple):
+    """Last sign of life of a worker, and when it last was able to take tasks [s]."""
+
+    status: str
+    beat: float  # by the clock of the scheduler
+    since: float
+
+
+def _named(workers: Collection[str]) -> str:
+    first = min(workers)
+    return first + (f" and {len(workers) - 1} more are" if len(workers) > 1 else " is")
 
 
 @contextmanager

@@ -19,8 +19,8 @@ from typing import Any
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, POLL, Connection
-from pipeline.run.work import CODE, FOLDER, INSTALL, ExecutionError, Work, on_worker
+from pipeline.run.cluster import LOST, POLL, WORD, Connection
+from pipeline.run.work import CODE, FOLDER, INSTALL, TASK, ExecutionError, Work
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task
 from pipeline.sweep.station_choice import choose_stations
@@ -66,6 +66,7 @@ class Jobs:
         # Pending requests for results, each with the futures that it asks for, by key.
         self._gathering: dict[Answer[dict[str, Any]], dict[str, Future]] = {}
         self._next = 0.0  # time of the next gathering
+        self._last = time.monotonic()  # time of the last news
         self._without_result: list[tuple[Job, Loss]] = []
         self.running: dict[str, Job] = {}
         self.computed: dict[str, Job] = {}
@@ -76,6 +77,8 @@ class Jobs:
     def __exit__(self, *_: object) -> None:
         for gathering in self._gathering:
             gathering.cancel()
+        for job in (*self.running.values(), *self.computed.values()):
+            job.future.release()  # nothing stays on a scheduler of others; no answer is waited for
 
     def __bool__(self) -> bool:
         return bool(self.running or self.computed or self._without_result)
@@ -93,15 +96,16 @@ class Jobs:
         """Give a task to Dask."""
         number, first = next(self._numbers), job.task.point
         key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._name}-{number}"
-        self.running[key] = job
+        given = CODE, FOLDER, self._work(first.variant), tuple(first)
         with self._link.reached():
             # Without a priority Dask orders tasks of one moment by chance.
             job.future = self._client.submit(
-                on_worker, CODE, FOLDER, self._work(first.variant), tuple(first), key=key,
+                eval, TASK, {"given": given}, key=key,
                 priority=-number,
                 workers=job.worker or None,
                 allow_other_workers=bool(job.worker) and not job.is_alone,
             )  # fmt: skip
+        self.running[key] = job
         job.future.add_done_callback(self._note)
 
     def _note(self, future: Future) -> None:
@@ -121,6 +125,10 @@ class Jobs:
         if the list of workers was just updated (`has_looked`).
         """
         lost, self._without_result = self._without_result, []
+        if self._ended or not self._link.workers:
+            self._last = time.monotonic()
+        elif has_looked and time.monotonic() - self._last > WORD:
+            self._link.report_wait(self.running.keys())
         while self._ended:
             key = self._ended.popleft()
             if not (job := self.running.pop(key, None)):  # it was given up before
@@ -131,13 +139,12 @@ class Jobs:
                 lost.append((job, self._loss(job)))
         if has_looked:
             # Dask may never end a task whose worker is gone.
-            present = {ANYWHERE, *self._link.workers}
             for jobs, loss in ((self.running, Loss.LEFT), (self.computed, Loss.FORGOTTEN)):
                 for key, job in [*jobs.items()]:
-                    if job.worker not in present and not job.future.done():
+                    is_gone = job.worker and not self._link.has(job.worker)
+                    if is_gone and not job.future.done():
                         del jobs[key]
-                        with self._link.reached():
-                            self._client.cancel([job.future])
+                        job.future.release()
                         lost.append((job, loss))
         return lost
 
@@ -154,7 +161,8 @@ class Jobs:
             return Loss.FORGOTTEN
         if isinstance(error, ExecutionError):
             raise error
-        raise ExecutionError(f"{_CANNOT}: {error}; {INSTALL}")
+        where = f" ({job.worker})" if job.worker else ""
+        raise ExecutionError(f"{_CANNOT}: {error}{where}; {INSTALL}")
 
     def results(self) -> Iterator[bytes]:
         """Yield pickled results that have arrived, and request further results.

@@ -100,16 +100,9 @@ _one_at_a_time = threading.Lock()
 _trunks = Trunks()
 
 
-def on_worker(*args: Any) -> bytes:
-    """Compute a point on a worker; arguments are those of `compute_point`."""
-    from pipeline.run.work import compute_point
-
-    return compute_point(*args)
-
-
-# Sent by value: a worker that cannot unpickle a task drops its connection without a word, while an
-# import that fails within the task is an error of the task.
-on_worker.__module__ = "__main__"
+# A task is this text, for `eval`: a worker that cannot unpickle a task drops its connection
+# without a word, while an import that fails within the task is an error of the task.
+TASK = "__import__('pipeline.run.work', fromlist=['work']).compute_point(*given)"
 
 
 def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -> bytes:

@@ -20,10 +20,11 @@ import numpy as np
 import psutil
 import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
+from distributed.core import Status
 
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
-from pipeline.run.cluster import client_of, connected
+from pipeline.run.cluster import Connection, client_of, connected
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import CODE, ExecutionError, hash_of_code
 from pipeline.store.progress import summary
@@ -277,6 +278,24 @@ def test_any_client_computes_the_same_a_task_for_each_point(tmp_path, alone):
     places = itertools.product(SWEEP.loads, SWEEP.velocities)
     assert named.keys() == {f"point-{load:g}N-{velocity:g}ms" for load, velocity in places}
     assert sum(map(len, named.values())) == 0
+
+
+def test_why_no_worker_takes_tasks_is_said_within_the_patience(tmp_path):
+    settings = {"processes": False, "n_workers": 1, "threads_per_worker": 1, "memory_limit": 0}
+    notes = []
+    with LocalCluster(**settings, dashboard_address=None) as cluster, Client(cluster) as client:
+        link = Connection(client, progress=lambda progress: notes.append(progress.words))
+        other = client.submit(time.sleep, 0.5)
+        while not (notes or other.done()):
+            link.update()
+            link.report_wait(own=())
+        assert "no Dask worker has a free slot: tasks of others (1)" in notes[0]
+        cluster.workers[0].status = Status.paused
+        with pytest.raises(ExecutionError, match=r"is paused by Dask.*none has come within 1 s"):
+            run_sweep(SHORT, tmp_path / "out.zarr", client=client, patience=1.0)
+        other.release()
+        while cluster.scheduler.tasks:  # the run itself leaves none there
+            time.sleep(0.01)
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
