@@ -146,6 +146,20 @@ def override_entries(document: Document, overrides: Mapping[str, Any], faults: F
     return Document((FileEntries(document.file, top), *document.layers))
 
 
+def without_empty_tables(document: Document, faults: Faults) -> Document:
+    """The document without empty tables over entries of lower layers; each is a fault."""
+    layers = list[FileEntries]()
+    for number, layer in enumerate(document.layers, 1):
+        entries = layer.entries
+        for path in [path for path, value in flat(entries) if value == {}]:
+            if any(entry_at(lower.entries, path) for lower in document.layers[number:]):
+                problem = "an empty table changes nothing; give its entries, or leave it out"
+                faults.append(Fault(path, problem, layer.file))
+                entries = replace_value(entries, path, None)
+        layers.append(FileEntries(layer.file, entries))
+    return Document(tuple(layers))
+
+
 def _leave_out(document: Document, value: Any, file: Path, faults: Faults) -> Document:
     """The document without the entries listed in `value`, the list ``without`` of `file`."""
     wrong, entries = Faults(), document.entries()

@@ -10,7 +10,7 @@ import numpy as np
 
 import tribo
 from pipeline.scene.declare import table_of
-from pipeline.scene.document import override_entries, read_document
+from pipeline.scene.document import override_entries, read_document, without_empty_tables
 from pipeline.scene.extensions import begin
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.format import FidelityTable, SceneFile
@@ -76,6 +76,7 @@ def load_scene(
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
     document = override_entries(document, replaced, faults)
+    document = without_empty_tables(document, faults)
     document, extensions = begin(document, faults)
     entries = document.entries()
     folders = {file: document.file_of(file).parent for file in FILES}

@@ -127,3 +127,13 @@ def test_settings_reach_whole_entries_and_leave_some_out():
     assert (sweep.title, sweep.scene.wear, sweep.lubricant.density) == ("Mine", None, 862.0)
     sweep = load_scene("first_try", overrides=wear | {"without": ["wear", "oil"]})
     assert (sweep.scene.wear.pattern, sweep.lubricant) == ("local", None)
+
+
+@pytest.mark.parametrize(
+    ("path", "written"), [("sweep.loads", "loads = {}"), ("sweep.velocities", "velocities = {}")]
+)
+def test_an_empty_table_over_another_is_refused_by_name(write, path, written):
+    own = write(own=f"{EXTENDS}[sweep]\n{written}\n")
+    said = f"{path}: an empty table changes nothing; give its entries, or leave it out"
+    assert faults_of(own) == [said]
+    assert faults_of(write(base=TEXT), overrides={path: {}}) == [said]
