@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -87,7 +88,7 @@ class Evidence:
                 names = " and ".join(row.name for row in rows)
                 yield f"{names}: the other tests give it less than 1 %; is it a slip?"
 
-    @property
+    @functools.cached_property  # asked for at each operating point
     def text(self) -> str:
         """How far the model may be off, as a part of the rise, and by how many tests."""
         low, high = (math.expm1(-self.belief.level(p)) for p in (0.95, 0.05))

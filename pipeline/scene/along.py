@@ -23,7 +23,7 @@ from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_sheet
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.limits import MOST_SCENES
+from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVE, entry_at, flat
 from pipeline.sweep.tables import FRICTION as COEFFICIENT
@@ -95,7 +95,7 @@ class OperatingPoints:
         """
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
-        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name)
+        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name, MOST_PLACES)
         _, rows = sheet.entries(_ConditionsTable)
         sheet.faults[:0] = _column_faults(sheet)
         sheet.refuse_faults("load [N],velocity [m/s]")
@@ -220,7 +220,7 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
 def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
     """Read rows of a file as entries by heading; empty if a row is faulty."""
     try:
-        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys)
+        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys, most=MOST_SCENES)
     except InputError as error:
         faults.refuse("sweep.along", str(error))
         return []

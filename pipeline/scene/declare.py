@@ -41,7 +41,7 @@ from pipeline.scene.kinds import (
     require,
 )
 from pipeline.scene.units import exact_decimals, exact_si
-from pipeline.sweep.limits import MOST_ON_AXIS
+from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.sweep.tables import flat
 from tribo.loading.ramp import MOST_STEPS
 
@@ -129,12 +129,15 @@ class List(Kind):
     of: Kind
     length: int | None = None
     distinct: bool = False
+    most: int = MOST_SCENES
 
     def __str__(self) -> str:
         return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.of}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
         require(value, list, "is not a list")
+        if len(value) > self.most:
+            raise UnfitError(f"{len(value)} entries are too many, at most {self.most} are allowed")
         if len(value) != (self.length or max(len(value), 1)):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
             raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")

@@ -34,7 +34,7 @@ from pipeline.scene.kinds import (
     UnitText,
     Whole,
 )
-from pipeline.sweep.limits import MOST_SCENES
+from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.sweep.measurement import OUTCOMES
 
 USUAL_PRESET = "standard"
@@ -288,8 +288,10 @@ FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
 })
 
 class SweepTable(Declared):
-    loads: A[tuple[float, ...], Sorted(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."]
-    velocities: A[tuple[float, ...], Sorted(List(VELOCITY, distinct=True), Range(VELOCITY)),
+    loads: A[tuple[float, ...],
+        Sorted(List(LOAD, distinct=True, most=MOST_ON_AXIS), Range(LOAD)), "Normal loads."]
+    velocities: A[tuple[float, ...],
+        Sorted(List(VELOCITY, distinct=True, most=MOST_ON_AXIS), Range(VELOCITY)),
         "Sliding velocities."]
     realizations: A[int | tuple[int, ...] | None,
         Either(Whole(at_least=1, at_most=MOST_SCENES), List(SEED, distinct=True)),

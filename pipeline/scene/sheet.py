@@ -8,6 +8,7 @@ derives quantities from others, by its module ``tables``.
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,7 +32,7 @@ from pipeline.scene.faults import (
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.names import Heading, Names
 from pipeline.scene.units import as_entry, clock_time, is_unit, to_si, unit_of_table
-from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
+from pipeline.sweep.limits import MOST_BYTES_OF_TEXT, MOST_ROWS
 from tribo import InputError
 from tribo.types import Array
 
@@ -252,8 +253,8 @@ def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
     return max(BETWEEN, key=fitness)
 
 
-def read_lines(path: Path, names: Names, sheet: str | None) -> list[Lines]:
-    """Read the non-empty rows of a text file, or of each sheet of a workbook.
+def read_lines(path: Path, names: Names, sheet: str | None, most: int = MOST_ROWS) -> list[Lines]:
+    """Read the non-empty rows of a text file, at most `most`, or of each sheet of a workbook.
 
     Returns one `Lines` for a text file, or one for each sheet. `sheet` is the only sheet to read;
     None reads all sheets. `names` are the quantities that headings may name, which help to find the
@@ -265,12 +266,22 @@ def read_lines(path: Path, names: Names, sheet: str | None) -> list[Lines]:
             tables: list[Lines] = extras.module("workbook").read_book(path, sheet)
             return tables
         text, form = decoded(content)
-        mark = find_separator(lines := text.splitlines(), names)
+        _require_few(path, lines := text.splitlines(), most)
+        mark = find_separator(lines, names)
         rows = [row for row in split_lines(lines, mark) if any(row.cells)]
     except (OSError, csv.Error) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         raise InputError(f"{path} cannot be read: {reason}") from error
     return [Lines(rows, [f"{BETWEEN[mark]} between cells", *form])]
+
+
+def _require_few(path: Path, lines: Sequence[str], most: int) -> None:
+    """Raise an `InputError` for more than `most` rows, before they are split into cells."""
+    if len(lines) > most + _MOST_ABOVE:
+        raise InputError(
+            f"{path} has {len(lines)} rows, and at most {most} can be used here; keep fewer, such "
+            f"as one of {math.ceil(len(lines) / most)}"
+        )
 
 
 def headings_at(rows: Sequence[SheetRow], k: int) -> tuple[list[Heading], int]:
@@ -377,17 +388,19 @@ def _make_plain(sheet: Sheet, decimal: str | None) -> None:
 
 def read_sheet(
     source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
-    moving: Collection[str] = (), sheet: str | None = None,
+    moving: Collection[str] = (), sheet: str | None = None, most: int = MOST_ROWS,
 ) -> Sheet:  # fmt: skip
     """Read a table from a file or from lines (`source`), and find the columns of quantities.
 
     `units` has the quantities to look for, with their SI units. Rows that lack a `needed` quantity,
     or in which a quantity of `moving` is 0, are left out and counted. `sheet` is the name of a
-    sheet in a workbook.
+    sheet in a workbook, and `most` the largest number of rows of a text.
     """
     words: Any = next(extras.modules("tables"), None)
     names = words.WordNames(units) if words else Names(units)
-    tables = read_lines(user_path(source), names, sheet) if isinstance(source, Path) else [source]
+    tables = (
+        read_lines(user_path(source), names, sheet, most) if isinstance(source, Path) else [source]
+    )
     found = sheet_of("points" if isinstance(source, Lines) else str(source), tables, names)
     if words:
         words.derive(found, needed)

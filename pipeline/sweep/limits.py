@@ -10,5 +10,9 @@ MOST_BYTES_OF_BOOK = 10_000_000
 """Most bytes that a workbook may unpack to: 300 000 cells, each an object of over 100 bytes."""
 MOST_CELLS_OF_SHEET = 1_000_000
 """Most cells of a sheet; empty cells before the last filled one count, since they are read."""
+MOST_ROWS = 1_000_000
+"""Most rows of a table in text, which are read within a minute."""
+MOST_PLACES = 100_000
+"""Most operating points of a table, which are judged within a minute."""
 MOST_BYTES_OF_TEXT = 100_000_000
 """Most bytes of a table in text: some ten million cells, each an object of 60 bytes."""

@@ -161,7 +161,7 @@ REFUSALS = {
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
-              "at most 100000 are allowed"),
+              "at most 10000 are allowed"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
     "columns": (lambda: MeasuredLoad([0.0, 1.0], [1.0]), "two columns of equal length"),
     "row": (lambda: MeasuredLoad([0.0, 0.0], [0.0, 1.0]), "row 1 (counted from 0): time 0 s"),

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from tribo.constants import HOLD_GROWTH, LEAST_SHARE_OF_INCREMENTS
 from tribo.errors import InputError, require_integer, require_positive
 
-MOST_STEPS = 100_000
+MOST_STEPS = 10_000
 """Most steps that a load may take; a scene that asks for more is refused as a mistake."""
 
 

@@ -168,3 +168,14 @@ def test_the_rows_of_a_table_state_their_own_conditions(store, tmp_path, irg):
     first, second = irg("margin", "out.zarr", "--points", points, "--json")
     assert first["conditions"].startswith(heads)
     assert second["conditions"].startswith("friction 0.1 (tests 0.091 to 0.103), bulk 25 °C")
+
+
+def test_a_text_of_too_many_rows_is_refused_before_its_rows_are_read(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text("load [N],velocity [m/s]\n" + "400,1.5\n" * 200_000)
+    said = irg("margin", "out.zarr", "--points", points, code=2)
+    assert "has 200001 rows, and at most 100000 can be used here; keep fewer, such as one of 3" in (
+        said
+    )
+    said = irg("check", "first_try", "--set", f"sweep.along={points}", code=2)
+    assert "at most 10000 can be used here; keep fewer, such as one of 21" in said

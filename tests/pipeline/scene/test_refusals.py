@@ -216,6 +216,10 @@ ENTRIES = {
     "points": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 5000},
                      **{"sweep.velocities": {"from": "1 m/s", "to": "7 m/s", "count": 5000}}),
                "2.5e+07 points are too many"),
+    "long list": (entry("sweep.velocities", [f"{k + 1} m/s" for k in range(5001)]),
+                  "5001 entries are too many, at most 5000 are allowed"),
+    "many increments": (entry("fidelity.increments", 100_000),
+                        "100000 is out of range; give a whole number, at most 10000"),
     "long axis": (entry("sweep.loads", {"from": "1 N", "to": "7 N", "count": 100_000}),
                   "100000 is out of range; give a whole number, at least 2 and at most 5000"),
     "smooth seeds": (lambda: scene(("[disk.roughness]\n" + ROUGHNESS, ""),
@@ -256,6 +260,8 @@ ENTRIES = {
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(10_001))), "10001 rows are too many"),
     # tables of points
+    "points rows": (points("load [N],velocity [m/s]\n" + "9,1\n" * 100_300),
+                    "has 100301 rows, and at most 100000 can be used here"),
     "points decimals": (points("load [N];velocity [m/s]\n1.200;1,5\n"),
                         '"1.200, 1200 or 1.200 by the decimal mark'),
     "points type": (lambda: OperatingPoints.read(3), "points are of type int"),

@@ -113,7 +113,7 @@ def loads():
         load=7.5e12,
     )  # fmt: skip
     yield Extreme(
-        "load", "1e12 steps away", bodies(elastic, elastic), "at most 100000 are allowed",
+        "load", "1e12 steps away", bodies(elastic, elastic), "at most 10000 are allowed",
         InputError, load=1e14,
     )  # fmt: skip
 
