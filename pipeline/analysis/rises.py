@@ -21,6 +21,7 @@ import numpy as np
 from pipeline.analysis.curve import Curve, filled
 from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.outcomes import Turns, turns_of
+from pipeline.analysis.outside import adding_command
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
@@ -125,10 +126,11 @@ class Rises:
             lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
             lowest = 0.0 if self.from_rest and name == "velocity" else lowest
             if not (lowest <= value <= highest and value > 0):
-                return (
-                    f"{name} is {value:g} {UNITS[name]}; the sweep has {lowest:g} to {highest:g} "
-                    f"{UNITS[name]}: give one within, above 0, or add points to the sweep"
-                )
+                unit = UNITS[name]
+                said = f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}"
+                if not 0 < value < math.inf:
+                    return f"{said}: give one within"
+                return f"{said}; this adds it: {adding_command(self.source, name, value)}"
         if is_known:
             return ""
         return (

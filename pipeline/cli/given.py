@@ -73,7 +73,9 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     if options.sheet is not None:
         raise InputError("--sheet needs --points; give --points, too, or leave out --sheet")
     if len(place) == 1:
-        raise InputError("no operating point is given; give --load and --velocity, or --points")
+        (given,) = place
+        lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")
+        raise InputError(f'--{given} alone is no operating point; give --{lacks}, too: "{such}"')
     return OperatingPoints((Place(options.load, options.velocity),), {}) if place else None
 
 

@@ -149,7 +149,7 @@ REFUSALS = {
                   "the dataset has a single load"),
     "end cut off": (lambda: pipeline.end_of_point(plane().isel(step=[0])), "lacks step 0"),
     "an unknown place": (unknown_place,
-        "load is 9000 N; the sweep has 200 to 750 N: give one within"),
+        "load is 9000 N; the sweep has 200 to 750 N; this adds it: irg run synthetic.toml --set "),
     "temperatures": (lambda: pipeline.temperatures(plane()[["status", "max_rise"]]),
                      "the dataset has no mean_rise, rise_quantile"),
     "shares": (lambda: pipeline.temperatures(plane().isel(cooler_share=[0])),

@@ -73,7 +73,7 @@ REFUSALS = {
     "share of another": (irg("boundary", "tiny.zarr", "--criterion=highest", "--share=10%"),
                          "criterion highest has no share; leave out --share"),
     "sheet": (irg("margin", "tiny.zarr", "--sheet", "one"), "--sheet needs --points"),
-    "no place": (irg("margin", "tiny.zarr", "--load", "250 N"), "no operating point is given"),
+    "no velocity": (irg("margin", "tiny.zarr", "--load", "250 N"), "give --velocity, too"),
     "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
                    "leave out --load, --velocity"),
     "accuracy": (irg("run", "first_try", "--accuracy", "2%", "--preset", "draft"),
