@@ -85,6 +85,10 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, tuple)]:
         raise InputError(f"{several[0]} takes one value at a time here; give one")
+    if (patches := getattr(options, "patches", None)) is not None:
+        if "sweep.realizations" in settings:
+            raise InputError("--patches gives sweep.realizations; leave one of them out")
+        settings["sweep.realizations"] = patches
     if "share" in conditions_in(options):
         conditions[PATHS["criterion"]] = "share"
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)

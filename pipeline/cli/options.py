@@ -112,6 +112,10 @@ BOUNDARY_ONLY = value(
     "velocity by about TOL at most, such as 0.5%%; default: 1%%. They stay pending, and the same "
     "command without this option computes them", values.share, nargs="?", const=0.01,
 )  # fmt: skip
+PATCHES = value(
+    "--patches N", "compute N patches of the surface: the first at all points, of each other one a "
+    "point beside the boundary at each load", values.count,
+)  # fmt: skip
 
 STORE = value(
     "store OUT.zarr", "store that irg run has made, or the name of its scene", values.stored
@@ -157,6 +161,7 @@ OF_RUN = (
     flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
     flag("--retry-failed", "compute the points again that failed in an earlier run"),
     BOUNDARY_ONLY,
+    PATCHES,
     ACCURACY,
 )  # fmt: skip
 

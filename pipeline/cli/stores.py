@@ -57,7 +57,7 @@ def _counts(state: Summary) -> str:
     others = [
         f"{count} {kind}" for count, kind in ((failed, "failed"), (pending, "pending")) if count
     ]
-    return ", ".join([f"{state.done} of {state.total} points, boundary only", *others])
+    return ", ".join([f"{state.done} of {state.total} points, the rest left out", *others])
 
 
 def _is_store(path: Path) -> bool:

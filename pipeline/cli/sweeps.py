@@ -43,6 +43,7 @@ def run(options: argparse.Namespace) -> Result:
     require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
     tell(*remarks("warning", note_on_turns(sweep)))
     choices = values_in(options, "workers", "dashboard", "retry_failed", "boundary_only", "source")
+    choices |= {"further_patches": True} if options.patches else {}
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = client_of(options.scheduler, options.scheduler_file) if is_elsewhere else None
     with elsewhere or nullcontext() as client, output.run_line() as progress:

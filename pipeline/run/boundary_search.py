@@ -8,7 +8,6 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.severity import rise_limit, worst_rises
+from pipeline.sweep.variants import Variant
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -30,44 +30,46 @@ _LEAST_FACTOR = 1e-6  # of friction
 _GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
 
 
-def require_boundary(sweep: Sweep, tolerance: float) -> None:
-    """Raise an `InputError` unless a sweep has a boundary that can be searched."""
+def require_tolerance(tolerance: float) -> None:
+    """Raise an `InputError` unless `tolerance` is a share of a velocity."""
     if isinstance(tolerance, bool) or not 0 < tolerance < 1:
         raise InputError(
             f"boundary_only is {tolerance!r}, the boundary's relative error by points left out; "
             "give a share between 0 and 1, such as 0.01"
         )
+
+
+def require_boundary(sweep: Sweep, option: str) -> None:
+    """Raise an `InputError` unless a sweep has a boundary, which an `option` needs."""
     if any({"load", "velocity"} & row.labels.keys() for row in sweep.rows):
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no boundary in a "
-            "plane of them; run without --boundary-only"
+            f"plane of them; run without {option}"
         )
     if not any(velocity > 0 for velocity in sweep.velocities):
         raise InputError(
             "sweep.velocities has none above 0, so there is no boundary; give others, or run "
-            "without --boundary-only"
+            f"without {option}"
         )
     limits = [rise_limit(case.conditions) for case in sweep.cases]
     if not np.isfinite(limits).all():
         raise InputError("there is no boundary without friction: set friction.coefficient")
 
 
-def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]:
+def beside_boundary(
+    store: Store, sweep: Sweep, tolerance: float, only_first: bool = False
+) -> list[Point]:
     """Points to compute next for the boundary of each variant; none once it is known.
 
     `tolerance` is the relative error of the boundary's velocity by points left out. Once the
     boundary is known, the points follow that the scene's tests need for their comparison with it.
+    With `only_first` they are on the first of several patches alone.
     """
     reader = RiseReader(store)
-    planes = defaultdict[Any, dict[float, list[Point]]](lambda: defaultdict(list))
-    for point in points(sweep):
-        if point.velocity > 0:
-            planes[point.variant][point.load].append(point)
     wanted = dict[Point, None]()
-    for variant, plane in planes.items():
+    for variant, rows in _planes(sweep, reader).items():
         conditions = sweep.case(variant).conditions
-        rows = [row for load in sorted(plane) if (row := reader.computable(sorted(plane[load])))]
-        if not rows:
+        if not rows or (only_first and not _is_first(variant, sweep)):
             continue
         lines = [_line(row, reader, conditions) for row in rows]
         steps = next_points(np.log([row[0].load for row in rows]), lines, tolerance)
@@ -76,6 +78,55 @@ def beside_boundary(store: Store, sweep: Sweep, tolerance: float) -> list[Point]
             found or _beside_tests(sweep.tests, conditions, rows, reader, tolerance)
         )
     return [*wanted]
+
+
+def on_first_patch(sweep: Sweep) -> list[Point]:
+    """Points of a sweep on the first of its patches."""
+    return [point for point in points(sweep) if _is_first(point.variant, sweep)]
+
+
+def on_further_patches(store: Store, sweep: Sweep) -> list[Point]:
+    """Points of all patches but the first: at each load the one that is nearest to the boundary.
+
+    It is nearest on the first patch. One point tells enough, since patches differ by nearly a
+    constant along velocity.
+    """
+    reader, nearest = RiseReader(store), dict[tuple[Variant, float], float]()
+    for variant, rows in _planes(sweep, reader).items():
+        if not _is_first(variant, sweep):
+            continue
+        for row in rows:
+            y = np.abs(_line(row, reader, sweep.case(variant).conditions).y)
+            if np.isfinite(y).any():
+                nearest[_scene_of(variant), row[0].load] = row[int(np.nanargmin(y))].velocity
+    return [
+        point
+        for point in points(sweep)
+        if nearest.get((_scene_of(point.variant), point.load)) == point.velocity
+    ]
+
+
+def _is_first(variant: Variant, sweep: Sweep) -> bool:
+    """True on the first of several patches, and on the only one."""
+    first = dict(sweep.cases[0].name)
+    return dict(variant).get("realization") == first.get("realization")
+
+
+def _scene_of(variant: Variant) -> Variant:
+    """Name of a variant without its patch."""
+    return tuple(pair for pair in variant if pair[0] != "realization")
+
+
+def _planes(sweep: Sweep, reader: RiseReader) -> dict[Variant, list[list[Point]]]:
+    """Computable points above velocity 0 by variant, for each load, all ascending."""
+    planes = defaultdict[Variant, dict[float, list[Point]]](lambda: defaultdict(list))
+    for point in points(sweep):
+        if point.velocity > 0:
+            planes[point.variant][point.load].append(point)
+    return {
+        variant: [row for load in sorted(plane) if (row := reader.computable(sorted(plane[load])))]
+        for variant, plane in planes.items()
+    }
 
 
 def _beside_tests(

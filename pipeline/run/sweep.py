@@ -10,7 +10,13 @@ import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
-from pipeline.run.boundary_search import beside_boundary, require_boundary
+from pipeline.run.boundary_search import (
+    beside_boundary,
+    on_first_patch,
+    on_further_patches,
+    require_boundary,
+    require_tolerance,
+)
 from pipeline.run.cluster import PATIENCE, connected
 from pipeline.run.forkserver import end_if_imported
 from pipeline.run.schedule import compute
@@ -59,6 +65,7 @@ def run_sweep(
     progress: Report | None = None,
     retry_failed: bool = False,
     boundary_only: float | None = None,
+    further_patches: bool = False,
     patience: float = PATIENCE,
     dashboard: bool = False,
     source: PathLike | None = None,
@@ -91,6 +98,10 @@ def run_sweep(
         velocity by about this share at most, such as 0.01. The rest stays pending, which answers
         do not report as missing; a later run without this argument computes it. By default all
         points are computed.
+    further_patches : bool, optional
+        True to compute only the first patch of the surface (``sweep.realizations``) at all points.
+        Of each other one a point at each load follows, beside the boundary: patches differ by
+        nearly a constant along velocity.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
         it long if workers wait in a queue.
@@ -126,7 +137,10 @@ def run_sweep(
     sweep = sweep_of(sweep)
     require_free_names(sweep)  # before a folder is made
     if boundary_only is not None:
-        require_boundary(sweep, boundary_only)
+        require_tolerance(boundary_only)
+    is_chosen = further_patches or boundary_only is not None
+    if is_chosen:
+        require_boundary(sweep, "--patches" if further_patches else "--boundary-only")
     began = time.monotonic()
     report = progress or silent
     if damaged := mend_store(out, sweep):
@@ -141,18 +155,22 @@ def run_sweep(
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
-        if boundary_only is not None:
+        if is_chosen:
             store.leave_out_pending()
 
         def waiting() -> TaskQueue:
             if boundary_only is not None:
-                store.ask_for(beside_boundary(store, sweep, boundary_only))
+                store.ask_for(beside_boundary(store, sweep, boundary_only, further_patches))
+            elif further_patches:
+                store.ask_for(on_first_patch(sweep))
+            if further_patches and not store.pending():
+                store.ask_for(on_further_patches(store, sweep))
             return TaskQueue(tasks(store.pending(), sweep))
 
         of_tests = TaskQueue(_tasks_of_tests(store))
         queue, tally, at_tests = waiting(), Tally(store, shown_progress(progress)), 0
         if queue or of_tests:
-            most = len(queue) + len(of_tests) if boundary_only is None else cores()
+            most = cores() if is_chosen else len(queue) + len(of_tests)
             with connected(
                 client, min(workers or cores(), most), patience, report, dashboard
             ) as link:
