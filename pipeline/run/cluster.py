@@ -22,6 +22,7 @@ from distributed import LocalCluster, Security
 from distributed.client import ClosedClientError
 from distributed.scheduler import DEFAULT_EXTENSIONS
 from distributed.utils import silence_logging_cmgr
+from distributed.versions import VersionMismatchWarning
 
 from pipeline.machine import oom_kills
 from pipeline.paths import read_file
@@ -291,7 +292,9 @@ def client_of(
     try:
         if file is not None:  # Dask would wait for a missing file without end
             address = str(json.loads(read_file(file))["address"])
-        with silence_logging_cmgr(logging.CRITICAL):
+        with silence_logging_cmgr(logging.CRITICAL), warnings.catch_warnings():
+            # Differences that matter are reported with the first point of such a worker.
+            warnings.simplefilter("ignore", VersionMismatchWarning)
             return Client(address, set_as_default=False, timeout=patience)
     # A TypeError means that certificates are missing.
     except (OSError, ValueError, KeyError, RuntimeError, TypeError) as error:

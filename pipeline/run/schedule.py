@@ -14,6 +14,7 @@ from dataclasses import replace
 from pipeline.run.cluster import Connection
 from pipeline.run.jobs import ANYWHERE, Job, Jobs, Loss
 from pipeline.run.tally import Tally
+from pipeline.run.work import VERSIONS
 from pipeline.store.write import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Task
@@ -23,6 +24,7 @@ TRIALS = 5
 """Times that a point may be lost until it counts as failed; after two it is tried alone."""
 
 _TO_COME = 16  # tasks handed out for workers that are still to come
+_OTHERS = "a Dask worker computes by"
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
@@ -61,7 +63,10 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
                 why = f"{len(workers)} workers died, the last computing only this point: {cause}"
                 writer.add([PointRecord(point, None, why)])
             for result in jobs.results():
-                writer.add([pickle.loads(result)])
+                record, versions = pickle.loads(result)
+                writer.add([record])
+                if versions != VERSIONS:
+                    link.report(f"{_OTHERS} {versions}, and not {VERSIONS}; last digits may differ")
             if written := writer.written():
                 tally.count(written, len(link.workers))
     tally.count(writer.flush(), len(link.workers))

@@ -15,15 +15,16 @@ import pickle
 import sys
 import threading
 import zlib
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from platform import python_version
 from typing import Any
 
 import cloudpickle
+import numpy as np
+import scipy
 from distributed import get_worker
 
-import tribo
 from pipeline.store.checksum import packed
 from pipeline.sweep.laws import code_of, given_laws
 from pipeline.sweep.model import Point
@@ -35,23 +36,28 @@ from tribo.simulation import Trunks
 SAFE = "finished points are safe, run the sweep again to go on"
 INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
 
-_FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
+_ROOT = Path(__file__).parents[2]
+_ON_WORKERS = (
+    "tribo", "pipeline/sweep", "pipeline/quantities.py", "pipeline/store/checksum.py",
+    "pipeline/store/schema.py", "pipeline/run/work.py",
+)  # fmt: skip
+VERSIONS = f"Python {python_version()}, NumPy {np.__version__}, SciPy {scipy.__version__}"
+"""Versions on which the last digits of results may depend."""
 
 
-def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
-    """Hash of the names and contents of all source files in `folders`."""
+def hash_of_code(root: Path = _ROOT) -> str:
+    """Hash of the names and contents of the sources in the folder `root` that compute a point."""
     digest = hashlib.sha256()
-    for folder in folders:
-        for file in sorted(folder.rglob("*.py")):
-            name = os.fspath(file.relative_to(folder.parent))
-            digest.update(f"{name} {file.stat().st_size}\n".encode())
+    for part in _ON_WORKERS:
+        for file in sorted((root / part).rglob("*.py")) or [root / part]:
+            digest.update(f"{file.relative_to(root).as_posix()} {file.stat().st_size}\n".encode())
             digest.update(file.read_bytes())
     return digest.hexdigest()[:12]
 
 
 # Taken as this module is imported, so that a process whose files have changed since then names the
 # code that it runs.
-CODE, FOLDER = hash_of_code(), os.fspath(_FOLDERS[1].parent)
+CODE, FOLDER = hash_of_code(), os.fspath(_ROOT)
 
 
 class ExecutionError(TriboError):
@@ -106,7 +112,7 @@ TASK = "__import__('pipeline.run.work', fromlist=['work']).compute_point(*given)
 
 
 def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -> bytes:
-    """Compute the point at a load, velocity and variant, and return its pickled record.
+    """Compute the point at a load, velocity and variant; return its record and `VERSIONS`, pickled.
 
     `code` and `folder` are those of the driver's program. An error is the message of the record.
     """
@@ -125,4 +131,4 @@ def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -
             record = result.record(given.with_fields)
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
-        return pickle.dumps(packed(record, scene_hash))
+        return pickle.dumps((packed(record, scene_hash), VERSIONS))

@@ -29,6 +29,7 @@ from pipeline.run.sweep import run_sweep
 from pipeline.run.work import CODE, ExecutionError, hash_of_code
 from pipeline.store.progress import summary
 from tests.helpers import tiny
+from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
@@ -187,12 +188,32 @@ def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothin
     shutil.copytree(ROOT / "tests" / "helpers", tmp_path / "tests" / "helpers")
     code = tmp_path / "tribo" / "thermal" / "factors.py"
     code.write_text(code.read_text().replace("0.5", "0.51"))
-    theirs = hash_of_code(tmp_path / package for package in ("tribo", "pipeline"))
+    theirs = hash_of_code(tmp_path)
     cluster, out = Cluster(tmp_path, code=tmp_path), tmp_path / "out.zarr"
     refused = pytest.raises(ExecutionError, match=rf"tcp://127.*{theirs}.*{CODE}")
     with closing(cluster), client_of(cluster.address) as client, refused:
         run_sweep(SHORT, out, client=client)
     assert summary(out).done == 0
+
+
+def test_the_hash_of_the_code_is_of_what_computes_a_point_and_nothing_else(tmp_path):
+    """A wheel has its pages within the package, and a checkout beside it."""
+    listed = "import sys, pipeline.run.work; print(*sys.modules)"
+    modules = {name for name in python("-c", listed).stdout.split() if name.startswith("pipeline.")}
+    files = {name.replace(".", "/") for name in modules}
+    files = {f"{one}/__init__.py" if (ROOT / one).is_dir() else f"{one}.py" for one in files}
+    needed = {one for one in files if (ROOT / one).stat().st_size > 100} - {"pipeline/extras.py"}
+    for package in "tribo", "pipeline":
+        shutil.copytree(ROOT / package, tmp_path / package)
+    (tmp_path / "pipeline/workflows").mkdir()
+    for other in ("pipeline/workflows/__init__.py", "pipeline/cli/output.py"):
+        (tmp_path / other).write_text("")
+    assert hash_of_code(tmp_path) == CODE
+    for file in sorted(needed):
+        text = (tmp_path / file).read_text()
+        (tmp_path / file).write_text(f"{text}\n")
+        assert hash_of_code(tmp_path) != CODE, file
+        (tmp_path / file).write_text(text)
 
 
 def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch):
