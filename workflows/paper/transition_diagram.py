@@ -71,8 +71,9 @@ def fig10(study: Study) -> Report:
 
 def _with_local_wear(figure: Figure, crossings: xr.Dataset) -> Figure:
     """Add to a diagram the boundary with wear by local pressure, the paper's Eq. (26)."""
-    swept = figure.legends[0].get_texts()[0]
-    swept.set_text(f"{swept.get_text()}, swept wear")
+    computed = "computed transition"
+    (line,) = (one for one in figure.legends[0].get_texts() if one.get_text() == computed)
+    line.set_text(f"{computed}, swept wear")
     axes, loads = figure.axes[0], crossings["load"].values
     velocities = crossings["critical_velocity"].values
     known = np.isfinite(velocities)

@@ -11,6 +11,7 @@ from unittest import mock
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.lines import Line2D
 
 import tribo
 from pipeline.cli import main
@@ -224,6 +225,14 @@ def test_the_diagram_is_computed_once(small, folder, narrow):
     again = paper.reproduce("fig10", scenes=narrow, results=folder, **SMALL)
     assert again.data["computed"] == 0
     assert again.data["transitions"] == small("fig10").data["transitions"]
+
+
+def test_the_legend_of_the_diagram_names_the_kind_of_wear_at_its_line(small):
+    (legend,) = small("fig10").figure.legends
+    names = [text.get_text() for text in legend.get_texts()]
+    (named,) = [name for name in names if "swept" in name]
+    assert named == "computed transition, swept wear"
+    assert isinstance(legend.legend_handles[names.index(named)], Line2D)
 
 
 def test_only_swept_wear_leaves_the_temperatures_of_table_4(small):
