@@ -76,16 +76,19 @@ class Judge:
             return _judge(self.source, rises, given)
         return replace(self, rises=rises)
 
-    def chances(self, loads: Places, velocities: Places) -> tuple[Array, Array, Array]:
+    def chances(
+        self, loads: Places, velocities: Places, shift: float = 0.0
+    ) -> tuple[Array, Array, Array]:
         """Probabilities of severe wear (k,): lowest, as computed and highest by numerical error.
 
-        Where the error is unknown, the lowest probability is 0 and the highest 1.
+        Where the error is unknown, the lowest probability is 0 and the highest 1. `shift` is added
+        to each y.
         """
         loads, velocities = places_of(loads, velocities)
-        y, error = self.rises.y(loads, velocities), self.errors(loads, velocities)
+        y, error = self.rises.y(loads, velocities) + shift, self.errors(loads, velocities)
         is_known = np.isfinite(error)
-        shift = np.where(is_known, np.log1p(error), 0.0)
-        ends = np.stack([y - shift, y, y + shift])
+        width = np.where(is_known, np.log1p(error), 0.0)
+        ends = np.stack([y - width, y, y + width])
         a = self.effects.at(self.conditions, loads, velocities)
         low, middle, high = self.evidence.belief.probability(ends, a)
         return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)

@@ -11,6 +11,7 @@ from pipeline.analysis.rise_error import RiseError
 from pipeline.constants import DECIDED, LEAST_STATED
 from pipeline.sweep.shown import shown
 
+_CHANGE = "a change of conditions or of the scene (irg margin --until mild)"
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
 """Caveat on an operating point where wear is mild, but severe at lower loads."""
 
@@ -96,7 +97,7 @@ class Margin:
         if self.verdict != NOT_DECIDED or self.against:
             return None
         if verdict_between(*[self.probability] * 2) == NOT_DECIDED:  # at any error
-            return None if self.tested else "a test at this point"
+            return _CHANGE if self.tested else "a test at this point"
         measured = "its numerical error, which is known for a preset"
         parts = {
             "more points near it": self.error.interpolation,

@@ -153,9 +153,9 @@ def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) 
     The list has the legend entry of the region that is not decided, if there is such a region.
     `plane` is NaN where nothing is known, and nothing is shaded there.
     """
-    places = [axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")]
+    places = tuple(axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     verdicts = np.reshape(judge.verdicts(*places), plane.shape)
-    low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(*places))
+    low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(places[0], places[1]))
     is_known, (mild, _, severe) = np.isfinite(plane), DECIDED
     # Within a region its edge is where the probability passes; a test may cut it at a node.
     highest = np.where(verdicts == "mild", high, np.maximum(high, mild + _BESIDE))

@@ -12,18 +12,18 @@ from typing import Any
 from pipeline.scene.cases_of_tests import TestReader, attach_case, case_of, is_in
 from pipeline.scene.faults import Faults, did_you_mean
 from pipeline.scene.format import FROM_TESTS
-from pipeline.scene.kinds import Kind, Quantity, Share, UnfitError, Whole
+from pipeline.scene.kinds import Number, Quantity, Share, UnfitError, Whole
 from pipeline.scene.reference import all_keys, find_entry, number_in
 from pipeline.scene.units import difference_in_si, share_of, si_unit, typeset
 from pipeline.sweep.case import Case
 from pipeline.sweep.inputs import CRITICAL, RISE, Input
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.tables import entry_at
+from pipeline.sweep.tables import Entries, entry_at
 from pipeline.sweep.variants import Variants
 from tribo import InputError
 
 _KELVIN = ("temperature.bulk", CRITICAL)
-_AFTER = {"friction.coefficient", *_KELVIN, RISE}
+AFTER = {"friction.coefficient", *_KELVIN, RISE}
 """Entries that act after the simulation, so that no case is needed."""
 _CHOICES = ("sweep", "window", "fidelity", "measured", "tested", "oil", "loading.reference_load")
 """Tables and entries that are chosen, or move nothing that is computed."""
@@ -48,27 +48,14 @@ class InputReader:
                 faults.refuse(f'uncertainty."{path}"', str(problem))
 
     def _input(self, path: str, text: str, tests: Sequence[Measurement]) -> Input:
-        kind, written = _kind_of(path), entry_at(self.tests.entries, path)
+        entry = numeric_entry(path, self.tests.entries)
         if any(path in row.values for row in self.variants.rows):
             raise UnfitError("has several values in the sweep; leave out one of them")
-        if isinstance(written, dict):  # temperature.bulk of pin and disk
-            written = written["pin"]
-        if written is None and path != RISE:
-            begin = " from which to begin" if text == FROM_TESTS else ""
-            raise UnfitError(f"has no value{begin}; give {path}, too")
-        values = [
-            float(kind.read(one, path, Faults())) if one is not None else 0.0
-            for one in (written if isinstance(written, list) else [written])
-        ]
-        if min(values) <= 0 and path != RISE:
-            raise UnfitError(f"is {min(values):g}, which has no logarithm; give a value above 0")
-        unit = typeset(kind.unit) if isinstance(kind, Quantity) else ""
         spread = None if text == FROM_TESTS and path == CRITICAL else _spread(path, text)
-        made = Input(path, text, values[0], unit, spread, is_kelvin=path in _KELVIN)
-        if path in _AFTER or spread is None:
+        made = Input(path, text, entry.values[0], entry.unit, spread, is_kelvin=path in _KELVIN)
+        if path in AFTER or spread is None:
             return made
-        larger = [_written(kind, value * math.exp(spread)) for value in values]
-        return self._with_cases(made, larger if isinstance(written, list) else larger[0], tests)
+        return self._with_cases(made, entry.scaled(math.exp(spread)), tests)
 
     def _with_cases(self, made: Input, value: Any, tests: Sequence[Measurement]) -> Input:
         """The input with its cases; what a test states itself is exact for it."""
@@ -89,7 +76,49 @@ class InputReader:
         return case_of(parts, self.base)
 
 
-def _kind_of(path: str) -> Kind:
+@dataclass(frozen=True)
+class NumericEntry:
+    """A measured quantity in a scene: the kind of its number, and its values in SI.
+
+    It has several values if it is a list, as one along x and one along y.
+    """
+
+    kind: Quantity | Number
+    values: tuple[float, ...]
+    is_list: bool
+
+    @property
+    def unit(self) -> str:
+        """Unit in which the values are shown; empty without one."""
+        return typeset(self.kind.unit) if isinstance(self.kind, Quantity) else ""
+
+    def scaled(self, factor: float) -> Any:
+        """The values times a factor, as a scene file has them."""
+        unit = f" {si_unit(self.kind.example)}" if isinstance(self.kind, Quantity) else ""
+        values = [f"{factor * one!r}{unit}" if unit else factor * one for one in self.values]
+        return values if self.is_list else values[0]
+
+
+def numeric_entry(path: str, entries: Entries) -> NumericEntry:
+    """The quantity at a path of the complete `entries` of a scene.
+
+    An `UnfitError` says why there is none, or why it cannot be uncertain.
+    """
+    kind, written = _kind_of(path), entry_at(entries, path)
+    if isinstance(written, dict):  # temperature.bulk of pin and disk
+        written = written["pin"]
+    if written is None and path == RISE:
+        written = 0.0
+    if written is None:
+        raise UnfitError(f"has no value; give {path}, too")
+    listed = written if isinstance(written, list) else [written]
+    values = tuple(float(kind.read(one, path, Faults())) for one in listed)
+    if min(values) <= 0 and path != RISE:
+        raise UnfitError(f"is {min(values):g}, which has no logarithm; give a value above 0")
+    return NumericEntry(kind, values, isinstance(written, list))
+
+
+def _kind_of(path: str) -> Quantity | Number:
     """Kind of the number at a path, which may be uncertain; an `UnfitError` says why not."""
     entry = find_entry(path)
     if entry is None:
@@ -102,14 +131,10 @@ def _kind_of(path: str) -> Kind:
         what = "not a number"
     elif isinstance(kind, Whole):
         what = "a whole number"
-    elif isinstance(kind, Share) and path not in _AFTER:
+    elif isinstance(kind, Share) and path not in AFTER:
         what = "a share"
-    if what:
-        raise UnfitError(
-            f'is {what}, and cannot be uncertain; give a quantity such as "pin.radius", or leave '
-            "it out"
-        )
-    assert kind is not None
+    if what or kind is None:
+        raise UnfitError(f'is {what}; give a measured quantity such as "pin.radius"')
     return kind
 
 
@@ -136,8 +161,3 @@ def _spread(path: str, text: str) -> float:
         other = "" if path == RISE else ', or "factor 2"'
         raise UnfitError(f'"{text}" is no standard uncertainty; give "20 %"{other}')
     return share
-
-
-def _written(kind: Kind, value: float) -> str | float:
-    """A value in SI as a scene file has it."""
-    return f"{value!r} {si_unit(kind.example)}" if isinstance(kind, Quantity) else value
