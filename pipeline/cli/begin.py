@@ -14,7 +14,7 @@ from pipeline.cli.parser import commands, parse
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.new import SCHEMA_FILE, schema_text
 from pipeline.scene.schema import scene_schema
-from pipeline.scene.shipped import page_name, shipped_pages, shipped_scenes
+from pipeline.scene.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 
 
@@ -44,10 +44,15 @@ def help_(options: argparse.Namespace) -> Result:
     if topic is None:
         texts = {name: path.read_text(encoding="utf-8") for name, path in pages.items()}
         titles = {name: re.findall(r"(?m)^# (.+)", text)[0] for name, text in texts.items()}
-        lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
-        return Result(
-            titles, ["pages, in reading order:", *lines, "help on a command: irg COMMAND --help"]
-        )
+        lines = [
+            line
+            for task, names in PAGES_BY_TASK.items()
+            for line in (
+                f"To {task}:",
+                *(f"  irg help {name:12} {titles[name]}" for name in names if name in titles),
+            )
+        ]
+        return Result(titles, [*lines, "Help on a command: irg COMMAND --help"])
     names = [command.name for command in commands()]
     page = page_name(Path(topic))
     if page not in pages:

@@ -30,17 +30,23 @@ def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     return path if shipped is None or path.exists() else shipped
 
 
-_READING_ORDER = (
-    "first-hour", "your-system", "your-tests", "choosing", "model", "physics",
-    "scene", "dataset", "own-laws", "cluster", "measured", "paper", "glossary", "install",
-    "maintainers",
-)  # fmt: skip
+PAGES_BY_TASK = {
+    "begin": ("install", "first-hour"),
+    "compute your own contact": ("your-system", "scene", "own-laws", "cluster"),
+    "use tests of a laboratory": ("your-tests",),
+    "know how sure and how fast answers are": ("choosing", "measured"),
+    "understand the model": ("model", "physics", "paper"),
+    "look up": ("glossary", "dataset"),
+    "change the code": ("maintainers",),
+}
+"""Names of the pages that ``irg help`` prints, by what a reader wants to do."""
 
 
 def shipped_pages() -> dict[str, Path]:
-    """File of each page that ``irg help`` prints, by name, in the order of reading."""
+    """File of each page that ``irg help`` prints, by name, in the order of `PAGES_BY_TASK`."""
     named = {page_name(path): path for path in WORKFLOWS.glob("*.md")}
-    return {name: named[name] for name in _READING_ORDER if name in named}
+    ordered = (name for names in PAGES_BY_TASK.values() for name in names)
+    return {name: named[name] for name in ordered if name in named}
 
 
 def page_name(path: Path) -> str:
