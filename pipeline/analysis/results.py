@@ -52,6 +52,7 @@ from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots
 from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
+from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.variants import VARIANT, Label, Variant
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
@@ -80,6 +81,8 @@ class TestResults:
         Number of the test of each point, from 0.
     loads, velocities : ndarray, shape (n,)
         Load [N] and velocity [m/s] of each point.
+    least_loads : ndarray, shape (n,)
+        Load from which on steps of each point can decide [N].
     status : ndarray of int, shape (n,)
         State of each point as in the store; `ABSENT` if the dataset does not have it.
     messages : ndarray of str, shape (n,)
@@ -93,6 +96,7 @@ class TestResults:
     numbers: NDArray[np.int_]
     loads: Array
     velocities: Array
+    least_loads: Array
     status: NDArray[np.int_]
     messages: NDArray[np.object_]
     columns: Mapping[str, Array] = field(repr=False)
@@ -108,7 +112,7 @@ class TestResults:
             return math.nan
         columns: dict[str, Any] = {name: one[place] for name, one in self.columns.items()}
         columns["quantile"] = self.shares
-        return float(worst_rises(columns, self.loads[place, None], conditions))
+        return float(worst_rises(columns, self.least_loads[place, None], conditions))
 
 
 def _test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
@@ -129,6 +133,9 @@ def _test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
     places = [rows[slot[:3]].pop(0) if rows.get(slot[:3]) else ABSENT for slot in slots]
     is_here = np.array(places, int) != ABSENT
 
+    def least(slot: Slot) -> float:
+        return load_that_counts(sweep.own_points[slot.test].simulated.scene, slot.load)
+
     def taken(name: str, usual: Any) -> Any:
         if not held:
             return np.full(len(slots), usual)
@@ -141,6 +148,7 @@ def _test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
         numbers=np.array([slot.test for slot in slots], int),
         loads=np.array([slot.load for slot in slots], float),
         velocities=np.array([slot.velocity for slot in slots], float),
+        least_loads=np.array([least(slot) for slot in slots], float),
         status=taken("status", ABSENT).astype(int),
         messages=taken("message", "").astype(object),
         columns={name: taken(name, math.nan) for name in columns if name not in PLANE},
@@ -480,6 +488,12 @@ class Results:
         """
         return np.asarray(self.columns.get("asked", np.full(self.done.shape, ASKED)) == ASKED)
 
+    @property
+    def least_loads(self) -> Array:
+        """Load from which on steps can decide, at each load (n_load,) [N]."""
+        scene = self.stored.scene
+        return np.array([load_that_counts(scene, load) for load in self.loads.tolist()])
+
     def rises(self, conditions: Conditions) -> Array:
         """Temperature rise [K] per unit friction coefficient at each point; NaN if it is not done.
 
@@ -494,7 +508,7 @@ class Results:
         names = {"normal_load", column, *columns_needed(conditions)}
         columns: dict[str, Any] = {k: self.columns[k] for k in names if k in self.columns}
         columns["quantile"] = self.shares
-        rises = worst_rises(columns, self.loads[:, None, None], conditions)
+        rises = worst_rises(columns, self.least_loads[:, None, None], conditions)
         return np.where(self.done, rises, np.nan)
 
     def sampling(self, conditions: Conditions) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shlex
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -32,7 +33,7 @@ from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, worker_bytes
-from tribo import InputError, lubrication_regime
+from tribo import InputError, Scene, lubrication_regime
 
 
 def run(options: argparse.Namespace) -> Result:
@@ -124,6 +125,9 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     )
     nx, ny = sweep.scene.grid.shape
     yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
+    given = sweep.source.parts.declared.window.pixels
+    if wider := _wider(given, sweep.scene):
+        yield "", f"widened from {given[0]} pixels for the wear of the stages; {wider}"
     yield "surface", facts.surface.words if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
@@ -139,6 +143,19 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
         yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text
+
+
+def _wider(given: tuple[int, ...], scene: Scene) -> str:
+    """Size and cost of a window that is wider than the `given` pixels; else empty."""
+    share = _pixels(scene) / math.prod(given)
+    if share <= 1:
+        return ""
+    nx, ny = scene.pixels.shape
+    return f"{nx} × {ny} pixels, a step costs {share:.2g} times as much"
+
+
+def _pixels(scene: Scene) -> int:
+    return math.prod(scene.pixels.shape)
 
 
 def _film_rows(sweep: Sweep) -> Iterator[_Row]:
@@ -190,6 +207,9 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     if cost.tests:
         yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
+        widest = max((test.simulated.scene for test in sweep.tests), key=_pixels)
+        if wider := _wider(sweep.scene.pixels.shape, widest):
+            yield "", f"stages of tests have wider windows, up to {wider}"
     if cost.inputs:
         simulated = ", ".join(one.path for one in sweep.inputs if one.is_simulated)
         yield "inputs", f"{cost.inputs} points for the uncertain {simulated}"

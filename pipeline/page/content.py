@@ -71,7 +71,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     # Axes: load, velocity, bulk ratio, then quantile, step.
     deciding, quantiles = _tables(columns, data.shares, conditions.criterion, ratios)
     load = data.columns["normal_load"][..., None, :]
-    worst = worst_moment(deciding, load, data.loads[:, None, None, None])
+    worst = worst_moment(deciding, load, data.least_loads[:, None, None, None])
     decisive = np.where(done[..., None], _step_values(deciding, worst), np.nan)
     steps = worst[..., ratios.index(0.0)]  # each point is shown at the step that decides
     has_fields = {*FIELDS} <= data.rest.keys()

@@ -20,6 +20,7 @@ from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.severity import rise_limit, worst_rises
+from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.variants import Variant
 from tribo import InputError
 from tribo.types import Array, Mask
@@ -178,7 +179,8 @@ class RiseReader:
         self._store, self._columns = store, store.read_steps()
         (along,) = store.root.variables["load"].dims
         inner = len(store.dims) - store.dims.index(along)  # dimensions after loads, and steps
-        self._loads = np.array(store.axes["load"]).reshape(-1, *[1] * inner)
+        loads = [load_that_counts(store.sweep.scene, load) for load in store.axes["load"]]
+        self._loads = np.array(loads).reshape(-1, *[1] * inner)
         self._rises = dict[Conditions, Array]()
 
     def is_done(self, row: Sequence[Point]) -> Mask:

@@ -10,14 +10,16 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.parts import Parts
+from pipeline.scene.format import EvenStages
+from pipeline.scene.parts import Parts, levels_of, stages_of
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.runs import tests_of
 from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.case import Case
 from pipeline.sweep.measurement import TEST, Measurement
 from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
-from tribo import InputError, Ramp, Scene
+from tribo import Conditions, InputError, MeasuredLoad, Ramp, Scene, Stages
+from tribo.simulation import widen_window
 
 _OWN = {
     "friction": ("friction",),
@@ -49,6 +51,7 @@ def test_of(entry: Any) -> Measurement:
         friction=entry.friction,
         bulk_temperature=entry.bulk_temperature,
         hold=entry.hold,
+        stages=getattr(entry, "stages", None),
         outcome=getattr(entry, "outcome", None),
         changes=entry.with_ or {},
         **names,
@@ -93,8 +96,23 @@ class TestReader:
             for problem in wrong:
                 faults.refuse(f"{place}.with", problem)
             with faults.at(place):
+                case = replace(case, scene=self._staged(case.scene, test))
                 made.append(attach_case(test, number, case, base.conditions.critical_temperature))
         return tuple(made)
+
+    def _staged(self, scene: Scene, test: Measurement) -> Scene:
+        """The scene with the stages of a test; or with so many of its own that it has the test."""
+        if test.stages is not None:
+            return _with_stages(scene, test)
+        if not isinstance(scene.loading, Stages):
+            return scene
+        loading, stages = scene.loading, self.parts.declared.loading.stages
+        if isinstance(stages, EvenStages) and test.normal_load > loading.loads[-1]:
+            loading = Stages(*stages_of(stages, test.normal_load), loading.rate)
+            scene = widen_window(replace(scene, loading=loading), test.velocity)
+        for load, _ in test.places:
+            loading.count(load)  # raises if it is no stage
+        return scene
 
     def _complete(self, parts: Parts, given: Mapping[str, Any]) -> dict[str, Any]:
         """Changes of a test as a store needs them, whatever library and presets are later.
@@ -144,12 +162,24 @@ def attach_case(
     if test.bulk_temperature is not None:
         own = replace(own, bulk_temperature=test.bulk_temperature, disk_temperature=None)
     own = own.replace_friction(test.friction)
+    _require_one_velocity(scene, own)
     if own.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)
     own_case = replace(
         case, name=((TEST, number),), scene=scene, conditions=own, friction_band=None
     )
     return replace(test, own=own_case, critical_temperature=critical_temperature)
+
+
+def _require_one_velocity(scene: Scene, conditions: Conditions) -> None:
+    """Raise an `InputError` if the velocity rises in stages, and conditions depend on its past."""
+    parts = conditions.corrections
+    rises = isinstance(scene.loading, Stages) and scene.loading.velocities
+    if rises and parts and (parts.keeps_heat or conditions.has_friction_curve):
+        raise InputError(
+            "stages of velocity take one friction, and no body with a track_length or a diameter; "
+            "give the test its friction, and leave out the others"
+        )
 
 
 def with_changes(entries: Entries, tests: Iterable[Measurement]) -> dict[str, Any]:
@@ -184,10 +214,27 @@ def is_in(path: str, other: str) -> bool:
     return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")
 
 
+def _with_stages(scene: Scene, test: Measurement) -> Scene:
+    """The scene with a test's own stages, in a window that is wide enough for them."""
+    if isinstance(scene.loading, MeasuredLoad):
+        raise InputError("stages need a rate of the load; give [loading] a rate, not a record")
+    ends = {"load": test.normal_load, "velocity": test.velocity}
+    name, _, _ = levels_of(test.stages, 0.0)
+    _, levels, holds = levels_of(test.stages, ends[name])
+    if name == "load":
+        loading = Stages(levels, holds, scene.loading.rate)
+    else:
+        loading = Stages((test.normal_load,), holds, scene.loading.rate, levels)
+    loading.count(test.normal_load, test.velocity)  # raises if it is no stage
+    return widen_window(replace(scene, loading=loading), test.velocity)
+
+
 def _held(scene: Scene, hold: float | None) -> Scene:
     """The scene with a test's own time at the full load [s]."""
     if hold is None or getattr(scene.loading, "hold", None) == hold:
         return scene
+    if isinstance(scene.loading, Stages):
+        raise InputError(f"hold is {hold:g} s, but each of the stages has its own; leave it out")
     if not isinstance(scene.loading, Ramp):
         raise InputError(
             f"hold is {hold:g} s, but the load follows a record, which has its own end; leave out "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from typing import Any
@@ -9,9 +10,9 @@ from typing import Any
 import tribo
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
-from pipeline.scene.format import Bulks, RandomSurface
+from pipeline.scene.format import Bulks, RandomSurface, StagesTable
 from pipeline.scene.library import library
-from pipeline.scene.parts import track_length
+from pipeline.scene.parts import stages_of, track_length
 from pipeline.scene.runs import run_faults
 from pipeline.scene.units import UnitError, to_si
 from tribo.simulation.pins import sizes_of
@@ -68,6 +69,21 @@ def _surfaces_without_seeds(scene: Any) -> Misfits:
         count = quoted(wanted if isinstance(wanted, int) else list(wanted))
         problem = "needs a [disk.roughness] that is made from a seed; give one, or leave this out"
         yield "sweep.realizations", f"{count} {problem}"
+
+
+@_check("loading", "sweep.loads", "sweep.steps")
+def _loads_without_stage(scene: Any) -> Misfits:
+    if not isinstance(scene.loading, StagesTable):
+        return
+    if scene.sweep.steps == "course":
+        problem = "onset and end of each stage are stored, and no other step"
+        yield "sweep.steps", f"{problem}; leave it out"
+    stages, _ = stages_of(scene.loading.stages, max(scene.sweep.loads))
+    for load in scene.sweep.loads:
+        if not any(math.isclose(load, stage, rel_tol=1e-9) for stage in stages):
+            listed = ", ".join(f"{stage:g}" for stage in stages)
+            yield "sweep.loads", f"{display(load, 'N')} is no stage; give some of {listed} N"
+            return
 
 
 @_check("pin.length", "window.pixels", "window.pixel_size")

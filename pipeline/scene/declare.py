@@ -19,6 +19,7 @@ from types import NoneType, UnionType
 from typing import (
     Annotated,
     Any,
+    ClassVar,
     Literal,
     NamedTuple,
     Union,
@@ -51,7 +52,10 @@ class Declared:
     """Base class of tables of a scene file: the annotated fields of a table are its entries.
 
     Messages name the table by its class, such as "random surface", or by the class's `form_name`.
+    `refused` says why a key of another table cannot stand in this one.
     """
+
+    refused: ClassVar[Mapping[str, str]] = {}
 
     def __init_subclass__(cls) -> None:
         dataclass(frozen=True, kw_only=True)(cls)
@@ -148,6 +152,25 @@ class List(Kind):
                 if item is not None and first.setdefault(item, index) != index:
                     problem = f"{quoted(value[index])} equals entry [{first[item]}]"
                     faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
+        return None if None in items else tuple(items)
+
+
+@dataclass(frozen=True)
+class Each(Kind):
+    """Kind of scene entry: a list of as many values as there are kinds, each of its own kind."""
+
+    holds = list
+    kinds: tuple[Kind, ...]
+
+    def __str__(self) -> str:
+        return f"a list of {' and '.join(map(str, self.kinds))}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
+        require(value, list, "is not a list")
+        if len(value) != len(self.kinds):
+            raise UnfitError(f"{quoted(value)} has {len(value)} entries, not {len(self.kinds)}")
+        pairs = zip(self.kinds, value, strict=True)
+        items = [kind.read(one, f"{place}[{i}]", faults) for i, (kind, one) in enumerate(pairs)]
         return None if None in items else tuple(items)
 
 
@@ -275,6 +298,7 @@ class Table(Kind):
             if key not in known:
                 hint = did_you_mean(key, known)
                 problem = f"unknown key{hint}; give one of {', '.join(known)}"
+                problem = getattr(self.make, "refused", {}).get(key, problem)
                 faults.refuse(key_path(place, key), problem)
         entries = {}
         for key, entry in self.keys.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from typing import Annotated as A
-from typing import Any, get_type_hints
+from typing import Any, ClassVar, get_type_hints
 
 import tribo
 from pipeline import extras
@@ -12,6 +12,7 @@ from pipeline.scene.declare import (
     ByPath,
     Changes,
     Declared,
+    Each,
     Either,
     Example,
     List,
@@ -42,8 +43,10 @@ OIL_WORKS = "-53 degC", "627 degC"
 """Bulk temperatures between which an oil may work."""
 LOAD = Quantity("200 N")
 DURATION = Quantity("4 s", zero=True)
+HELD = Quantity("60 s")
 VELOCITY = Quantity("1.25 m/s", zero=True, usual=(0, 100))
 SPEED = Quantity("1.25 m/s")
+LEVEL = OneQuantity((LOAD, SPEED))
 TEMPERATURE = Quantity("25 degC")
 BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
 CRITICAL = Quantity("145 degC", usual=(50, 800))
@@ -156,11 +159,29 @@ _REFERENCE_LOAD = (
     "Load that is reached in `fidelity.increments` steps; by default the peak of a record."
 )
 
+class EvenStages(Declared):
+    first: A[float, LOAD, "Load of the first stage."]
+    step: A[float, LOAD, "Load by which each stage is above the one before."]
+    hold: A[float, HELD, "Time for which each stage is held."]
+
 class RampTable(Declared):
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows from 0."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
         "Time for which each load is held after the ramp, in growing steps."] = 0.0
+
+class StagesTable(Declared):
+    form_name = "stages"
+    refused: ClassVar[dict[str, str]] = {
+        "hold": "each of the stages has its own; leave this one out",
+        "file": "a record is no stages; give stages, or the record alone",
+    }
+    stages: A[Any, Either(List(Each((LOAD, HELD))), table_of(EvenStages)),
+        "Loads that one specimen passes in turn, each held: even ones, or a list such as "
+        '`[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of the sweep are such stages.',
+        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})]
+    rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
+    reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
 
 class Record(Declared):
     file: A[str,
@@ -310,6 +331,12 @@ class SweepTable(Declared):
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
 
+class EvenLevels(Declared):
+    form_name = "even stages"
+    first: A[str, LEVEL, "Load or velocity of the first stage."]
+    step: A[str, LEVEL, "What each stage is above the one before."]
+    hold: A[float, HELD, "Time for which each stage is held."]
+
 class TestTable(Declared):
     form_name = "entries"
     load: A[float, LOAD, "Normal load on the pin."]
@@ -339,6 +366,10 @@ class _RunTable(TestTable):
     run: A[str | int | None, NAME,
         "Run of the test, by default its own. Tests of one run have one specimen, and count as "
         "one."] = None
+    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
+        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
+        "default those of `[loading]`, whose rate leads from stage to stage.",
+        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})] = None
 
 class Test(_RunTable):
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
@@ -372,7 +403,8 @@ class SceneFile(Declared):
         "crowned roller."]
     disk: A[Disk, "The body that slides under the pin."]
     window: A[Window, "The simulated patch of the contact, x along sliding and y across."]
-    loading: A[RampTable | Record, "Growth of the load: a ramp, or a recorded load."]
+    loading: A[RampTable | StagesTable | Record,
+        "Growth of the load: a ramp, stages of one specimen, or a recorded load."]
     motion: A[MotionTable | None,
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."] = None

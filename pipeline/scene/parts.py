@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,31 +16,37 @@ from pipeline.paths import user_path
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
+    EvenLevels,
+    EvenStages,
     MaterialTable,
     MeasuredSurfaceTable,
     MotionTable,
     OilTable,
     RampTable,
     Record,
+    StagesTable,
     Window,
 )
 from pipeline.scene.names import UNITS
 from pipeline.scene.sheet import read_sheet
+from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
 from pipeline.sweep.sources import FromLibrary
+from tribo.loading.ramp import MOST_STEPS
 from tribo.loading.record import fault as record_fault
 from tribo.simulation.pins import sizes_of
 from tribo.surface import array_digest
 from tribo.types import Array
 
-Loading = tribo.Ramp | tribo.MeasuredLoad
+Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 _RECORD = "time", "load"
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
     "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
 )
+_ROUNDING = 1e-9
 _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
 
 
@@ -103,31 +109,68 @@ class Contents:
         return self.folders[f"{path}.file"] / user_path(table.file)
 
 
-def loading_of(
-    contents: Contents, faults: Faults, table: RampTable | Record
-) -> tuple[Loading, str | None]:
-    """Make the ramp or the recorded load; also return the SHA-256 of a record, else None.
+def stages_of(stages: Any, highest: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Levels and holds [s] of the stages in an entry; even stages end at the `highest` level."""
+    if isinstance(stages, EvenStages):
+        return _even(stages.first, stages.step, stages.hold, highest)
+    return tuple(level for level, _ in stages), tuple(hold for _, hold in stages)
 
-    `table` is the scene's ``[loading]``, and `contents` has the contents of files. If the table
-    asks for a fit, the result is the ramp fitted to the record, and a note on it is added to
-    `faults`.
+
+def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
+    """Read the stages of a test: "load" or "velocity", and levels and holds of the stages in SI.
+
+    Even stages end at the level `end`.
+    """
+    is_even = isinstance(stages, EvenLevels)
+    texts = [stages.first, stages.step] if is_even else [level for level, _ in stages]
+    name, one = ("load", "1 N") if si_unit(texts[0]) == si_unit("1 N") else ("velocity", "1 m/s")
+    numbers = [to_si(text, like=one) for text in texts]
+    if is_even:
+        return name, *_even(numbers[0], numbers[1], stages.hold, end)
+    return name, tuple(numbers), tuple(hold for _, hold in stages)
+
+
+def _even(
+    first: float, step: float, hold: float, highest: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Levels and holds of even stages, the last at the `highest` level or below it."""
+    steps = max(0.0, (highest - first) / step)
+    if steps > MOST_STEPS:
+        raise tribo.InputError(f"stages are {steps:.3g} in number; give at most {MOST_STEPS}")
+    count = 1 + math.floor(steps * (1 + _ROUNDING))
+    return tuple(first + k * step for k in range(count)), (hold,) * count
+
+
+def loading_of(
+    contents: Contents,
+    faults: Faults,
+    table: RampTable | StagesTable | Record,
+    loads: Sequence[float],
+) -> tuple[Loading, str | None]:
+    """Make the ramp, the stages or the recorded load; also return the SHA-256 of a record.
+
+    `table` is the scene's ``[loading]``, `loads` are those of the plane [N], and `contents` has the
+    contents of files. If the table asks for a fit, the result is the ramp fitted to the record, and
+    a note on it is added to `faults`.
     """
     if isinstance(table, RampTable):
         return tribo.Ramp(**vars(table)), None
+    if isinstance(table, StagesTable):
+        return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate), None
     path = contents.find(table, "loading", faults)
     content = str(table.content)
     if path:
         sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
-        times, loads = (
+        times, forces = (
             sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
         )
-        if not sheet.faults and (reason := record_fault(times, loads)):
+        if not sheet.faults and (reason := record_fault(times, forces)):
             sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
         sheet.refuse_faults("time [s],load [N]")
         faults.note("loading.file", sheet.counted)
-        content = contents.keep(np.array([times, loads]))
-    times, loads = contents.take(content, (2, -1))
-    record = tribo.MeasuredLoad(times, loads, table.reference_load)
+        content = contents.keep(np.array([times, forces]))
+    times, forces = contents.take(content, (2, -1))
+    record = tribo.MeasuredLoad(times, forces, table.reference_load)
     if not table.fit:
         return record, content
     rate, onset = record.linear_fit()

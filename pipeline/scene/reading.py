@@ -33,6 +33,7 @@ from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
 from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
+from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of
 
 
@@ -77,7 +78,7 @@ class SceneReader:
         scene, changed = self._read_tables(tables, faults)
         fidelity, preset = self._fidelity(scene.fidelity, faults)
         part, read = partial(self._part, scene, faults), (self.contents, faults)
-        loading, record = part(partial(loading_of, *read), "loading") or (None, None)
+        loading, record = part(partial(loading_of, *read), "loading", "sweep.loads") or (None, None)
         heights = partial(roughness_of, *read)
         roughness = laws.get("surface") or part(heights, "disk.roughness", "window")
         made = {
@@ -98,6 +99,8 @@ class SceneReader:
         if isinstance(scene.disk.roughness, MeasuredSurfaceTable):
             digests["disk.roughness.content"] = roughness.digest
         physics = _scene_of(scene, laws.get("pin"), **made)
+        with faults.at("window.pixels"):
+            physics = widen_window(physics, max(scene.sweep.velocities))
         parts = Parts(
             declared=scene,
             scene=physics,

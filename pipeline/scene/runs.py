@@ -10,6 +10,8 @@ from typing import Any
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import LOAD, VELOCITY, Stages, Test, TestTable
+from pipeline.scene.parts import levels_of
+from tribo import InputError
 
 _STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
 _KINDS = {"load": LOAD, "velocity": VELOCITY}
@@ -52,17 +54,33 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
         return
     (name,) = varied
     read = _KINDS[name].read
-    stages = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
-    if None in stages.values():
+    ends = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
+    if None in ends.values():
         return
-    if len(stages) > 1 and not stages["mild"] < stages["severe"]:
-        low, high = (display(stages[outcome], UNITS[name]) for outcome in ("severe", "mild"))
+    if len(ends) > 1 and not ends["mild"] < ends["severe"]:
+        low, high = (display(ends[outcome], UNITS[name]) for outcome in ("severe", "mild"))
         faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
         return
     run = entry.run if entry.run is not None else f"number {entry.number}"
     common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
-    for outcome, value in stages.items():
+    if entry.stages is not None and ends:
+        with faults.at(f"{place}.stages"):
+            common["stages"] = _up_to(entry.stages, name, max(ends.values()))
+    for outcome, value in ends.items():
         yield Test(**common | {"run": run, name: value, "outcome": outcome})
+
+
+def _up_to(stages: Any, name: str, end: float) -> tuple[tuple[str, float], ...]:
+    """Level and hold [s] of each stage of a specimen, which ends at the last stage that is named.
+
+    `name` is what rises from stage to stage, load or velocity, and `end` the last level of it.
+    """
+    found, levels, holds = levels_of(stages, end)
+    if found != name:
+        raise InputError(f"these are stages of {found}, which the test gives, too; leave out one")
+    pairs = zip(levels, holds, strict=True)
+    last = end * (1 + 1e-9)
+    return tuple((f"{level!r} {UNITS[name]}", hold) for level, hold in pairs if level <= last)
 
 
 def tests_of(scene: Any) -> tuple[Any, ...]:

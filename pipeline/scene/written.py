@@ -10,7 +10,7 @@ from typing import Any
 import tribo
 from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
-from pipeline.scene.declare import ByPath, Either, List, Table, Tables, attribute_of, table_of
+from pipeline.scene.declare import ByPath, Each, Either, List, Table, Tables, attribute_of, table_of
 from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Kind, Quantity, Text
 from pipeline.scene.units import si_unit, to_si, typeset
@@ -42,6 +42,8 @@ def entries_of(kind: Kind, value: Any) -> Any:
             return {key: text for key, text in texts.items() if text is not None}
         case List(of):
             return [entries_of(of, one) for one in value]
+        case Each(kinds):
+            return [*map(entries_of, kinds, value)]
         case Tables(of):
             return {key: entries_of(of, one) for key, one in value.items()}
         case ByPath(Text()):  # [uncertainty]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -12,6 +13,7 @@ import xarray as xr
 
 from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_coordinate, is_of_points
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.points_of_tests import TEST_POINT
 from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import Variant, in_order
@@ -67,15 +69,17 @@ def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
         for column, values in kept.variants.coordinates.items()
     }
     scenes = [case.scene for case in kept.given]
-    stations = choose_stations(kept)
-    ramps = {ramp_of(scene): scene for scene in scenes}.values()
-    steps = max(len(stations.kept(scene, load)) for scene in ramps for load in sweep.loads)
+    stations, steps = choose_stations(kept), len(before.get("step", ()))
+    if TEST_POINT not in rows:  # the layout of tests has room for their steps
+        ramps = {ramp_of(scene): scene for scene in scenes}.values()
+        loads = [*itertools.product(ramps, sweep.loads)]
+        steps = max(steps, *(len(stations.kept(scene, load)) for scene, load in loads))
     if stations.steps == "course" and not before:
         steps = max(steps, _ROOM * kept.scene.fidelity.increments + 1)
     return {
         **plane,
         **rows,
-        "step": [*range(1 - max(steps, len(before.get("step", ()))), 1)],
+        "step": [*range(1 - steps, 1)],
         "cooler_share": [*QUANTILES],
         "bulk_ratio": [*BULK_RATIOS],
         "x": scenes[0].grid.coordinates(0).tolist(),
@@ -126,23 +130,29 @@ def made_coordinates(
     by_row = dict(zip(sweep.variants.names, ids, strict=True))
 
     @functools.cache
-    def known(name: Variant, load: float) -> list[tuple[float, float]]:
-        kept = stations.kept(sweep.case(name).scene, load)
-        lacking = [(math.nan, math.nan)] * (len(axes["step"]) - len(kept))
-        return lacking + [(step.time, step.normal_load) for step in kept]
+    def known(name: Variant, load: float, velocity: float | None) -> list[Any]:
+        kept = stations.kept(sweep.case(name).scene, load, velocity)
+        lacking = [(math.nan,) * 3] * (len(axes["step"]) - len(kept))
+        slid = [math.nan if one.slid is None else one.slid for one in kept]
+        steps = zip(kept, slid, strict=True)
+        return lacking + [(step.time, step.normal_load, way) for step, way in steps]
 
     def along(dims: Sequence[str], values: Any) -> Any:
         return xr.Variable(dims, np.reshape(values, [len(axes[dim]) for dim in dims]))
 
-    ramps = [known(point.variant, point.load) for point in points_on(sweep, axes, wanted, dims)]
-    time, normal_load = (along(dims, values) for values in np.moveaxis(np.array(ramps), -1, 0))
+    own = TEST_POINT in axes  # a test may have stages of velocity
+    ramps = [
+        known(point.variant, point.load, point.velocity if own else None)
+        for point in points_on(sweep, axes, wanted, dims)
+    ]
+    time, normal_load, way = (along(dims, one) for one in np.moveaxis(np.array(ramps), -1, 0))
     speed: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
     rows = [dim for dim in wanted[SCENE_ID].dims if dim in sweep.variants.axes]
     of_rows = [by_row[point.variant] for point in points_on(sweep, axes, wanted, rows)]
     made = {
         "time": time,
         "normal_load": normal_load,
-        "sliding_distance": speed * time,
+        "sliding_distance": way.where(way.notnull(), speed * time) if own else speed * time,
         SCENE_ID: along(rows, np.array(of_rows, np.int32)),
     }
     sizes = {name: {dim: len(axes[dim]) for dim in wanted[name].dims} for name in made}

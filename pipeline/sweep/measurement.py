@@ -36,6 +36,8 @@ class Measurement:
     run: str | None = None  # shared by the tests of one specimen
     load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
     velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
+    # Stages of the specimen, as declared; None for the loading of the scene.
+    stages: Any = None
     # Other entries of the scene by path, as written.
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
     own: Case | None = field(default=None, compare=False, repr=False)

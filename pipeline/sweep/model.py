@@ -266,8 +266,8 @@ class Sweep:
         """
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
-                f"hold is {duration:g} s, but the load follows a record, which has its own end; "
-                "leave out the hold, or give a loading with rate and reference_load"
+                f"hold is {duration:g} s, but the load follows a record or stages, which have "
+                "their own end; leave out the hold, or give a loading with rate and reference_load"
             )
         return self.changed("loading.hold", f"{duration!r} s")
 

@@ -21,9 +21,9 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
-from pipeline.sweep.stations import Stations
+from pipeline.sweep.stations import Stations, load_that_counts
 from pipeline.sweep.variants import Row, Variant
-from tribo import QUANTILES, Scene, State, TriboError, Verdict, measures, warnings
+from tribo import QUANTILES, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     Note,
     PointWarning,
@@ -33,6 +33,8 @@ from tribo.simulation import (
     fit_elements,
     heat,
     mechanics,
+    ramp_key,
+    stages_of,
 )
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
@@ -58,6 +60,7 @@ class PointResult:
     #: needs them, see `tribo.Fidelity.elements_per_summit`.
     state: State = field(repr=False)
     shape: tuple[int, int]  #: Elements of the scene along x and y.
+    least_load: float  #: Load from which on steps can decide [N].
     warnings: tuple[PointWarning, ...]  #: Reasons for caution about the result.
     wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
 
@@ -108,7 +111,7 @@ class PointResult:
 
     def verdict(self, conditions: Conditions) -> Verdict:
         """Mild or severe wear at the worst step of the point's loading, under `conditions`."""
-        return verdict(self.columns, self.point.load, conditions)
+        return verdict(self.columns, self.least_load, conditions)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +159,7 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     def ramp(name: Variant, velocity: float, load: float) -> tuple[Any, ...]:
         scene = sweep.case(name).scene
         number = numbers.setdefault(mechanics(scene), len(numbers))
-        return number, velocity, scene.ramp_increment(load)
+        return number, *ramp_key(scene, load, velocity)
 
     order = sorted(todo, key=lambda point: point.variant)
     found = [Task(point, ramp(point.variant, point.velocity, point.load)) for point in order]
@@ -185,7 +188,7 @@ def run_point(
     load, velocity, _ = point
     trunks = trunks or Trunks()
     fitted = fit_elements(scene, load)
-    heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load)
+    heat_steps, kept = stations.heat_steps(scene, load), stations.kept(scene, load, velocity)
     note, own = None, {station.index for station in kept}
     if stations.steps == "course":
         note = Note((fitted, velocity), lambda state: _increment_values(fitted, velocity, state))
@@ -194,7 +197,10 @@ def run_point(
     found = memo.get((fitted, stations))
     if found is None:  # no row with this heat came before
         states: list[State] = []
-        for contact in contacts(scene, load, velocity, trunks, heat_steps, note):
+        if isinstance(fitted.loading, Stages):
+            states += stages_of(fitted, load, velocity, trunks)
+            own = set()
+        for contact in contacts(scene, load, velocity, trunks, heat_steps, note) if own else ():
             if contact.index in own:
                 is_last = contact.index == kept[-1].index
                 states.append(_heated(fitted, velocity, contact, is_last))
@@ -208,6 +214,7 @@ def run_point(
         columns=columns,
         state=state,
         shape=scene.grid.shape,
+        least_load=load_that_counts(scene, load),
         warnings=tuple(warnings(scene, state)),
         wall_time=time.perf_counter() - began,
     )

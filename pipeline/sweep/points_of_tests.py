@@ -105,10 +105,12 @@ def judges_holds(sweep: Sweep) -> bool:
 def most_steps(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> int:
     """Room for the stored steps of the points of tests, also if they are held."""
     stations = Stations("end", judges_hold)
-    pairs = {
-        (sweep.own_points[slot.test].simulated.scene, slot.load) for slot in slots if slot.is_wanted
+    places = {
+        (sweep.own_points[slot.test].simulated.scene, slot.load, slot.velocity)
+        for slot in slots
+        if slot.is_wanted
     }
-    return max(len(stations.kept(_held(scene), load)) for scene, load in pairs)
+    return max(len(stations.kept(_held(scene), *place)) for scene, *place in places)
 
 
 def _held(scene: Scene) -> Scene:

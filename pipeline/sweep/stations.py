@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Literal
 
-from tribo import MeasuredLoad, Scene
+from tribo import MeasuredLoad, Scene, Stages
 from tribo.loading import Station
 
 Steps = Literal["course", "end"]
@@ -28,6 +28,8 @@ class Stations:
         held. The step that reaches the load, and the last step, may be missing from the set: their
         temperatures are always computed.
         """
+        if isinstance(scene.loading, Stages):
+            return frozenset()  # onset and end of each stage always have one
         way = list(scene.all_stations(load))
         holding = [step for step in way if step.holding]
         if self.steps == "course":
@@ -35,8 +37,14 @@ class Stations:
             return frozenset(step.index for step in (way if is_own else holding))
         return frozenset(step.index for step in holding) if self.judges_hold else frozenset()
 
-    def kept(self, scene: Scene, load: float) -> list[Station]:
-        """Stations of a point at a load [N] that are stored; the last is the point's end."""
+    def kept(self, scene: Scene, load: float, velocity: float | None = None) -> list[Station]:
+        """Stations of a point at a load [N] that are stored; the last is the point's end.
+
+        Of a specimen in stages they are onset and end of each. `velocity` [m/s] tells the last of
+        stages of velocity.
+        """
+        if isinstance(scene.loading, Stages):
+            return [one for one in scene.stations(load, (), velocity) if one.is_shown]
         heated = self.heat_steps(scene, load)
         steps = list(scene.stations(load, heated))
         return [
@@ -47,6 +55,11 @@ class Stations:
             or (step.normal_load >= load and (not step.holding or scene.remembers_heat))
             or self.steps == "course"
         ]
+
+
+def load_that_counts(scene: Scene, load: float) -> float:
+    """Load from which on steps can decide [N]: that of the point; of a specimen in stages any."""
+    return 0.0 if isinstance(scene.loading, Stages) else load
 
 
 def ramp_of(scene: Scene) -> Hashable:

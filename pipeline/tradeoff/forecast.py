@@ -19,8 +19,9 @@ from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
 from pipeline.sweep.shown import shown
 from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.stations import Stations
 from pipeline.sweep.task_queue import makespan
-from tribo import Scene, State
+from tribo import Scene, Stages, State
 from tribo.simulation import Trunks, contacts, fit_elements, heat
 from tribo.simulation.trunks import MOST_BYTES
 
@@ -95,8 +96,9 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     slots, points = wanted_slots(sweep), len(every)
     of_tests = sweep_of_tests(sweep, slots, False) if slots else None
     own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
-    like_the_scene = _TaskTimes(scene, contact_time, heat_time, is_course=False)
-    wall += makespan(own, min(workers, len(own)), like_the_scene)[0] if own else 0.0
+    if of_tests:  # each step takes as long as in the scene
+        of_own = _TaskTimes(of_tests, contact_time, heat_time, is_course=False, is_of_tests=True)
+        wall += makespan(own, min(workers, len(own)), of_own)[0]
     return Estimate(
         points=points,
         tests=sum(slot.test < len(sweep.tests) for slot in slots),
@@ -118,9 +120,10 @@ class _TaskTimes:
     contact_time: float  # [s]
     heat_time: float  # [s]
     is_course: bool  # True if temperatures are also computed during the run
+    is_of_tests: bool = False  # True if each task has a scene of its own
     contacts: int = 0
     temperatures: int = 0
-    _steps: dict[float, tuple[int, int, int]] = field(default_factory=dict)
+    _steps: dict[Any, tuple[int, int, int]] = field(default_factory=dict)
 
     def __call__(self, task: Task, has: dict[Any, Any]) -> float:
         """Predict the time of a task on a worker [s].
@@ -130,10 +133,12 @@ class _TaskTimes:
         `self.contacts` by the number of contacts that the task must solve, and `self.temperatures`
         by the number of heat partitions.
         """
-        scene, (load, velocity, _) = self.sweep.scene, task.point
-        if load not in self._steps:
-            self._steps[load] = _count_steps(self.sweep, load)
-        increments, own, shown = self._steps[load]
+        load, velocity, variant = task.point
+        scene = self.sweep.case(variant).scene if self.is_of_tests else self.sweep.scene
+        if (key := (scene, load, velocity)) not in self._steps:
+            stations = choose_stations(self.sweep)
+            self._steps[key] = _count_steps(scene, stations, load, velocity)
+        increments, own, shown = self._steps[key]
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
         warms = bool(scene.friction_heat and velocity)
@@ -196,14 +201,19 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
     return float(np.mean(of_contacts)), float(np.mean(of_heat or 0.0)), state
 
 
-def _count_steps(sweep: Sweep, load: float) -> tuple[int, int, int]:
+def _count_steps(
+    scene: Scene, stations: Stations, load: float, velocity: float
+) -> tuple[int, int, int]:
     """Count the steps of the loading up to a load [N]; return three numbers.
 
     The first is the number of steps that are shared with higher loads. The second is the number of
     all other steps, and the third counts those of them at which a temperature is always computed.
+    All steps of stages are shared, and each stage has two temperatures of its own.
     """
-    requested = choose_stations(sweep).heat_steps(sweep.scene, load)
-    steps = list(sweep.scene.stations(load, requested))
+    requested = stations.heat_steps(scene, load)
+    steps = list(scene.stations(load, requested, velocity))
+    if isinstance(scene.loading, Stages):
+        return len(steps), 0, 2
     shared = sum(
         step.on_trunk and step.normal_load < load and step.index not in requested for step in steps
     )

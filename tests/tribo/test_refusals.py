@@ -24,6 +24,7 @@ from tribo import (
     Motion,
     Oil,
     Ramp,
+    Stages,
     Track,
     Wear,
     simulate,
@@ -32,7 +33,7 @@ from tribo.analytic import rolling_sliding_rise
 from tribo.contact import ElasticHalfSpace, solve_contact
 from tribo.inverse import specific_wear_rate
 from tribo.numerics import Convolution
-from tribo.simulation import start, state_rises
+from tribo.simulation import stages_of, start, state_rises, widen_window
 from tribo.simulation.verdict import rise_limit
 from tribo.surface import self_affine
 from tribo.surface.topography import block_average
@@ -160,6 +161,18 @@ REFUSALS = {
     "ramp rate": (lambda: Ramp(0.0, 1.0), "rate is 0.0"),
     "no increments": (lambda: list(Ramp(1.0, 1.0).stations(1.0, 0)), "increments is 0"),
     "hold": (lambda: Ramp(1.0, 1.0, hold=-1.0), "hold is -1.0 s"),
+    "stages that fall": (lambda: Stages((2.0, 1.0), (1.0, 1.0), 1.0), "do not rise from 2 to 1"),
+    "stages without hold": (lambda: Stages((1.0, 2.0), (1.0,), 1.0), "2 loads, 0 velocities and 1"),
+    "no stage": (lambda: list(Stages((1.0,), (1.0,), 1.0).stations(2.0, 4)), "give one of 1 N"),
+    "many stages": (lambda: list(Stages((1.0,), (1.0,), 1.0).stations(1.0, 100_000)), "over 1000"),
+    "history of velocities": (lambda: scene(
+        loading=Stages((1.0,), (1.0,), 1.0, (1.0,)), fidelity=Fidelity(heat_model="history"),
+    ), "the velocity rises in stages"),
+    "stages on a measured surface": (lambda: widen_window(scene(
+        loading=Stages((400.0,), (60.0,), 150.0), roughness=MeasuredRoughness(np.ones((48, 16))),
+    ), 4.0), "repeat the measured surface"),
+    "stage at an edge": (lambda: stages_of(scene(
+        loading=Stages((400.0,), (60.0,), 150.0), roughness=None), 400.0, 4.0), "touches the"),
     "steps": (lambda: list(Ramp(1.0, 1e-9).stations(600.0, 100)),
               "at most 10000 are allowed"),
     "no numbers": (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),

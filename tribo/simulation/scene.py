@@ -110,6 +110,11 @@ class Scene:
                 "partition is 'uniform', which divides frictional heat alone, and the bulk "
                 "temperatures are unequal; use 'local'"
             )
+        if isinstance(self.loading, Stages) and self.loading.velocities and self.remembers_heat:
+            raise InputError(
+                "heat_model is 'history', and the velocity rises in stages, whose earlier heat is "
+                "left out; use 'elapsed'"
+            )
         if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
             raise InputError(
                 f"track_length is {self.track_length:g} m; it must be at least that of the window "

@@ -12,8 +12,10 @@ from dataclasses import replace
 import scipy
 
 from tribo.constants import ROOM_BESIDE_WEAR
+from tribo.errors import InputError
 from tribo.loading import Stages
 from tribo.simulation.scene import Scene
+from tribo.surface import MeasuredRoughness
 from tribo.wear import Wear
 
 
@@ -23,7 +25,8 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     Under a ball or crowned pin it is as much wider along y. The scene is returned unchanged if its
     own window is as wide, has no stages, or does not wear by a constant rate, and for a pin that
     rolls at the sliding `velocity` [m/s], which wears all around. The number of elements is even,
-    and suits coarser elements and the transforms.
+    and suits coarser elements and the transforms. A measured surface is not widened, but refused
+    by an `InputError` that names the pixels.
 
     Examples
     --------
@@ -45,6 +48,12 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     shape = _wider(nx, wide / dx, block), _wider(ny, deep / dy, block)
     if shape == pixels.shape:
         return scene
+    if isinstance(scene.roughness, MeasuredRoughness):
+        raise InputError(
+            f"the pin is worn {1e3 * wide / ROOM_BESIDE_WEAR:.3g} mm wide at the end of its "
+            f"stages; give {shape[0]} × {shape[1]} pixels, and repeat the measured surface if it "
+            "has fewer"
+        )
     return replace(scene, pixels=replace(pixels, shape=shape))
 
 

@@ -164,6 +164,33 @@ def held():
     return scene((RAMP, 'file = "load.csv"'), **own)
 
 
+EVEN = '{ first = "200 N", step = "200 N", hold = "60 s" }'
+
+
+def stages(what, loads=("200 N", "400 N"), more="", **others):
+    """Function that reads the scene with the loading in stages."""
+    loading = (RAMP, f'rate = "150 N/s"\nstages = {what}\n{more}')
+    return lambda: scene(loading, **{"sweep.loads": [*loads], "without": "measured"} | others)
+
+
+def staged(test, loading=RAMP):
+    """Function that reads the scene with one test by stages."""
+    text = f"{TEXT}\n[[tested]]\nstages = {EVEN}\n{test}\n"
+    return lambda: scene((RAMP, loading), text=text, without="measured")
+
+
+def staged_record():
+    """Read a scene whose load is recorded, with a test by stages."""
+    Path("load.csv").write_text("time [s],load [N]\n0,0\n1,100\n2,200\n")
+    return staged('velocity = "2 m/s"\nsevere_at = "400 N"', 'file = "load.csv"')()
+
+
+def warmed():
+    """Read a scene whose disk keeps heat, with a test by stages of velocity."""
+    test = {"load": "400 N", "stages": [["1 m/s", "5 s"]], "severe_at": "1 m/s"}
+    return scene(tested=[test], without="measured", **{"disk.track_length": "300 mm"})
+
+
 TEST = {"load": "400 N", "velocity": "1 m/s", "outcome": "mild"}
 ENTRIES = {
     "ra": (entry("disk.roughness.ra", 0.27), "0.27 has no unit"),
@@ -176,6 +203,20 @@ ENTRIES = {
                               "tested[0].with: wear.x: unknown key"),
     "step of a test": (entry("measured", [{"load": "4 N", "velocity": "1 m/s", "step": "3 mm"}]),
                        '"3 mm" is another quantity'),
+    "load without stage": (stages(EVEN, ["300 N"]), "300 N is no stage; give some of 200 N"),
+    "hold of stages": (stages(EVEN, more='hold = "4 s"'), "each of the stages has its own"),
+    "file of stages": (stages(EVEN, more='file = "a.csv"'), "a record is no stages"),
+    "stages that fall": (stages('[["4 N", "1 s"], ["2 N", "1 s"]]', ["4 N"]), "do not rise from 4"),
+    "stage without hold": (stages('[["4 N"]]', ["4 N"]), "has 1 entries, not 2"),
+    "steps of stages": (stages(EVEN, **{"sweep.steps": "course"}), "and no other step"),
+    "many stages": (stages(EVEN.replace('step = "200', 'step = "1e-4')), "2e+06 in number"),
+    "severe without stage": (staged('velocity = "2 m/s"\nsevere_at = "350 N"'),
+                             "load is 350 N, which is no stage; give one of 200 N"),
+    "hold of a test's stages": (staged('velocity = "2 m/s"\nsevere_at = "400 N"\nhold = "4 s"'),
+                                "each of the stages has its own; leave it out"),
+    "stages given": (staged('load = "1 N"\nsevere_at = "3 m/s"'), "these are stages of load"),
+    "stages of a record": (staged_record, "stages need a rate of the load"),
+    "velocity of a track": (warmed, "stages of velocity take one friction"),
     "hold of a record": (held, "hold is 3 s, but the load follows a record"),
     "another oil": (entry("tested", [{**TEST, "oil": "A"}]), '"A", but measured[0] has no oil;'),
     "nan": (entry("materials.steel.poisson_ratio", math.nan), "nan is out of range"),

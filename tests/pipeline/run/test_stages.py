@@ -1,0 +1,103 @@
+"""Specimens in stages: what is stored of them, and what their tests say."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.tested import evidence_of
+from pipeline.cli import main
+from pipeline.store.create import writing
+from pipeline.sweep import plan
+from tests.helpers.scenes import SCENE
+from tribo.simulation import Trunks
+
+STAGES = 'stages = { first = "100 N", step = "20 N", hold = "20 s" }'
+TEXT = (
+    SCENE.replace('reference_load = "750 N"', STAGES)
+    .replace('["200 N", "400 N", "600 N"]', '["100 N", "120 N", "140 N"]')
+    .replace('["1 m/s", "2 m/s", "4 m/s"]', '["1 m/s", "2 m/s"]')
+    .replace("increments = 10", "increments = 4")
+    .replace("[48, 16]", "[96, 16]")
+)
+TESTS = """
+[[tested]]
+velocity = "2 m/s"
+stages = { first = "100 N", step = "20 N", hold = "20 s" }
+mild_up_to = "100 N"
+severe_at = "120 N"
+
+[[tested]]
+velocity = "2 m/s"
+stages = [["60 N", "1 s"], ["400 N", "1 s"]]
+mild_up_to = "60 N"
+severe_at = "400 N"
+
+[[tested]]
+load = "300 N"
+stages = [["1 m/s", "20 s"], ["4 m/s", "5 s"]]
+mild_up_to = "1 m/s"
+severe_at = "4 m/s"
+"""
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    """A plane of stages and three tests by stages, computed in this process."""
+    folder = tmp_path_factory.mktemp("stages")
+    (folder / "lab.toml").write_text(TEXT + TESTS, encoding="utf-8")
+    sweep, trunks = pipeline.load_scene(folder / "lab.toml"), Trunks()
+    with writing(folder / "lab.zarr", sweep) as opened:
+        for part in (opened, opened.tests):
+            for task in plan.tasks(part.pending(), part.sweep):
+                point = task.point
+                scene, stations = part.sweep.case(point.variant).scene, part.sweep.stations
+                result = plan.run_point(scene, stations, point, trunks)
+                part.commit([result.record(part.sweep.fields)])
+    return sweep, folder / "lab.zarr"
+
+
+def test_onset_and_end_of_each_stage_are_stored(store):
+    ds = pipeline.open_sweep(store[1]).sel(velocity=2)
+    assert ds.sizes["step"] == 6
+    ramps = 100 / 150, 20 / 150, 20 / 150
+    ends = np.cumsum([[ramp, 20.0] for ramp in ramps])
+    assert ds["time"].sel(load=140).values == pytest.approx(ends)
+    assert ds["normal_load"].sel(load=140).values.tolist() == [100, 100, 120, 120, 140, 140]
+    first = ds["mean_rise"].sel(load=100).values
+    assert np.isnan(first[:4]).all()
+    assert first[4:].tolist() == ds["mean_rise"].sel(load=140).values[:2].tolist()
+
+
+def test_the_decisive_rise_is_the_highest_of_the_specimen_so_far(store):
+    ds = pipeline.open_sweep(store[1])
+    answered = [pipeline.margin(ds, load, 2.0) for load in (100.0, 120.0, 140.0)]
+    found = [one.decisive_temperature for one in answered]
+    steps = pipeline.temperatures(ds)["temperature_quantile"].sel(cooler_share=0.9, velocity=2)
+    own = steps.sel(load=140).values
+    assert own[2] < own[0]  # the unworn first stage is hotter than the second
+    assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
+    point = pipeline.run_point(store[0].alone(), 120.0, 2.0)
+    assert point.verdict(store[0].conditions).decisive_temperature == pytest.approx(
+        found[1], rel=1e-12
+    )
+
+
+def test_a_test_by_stages_is_one_interval_and_a_transition_where_it_is_no_hotter(store):
+    data = pipeline.results(store[1])
+    evidence = evidence_of(data, data.conditions)
+    assert [row.reason for row in evidence.rows] == [""] * 6
+    cooler, hotter, faster = evidence.results
+    assert cooler.width == 0  # 120 N is no hotter than the unworn stage at 100 N
+    for (mild, severe), result in zip(evidence.members[1:], (hotter, faster), strict=True):
+        assert result.y == severe.severe
+        assert result.width == pytest.approx(severe.severe - mild.mild)
+        assert result.width > 0.3
+    assert data.tests.columns["sliding_distance"][-1, -1] == pytest.approx(22.0 + 4 * 5)
+
+
+def test_the_check_says_how_wide_the_window_is_and_what_it_costs(store, capsys):
+    path = store[1].with_name("lab.toml")
+    path.with_name("wide.toml").write_text(path.read_text("utf-8").replace("[96, 16]", "[48, 16]"))
+    assert main(["check", str(path.with_name("wide.toml"))]) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert "widened from 48 pixels for the wear of the stages; 80 × 16 pixels, a step" in words
