@@ -12,6 +12,7 @@ import xarray as xr
 import pipeline
 from pipeline.cli.output import tell
 from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.choices import Choices
 from pipeline.scene.over import notes_on_first_values
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
@@ -22,6 +23,7 @@ from tribo import InputError
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
+_OF_TABLE = ("column", "given", "where", "skip", "decimal", "sheet")
 PLACE = ("load", "velocity", "realization")
 """Options that select the point of a figure, named as in `pipeline.plot`."""
 
@@ -63,15 +65,23 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     return conditions
 
 
+def table_choices_in(options: argparse.Namespace) -> dict[str, Any]:
+    """Choices on the file of a table, as `pipeline.scene.choices.Choices` has them."""
+    pairs = {"columns": options.column} | {x: getattr(options, x) for x in _OF_TABLE[1:4]}
+    read = {name: dict(some) for name, some in pairs.items()}
+    return read | {"decimal": options.decimal, "sheet": options.sheet}
+
+
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     """Operating points from --points, or from --load and --velocity; None without these options."""
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:
             raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
-        return OperatingPoints.read(options.points, options.sheet)
-    if options.sheet is not None:
-        raise InputError("--sheet needs --points; give --points, too, or leave out --sheet")
+        return OperatingPoints.read(options.points, Choices(**table_choices_in(options)), "command")
+    if given := values_in(options, *_OF_TABLE):
+        flags = flags_of(given)
+        raise InputError(f"{flags} needs --points; give --points, too, or leave out {flags}")
     if len(place) == 1:
         (given,) = place
         lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")

@@ -13,8 +13,10 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis.tables import frame_of
+from pipeline.cli.given import table_choices_in
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
+from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.logs import Log, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table
 from pipeline.laboratory.records import read_trace
@@ -51,12 +53,10 @@ def tests(options: argparse.Namespace) -> Result:
     A trace is a record of friction over time.
     """
     path = Path(options.log)
-    taken = {
-        "where": dict(options.where), "skip": dict(options.skip), "given": dict(options.given),
-        "form": options.form, "sheet": options.sheet, "decimal": options.decimal,
-    }  # fmt: skip
-    named = {"columns": dict(options.column), **taken}
-    read = read_table(path, named, OF_TRACE)
+    named = {name: x or None for name, x in table_choices_in(options).items()}
+    named |= {"words": dict(options.word) or None, "form": options.form}
+    choices = LogTable(file=path.name, **named)
+    read = read_table(path, choices, options.form, OF_TRACE)
     if is_one_run(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
         return _trace_result(path, read, options)
     for name in ("output", "outcome", "scuffed_at"):
@@ -65,7 +65,7 @@ def tests(options: argparse.Namespace) -> Result:
             raise InputError(
                 f"{path} is no record of friction over time, which {option} needs; leave it out"
             )
-    return _log_result(path, read_log(path, named | {"words": dict(options.word)}), named)
+    return _log_result(path, read_log(path, choices), named)
 
 
 def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
@@ -243,6 +243,7 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
     `named` are the options that the user gave, by name.
     """
     yield f"[[{log.key}]]"
-    columns = log.renamed | named["columns"]
-    entries = {"file": path.name, "words": log.words, **named, "columns": columns}
+    columns = log.renamed | (named["columns"] or {})
+    named = {"words": log.words, **named, "columns": columns} | {"words": log.words}
+    entries = {"file": path.name, **named}
     yield from (f"{name} = {as_toml(value)}" for name, value in entries.items() if value)

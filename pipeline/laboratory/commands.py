@@ -46,11 +46,6 @@ _TESTS = (
         help="log of tests, or a trace of friction over time: .csv, .txt or .xlsx",
     ),
     Option(
-        "--column", metavar="ENTRY=HEADING", type=values.pair, action="append", default=[],
-        help='column of an entry that was not recognised, like "load=Normalkraft F_N / N"; may be '
-        "repeated",
-    ),
-    Option(
         "--word", metavar="WORD=OUTCOME", type=_word_meaning, action="append", default=[],
         help='what a word of the log means, like Fresser=severe, or an empty cell, "=mild"; may be '
         "repeated",
@@ -60,21 +55,7 @@ _TESTS = (
         help="export of a machine, where it was not recognised: compend, mtm, rtec, srv, "
         ", t11, trb3, twin_disc or umt",
     ),
-    Option(
-        "--skip", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
-        help='rows to leave out, like "outcome=aborted"; may be repeated',
-    ),
-    Option(
-        "--where", metavar="HEADING=VALUE", type=values.pair, action="append", default=[],
-        help='rows to take, like "oil=FVA 3"; may be repeated',
-    ),
-    Option(
-        "--given", metavar="QUANTITY=VALUE", type=values.pair, action="append", default=[],
-        help='value that the log lacks, the same for each row, like "velocity=2 m/s" or '
-        '"track_radius=20 mm"; may be repeated',
-    ),
-    o.SHEET,
-    Option("--decimal", choices=(".", ","), help="decimal mark, where it was not recognised"),
+    *o.OF_TABLE_FILE,
     Option("--outcome", choices=("mild",), help="print the lines of a trace that stayed mild"),
     Option(
         "--scuffed-at", metavar="TIME", type=values.quantity("812 s"),

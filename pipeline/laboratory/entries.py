@@ -58,8 +58,9 @@ def _read_tests(
         return []
     place, path = f"{place}.file", folder / user_path(entry["file"])
     with faults.at(place):
-        log = read_log(path, vars(read), key)
-        for problem in log.sheet.faults:
+        log = read_log(path, read, key)
+        log.sheet.written = "scene"
+        for problem in log.sheet.told_faults:
             faults.refuse(place, f"{path.name}, {problem}")
         if log.sheet.faults and not log.tests:
             faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from importlib import resources
 
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.sheet import Lines
+from pipeline.scene.lines import Lines
 from tribo import InputError
 
 _LEAST_SIGNS = 2

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
+from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.reading import (
     OF_TRACE,
     Read,
     add_hints,
     is_one_run,
     read_table,
-    require,
 )
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.declare import table_of
@@ -87,20 +87,19 @@ class Log:
         return [*filter(None, (self.sheet.counted, unused and f"columns not used: {unused}"))]
 
 
-def read_log(path: Path, options: Mapping[str, Any], key: str | None = None) -> Log:
+def read_log(path: Path, choices: LogTable, key: str | None = None) -> Log:
     """Read the tests of a log; faults are listed in the sheet of the result.
 
-    `options` are entries by name of the scene's table for a log, such as ``columns``. `key` is the
-    scene's list that needs the tests ("measured" or "tested"); if it is None, the columns of
-    the log tell which list.
+    `choices` are those of the scene's table for a log. `key` is the scene's list that needs the
+    tests ("measured" or "tested"); if it is None, the columns of the log tell which list.
     """
-    read = read_table(path, options)
-    if is_one_run(read_table(path, options, OF_TRACE).sheet):
+    read = read_table(path, choices, choices.form)
+    if is_one_run(read_table(path, choices, choices.form, OF_TRACE).sheet):
         read.sheet.faults.append(
             "this is a record of friction over time: one run, no list of tests"
         )
         return Log(read.sheet, read.export, Test)
-    return log_of(read, options.get("words") or {}, key)
+    return log_of(read, choices.words or {}, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
@@ -113,7 +112,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     sheet, export, missing = read
     row_class = TransitionTable if key == "measured" else _row_class(sheet)
     if row_class is None or (key == "tested" and row_class is TransitionTable):
-        require(sheet, ["load", "velocity"])
+        sheet.require(["load", "velocity"])
         if not sheet.faults:
             sheet.faults.append(
                 'no column says whether wear was mild or severe; name it by --column "outcome='
@@ -127,7 +126,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         sheet.places |= {"load": sheet.places[named[0]]} if named else {}
     sheet.faults += [missing[name] for name in ("load", "velocity") if name in missing]
     needed = [name for name in ("load", "velocity") if name in table_of(row_class).needed]
-    require(sheet, needed, ["load", "velocity"])
+    sheet.require(needed, ["load", "velocity"])
     if row_class is Test:
         _read_outcomes(log, words)
     elif row_class is Stages:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.laboratory.exports import Export, find_export, has_cell
 from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS
+from pipeline.scene.choices import Choices, choose, choose_unit, require_known
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.format import Stages, Test
-from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_lines, sheet_of
-from pipeline.scene.units import UnitError, to_si
-from tribo import InputError
+from pipeline.scene.lines import SheetRow, read_lines
+from pipeline.scene.sheet import Sheet, sheet_of
+from pipeline.scene.units import to_si
 
 _LISTED = dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys])
 OF_TESTS = *(name for name in _LISTED if name != "with"), "transition_load"
@@ -43,38 +42,29 @@ class Read(NamedTuple):
     missing: Mapping[str, str]
 
 
-def read_table(path: Path, options: Mapping[str, Any], wanted: Iterable[str] = OF_TESTS) -> Read:
-    """Read a table file for the quantities `wanted`, with the options of a scene's log.
+def read_table(
+    path: Path, choices: Choices, form: str | None = None, wanted: Iterable[str] = OF_TESTS
+) -> Read:
+    """Read a table file for the quantities `wanted`, with the `choices` of the user.
 
-    `options` may have the keys columns, given, skip, where, form, sheet and decimal. Faults are
-    listed in the sheet; an `InputError` is raised if an option names no known quantity or form.
+    `form` is the name of the export that it is. Faults are listed in the sheet; an `InputError` is
+    raised if a choice names no known quantity, or `form` no known export.
     """
-    units, columns = units_of([*wanted]), options.get("columns") or {}
-    tables = read_lines(path, WordNames(units, columns), options.get("sheet"))
+    units, chosen = units_of([*wanted]), choices.columns or {}
+    tables = read_lines(path, WordNames(units, chosen), choices.sheet)
     named = [
-        Lines([SheetRow(0, [path.stem.replace("_", " ")]), *one.rows], one.form) for one in tables
+        one._replace(rows=[SheetRow(0, [path.stem.replace("_", " ")]), *one.rows]) for one in tables
     ]
-    export = find_export(named, options.get("form"))
-    known = {*OF_TESTS, *OF_TRACE, *INGREDIENTS}
-    for option in ("columns", "given"):
-        for name in (one for one in options.get(option) or () if one not in known):
-            near, every = did_you_mean(name, known), ", ".join(sorted(known))
-            raise InputError(f"{option}.{name}: no such quantity{near}; give one of {every}")
-    names = WordNames(units, columns, export.columns)
-    sheet = sheet_of(str(path), tables, names, options.get("decimal"))
+    export = find_export(named, form)
+    require_known(choices, {*OF_TESTS, *OF_TRACE, *INGREDIENTS})
+    names = WordNames(units, chosen, export.columns)
+    sheet = sheet_of(str(path), tables, names, choices.decimal)
     _join_units(sheet)
-    heads = [*sheet.above, *(one.text for one in sheet.headings)]
-    for name, head in names.chosen.items():
-        _choose_unit(sheet, name, Heading.of(head).unit)
-        is_there = head.partition(" [")[0] in " ".join(heads)
-        if name not in sheet.places and (name in sheet.units or not is_there):
-            every = ", ".join(quoted(one.text) for one in sheet.headings)
-            sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     for name, unit in export.units.items():
-        _choose_unit(sheet, name, unit)
-    _take_rows(sheet, options.get("where") or {}, is_kept=True)
-    _take_rows(sheet, options.get("skip") or {}, is_kept=False)
-    _add_given(sheet, options.get("given") or {})
+        if name not in chosen:
+            choose_unit(sheet, name, unit)
+    choose(sheet, choices, names.chosen)
+    heads = [*sheet.above, *(one.text for one in sheet.headings)]
     if export.sine and "velocity" in sheet.places and has_cell(heads, export.sine):
         _take_mean_of_sine(sheet)
     _read_levels(sheet, export.step)
@@ -88,29 +78,6 @@ def _join_units(sheet: Sheet) -> None:
             sheet.sources.add(k)
             for row in sheet.rows:
                 row.cells[k - 1] = " ".join(row.cells[k - 1 : k + 1]).strip()
-
-
-def _choose_unit(sheet: Sheet, name: str, unit: str) -> None:
-    """Set the unit of the column of quantity `name`, if the heading does not state a unit."""
-    if name in sheet.places and unit and not (heading := sheet.heading(name)).unit:
-        text = f"{heading.text} [{unit}]"
-        sheet.headings[sheet.places[name]] = Heading(text, heading.title, unit)
-
-
-def require(sheet: Sheet, needed: Iterable[str], moving: Iterable[str] = ()) -> None:
-    """Add a fault to a sheet if columns `needed` are missing.
-
-    The fault is a message that names the options by which a user supplies the missing columns.
-
-    Rows in which a `needed` quantity is empty, or a quantity of `moving` is 0, are removed from the
-    sheet.
-    """
-    before, needed = len(sheet.faults), [*needed]
-    sheet.require(needed, [*moving])
-    missing = [name for name in needed if name not in sheet.places]
-    if len(sheet.faults) > before:
-        options = (f'--given "{one}=... {sheet.units[one] or ""}'.strip() + '"' for one in missing)
-        sheet.faults[-1] += f'; name it by --column "{missing[0]}=HEADING", or {" ".join(options)}'
 
 
 def add_hints(sheet: Sheet) -> None:
@@ -127,46 +94,6 @@ def add_hints(sheet: Sheet) -> None:
         if match := re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault):
             message = _NEAR.sub("", fault) if " " in match[1] else fault
             sheet.faults[k] = f'{message}; or say what it means by --word "{match[1]}=severe"'
-
-
-def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep only the rows that have `values` in columns, or leave them out if not `is_kept`.
-
-    `values` are by heading or quantity.
-    """
-    heads = [heading.text for heading in sheet.headings]
-    for head, value in values.items():
-        if head not in heads and head not in sheet.places:
-            option, listed = "where" if is_kept else "skip", ", ".join(filter(None, heads))
-            sheet.faults.append(f'{option}: there is no column "{head}"; give one of {listed}')
-            continue
-        place = heads.index(head) if head in heads else sheet.places[head]
-        found = {row.number: row.cells[place] for row in sheet.rows}
-        wanted = {number for number, cell in found.items() if cell == str(value)}
-        if not wanted:
-            listed = ", ".join(sorted({*filter(None, found.values())})[:20])
-            sheet.faults.append(f'no row has "{value}" as {head}; give one of {listed}')
-        left = found.keys() - wanted if is_kept else wanted
-        reason = f"{'is not of' if is_kept else 'has'} {head} {value}"
-        sheet.leave_out(dict.fromkeys(left, reason))
-
-
-def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns for quantities that the file lacks, with the values `given` by the user.
-
-    Quantities that this kind of table does not use are ignored.
-    """
-    for name, value in given.items():
-        if name not in sheet.units:  # a log ignores what only traces need, and the reverse
-            continue
-        like = sheet.units[name]
-        try:
-            if like is not None and (like or not re.fullmatch(r"[\d.eE+-]+", str(value))):
-                to_si(str(value), f"1 {like}")
-        except UnitError as error:
-            sheet.faults.append(f'given.{name}: {error}; give one such as "1 {like}"')
-            continue
-        sheet.add(name, "", [str(value)] * len(sheet.rows))
 
 
 def _read_levels(sheet: Sheet, step: str) -> None:

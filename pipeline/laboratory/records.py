@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from pipeline.laboratory.commanded import at_rest, strokes
-from pipeline.laboratory.reading import NEEDED, Read, add_hints, require
+from pipeline.laboratory.reading import NEEDED, Read, add_hints
 from pipeline.laboratory.trace import LEAST_ROWS, Trace
 from pipeline.scene.faults import fault_lines
 from pipeline.scene.sheet import Sheet
@@ -56,7 +56,7 @@ def _columns(read: Read) -> dict[str, Array]:
     sheet, export, missing = read
     if "friction" not in sheet.places:  # all missing quantities are named at once
         sheet.faults += [missing[name] for name in ("friction", "velocity") if name in missing]
-    require(sheet, ["time", "friction"])
+    sheet.require(["time", "friction"])
     names = *NEEDED, "bulk_temperature", "friction_force"
     columns = {name: sheet.numbers(name) for name in names if name in sheet.places}
     add_hints(sheet)

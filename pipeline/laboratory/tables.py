@@ -80,11 +80,10 @@ def units_of(names: Collection[str]) -> dict[str, str | None]:
 class WordNames(Names):
     """Find the columns of quantities by words in headings.
 
-    Columns that the user chose (`chosen`, heading by quantity) or that an export format names
-    (`exported`, pattern by quantity) have precedence.
+    Columns that the user chose, or that an export format names (`exported`, pattern by quantity),
+    have precedence.
     """
 
-    chosen: Mapping[str, str] = field(default_factory=dict)  # headings that the user chose
     exported: Mapping[str, str] = field(default_factory=dict)  # patterns of headings
 
     def __post_init__(self) -> None:
@@ -93,8 +92,7 @@ class WordNames(Names):
     def match_score(self, name: str, heading: Heading) -> float:
         """How surely a heading names the quantity `name`: 4 at most, 0 for not at all."""
         if name in self.chosen:
-            head = self.chosen[name]
-            return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))
+            return self.is_chosen(name, heading)
         if not heading.title or not self.fits(name, heading):
             return 0.0
         pattern = self.exported.get(name)

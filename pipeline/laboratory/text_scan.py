@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.laboratory.instruments import RawScan
 from pipeline.paths import decoded, read_file
-from pipeline.scene.sheet import find_separator, split_lines
+from pipeline.scene.lines import find_separator, split_lines
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.quantities import display
-from pipeline.scene.sheet import Lines, SheetRow
+from pipeline.scene.decimals import Typed
+from pipeline.scene.lines import Lines, SheetRow
 from pipeline.sweep.limits import MOST_BYTES_OF_BOOK, MOST_CELLS_OF_SHEET
 from tribo import InputError
 
@@ -93,4 +94,6 @@ def _cell_text(value: Any, typed: Any) -> str:
     """Text of a cell: its value, or a remark that its formula `typed` has none; else empty."""
     if value is None:
         return f"{typed} without a stored value" if typed is not None else ""
+    if isinstance(value, int | float):
+        return Typed(value)
     return str(value).removesuffix(" 00:00:00").strip()

@@ -13,14 +13,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.paths import user_path
+from pipeline.scene.choices import NO_CHOICES, Choices, TableFile, choices_of
+from pipeline.scene.decimals import Typed
 from pipeline.scene.declare import Declared, Table, table_of
 from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
+from pipeline.scene.lines import Lines, SheetRow
 from pipeline.scene.names import UNITS, Heading
+from pipeline.scene.option_words import Written
 from pipeline.scene.over import labels_of, with_rows
-from pipeline.scene.sheet import Lines, Sheet, SheetRow, read_sheet
+from pipeline.scene.sheet import Sheet
+from pipeline.scene.table_reader import read_sheet
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
@@ -84,18 +89,19 @@ class OperatingPoints:
     def read(
         cls,
         source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
-        sheet_name: str | None = None,
+        choices: Choices = NO_CHOICES,
+        written: Written = "Python",
     ) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        In a workbook the first sheet with load and velocity is read, unless `sheet_name` is given.
+        `choices` are those of the user on columns and rows, and messages name them as `written`.
         Units are in the heading or in each cell; bare numbers of a mapping are in SI. Rows at rest,
         or without a load or a velocity, are left out and counted. An `InputError` lists all faults,
         by row and column.
         """
         listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
         given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
-        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, sheet_name, MOST_PLACES)
+        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, choices, written, MOST_PLACES)
         _, rows = sheet.entries(_ConditionsTable)
         sheet.faults[:0] = _column_faults(sheet)
         sheet.refuse_faults("load [N],velocity [m/s]")
@@ -143,8 +149,14 @@ def lines_of(columns: Mapping[str, Sequence[Any]]) -> Lines:
         unit = UNITS.get(heading.name) if is_bare else ""
         heads.append(f"{head} [{unit}]" if unit else head)
     rows = enumerate(zip(*columns.values(), strict=True), 1)
-    texts = (SheetRow(number, ["" if x is None else str(x) for x in row]) for number, row in rows)
+    texts = (SheetRow(number, [*map(_cell_text, row)]) for number, row in rows)
     return Lines([SheetRow(0, heads), *texts], [])
+
+
+def _cell_text(value: Any) -> str:
+    """Text of a value in Python, where points mark decimals."""
+    text = "" if value is None else str(value)
+    return text if "," in text else Typed(text)
 
 
 def _column_faults(sheet: Sheet) -> Iterator[str]:
@@ -170,8 +182,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     """
     written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
-    if isinstance(written, str) and written:
-        rows = _file_rows(document.file_of("sweep.along").parent / user_path(written), faults)
+    if (isinstance(written, str) and written) or isinstance(written, dict):
+        rows = _file_rows(document.file_of("sweep.along").parent, written, faults)
     elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
     rows = [{CONDITIONS.get(head, head): cell for head, cell in row.items()} for row in rows]
@@ -217,10 +229,16 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     return with_rows(sweep, numbered_rows(columns, table), "sweep.along")
 
 
-def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
+def _file_rows(folder: Path, file: str | dict[str, Any], faults: Faults) -> list[dict[str, Any]]:
     """Read rows of a file as entries by heading; empty if a row is faulty."""
+    kind, before = table_of(TableFile), len(faults)
+    read = kind.read(file, "sweep.along", faults) if isinstance(file, dict) else file
+    if len(faults) > before:
+        return []
+    name, choices = choices_of(read)
+    path = folder / user_path(name)
     try:
-        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys, most=MOST_SCENES)
+        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys, choices, most=MOST_SCENES)
     except InputError as error:
         faults.refuse("sweep.along", str(error))
         return []
@@ -232,7 +250,7 @@ def _file_rows(path: Path, faults: Faults) -> list[dict[str, Any]]:
                 if not cells[place]:
                     sheet.faults.append(f"row {number}, column {quoted(heading.text)} is empty")
                 table[names.get(place, heading.title)] = as_entry(cells[place], heading.unit)
-    for fault in sheet.faults:
+    for fault in sheet.told_faults:
         faults.refuse("sweep.along", f"{path}: {fault}")
     for note in filter(None, (sheet.other_sheets, sheet.counted)):
         faults.note("sweep.along", f"{path.name}, {note}")

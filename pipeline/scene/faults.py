@@ -16,7 +16,7 @@ from pipeline.sweep.remarks import Grade, Remark
 from tribo import InputError, TriboError
 
 _SHOWN_ROWS = 6  # rows that a message names
-_SHOWN = 100  # faults that are shown, where there are thousands
+_SHOWN = 18  # faults that are shown, where there are thousands
 
 
 class Fault(NamedTuple):
@@ -103,7 +103,7 @@ class SceneFileError(TriboError):
 
 
 def fault_lines(name: str, faults: Sequence[str]) -> str:
-    """Join faults to a message that names the file; several have a line each, up to 100."""
+    """Join faults to a message that names the file; several have a line each, 20 at most."""
     if len(faults) == 1:
         return f"{name}: {faults[0]}"
     lines = [f"{name}: {len(faults)} faults", *faults[:_SHOWN]]
@@ -121,10 +121,11 @@ def listed_faults(faults: Iterable[Fault]) -> list[str]:
     for one in faults:
         kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
         alike.setdefault((one.key, kind), []).append(one)
-    return [
-        f"{row_text([one.row for one in some])}, {some[0].key}: {some[0].problem}"
-        for some in alike.values()
-    ]
+    found = list[str]()
+    for (key, _), some in alike.items():
+        rows = row_text([*dict.fromkeys(one.row for one in some)])
+        found.append(f"{', '.join(filter(None, (rows, key)))}: {some[0].problem}")
+    return found
 
 
 def row_text(numbers: Sequence[int]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from pipeline.quantities import units_in_si
@@ -67,14 +67,22 @@ class Heading(NamedTuple):
 class Names:
     """Quantities to look for in a table, with their SI units; None stands for text.
 
-    Columns are found by their headings.
+    Columns are found by their headings; `chosen` has those that the user chose, by quantity.
     """
 
     units: Mapping[str, str | None]
+    chosen: Mapping[str, str] = field(default_factory=dict)
 
     def match_score(self, name: str, heading: Heading) -> float:
         """How surely a heading names the quantity `name`: higher is surer, 0 is not at all."""
+        if name in self.chosen:
+            return self.is_chosen(name, heading)
         return 3.0 if self.fits(name, heading) and heading.name == name else 0.0
+
+    def is_chosen(self, name: str, heading: Heading) -> float:
+        """1 if the user chose the column with this heading for the quantity `name`, else 0."""
+        head = self.chosen[name]
+        return float(bool(heading.text) and heading.text in (head, Heading.of(head).title))
 
     def fits(self, name: str, heading: Heading) -> bool:
         """True if the unit in a heading, if it has one, suits the quantity `name`."""

@@ -13,6 +13,7 @@ import numpy as np
 import tribo
 from pipeline import extras
 from pipeline.paths import user_path
+from pipeline.scene.choices import choices_of
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
@@ -28,7 +29,7 @@ from pipeline.scene.format import (
     Window,
 )
 from pipeline.scene.names import UNITS
-from pipeline.scene.sheet import read_sheet
+from pipeline.scene.table_reader import read_sheet
 from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
@@ -102,11 +103,11 @@ class Contents:
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:
-            name = quoted(table.file)
+            name = quoted(choices_of(table.file)[0])
             raise MissingError(
                 f"{path}: the contents of {name} are missing; open the store of the sweep"
             )
-        return self.folders[f"{path}.file"] / user_path(table.file)
+        return self.folders[f"{path}.file"] / user_path(choices_of(table.file)[0])
 
 
 def stages_of(stages: Any, highest: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -160,7 +161,8 @@ def loading_of(
     path = contents.find(table, "loading", faults)
     content = str(table.content)
     if path:
-        sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD)
+        _, choices = choices_of(table.file)
+        sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD, (), choices)
         times, forces = (
             sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
         )

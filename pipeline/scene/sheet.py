@@ -7,18 +7,14 @@ derives quantities from others, by its module ``tables``.
 
 from __future__ import annotations
 
-import csv
-import math
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from pipeline import extras
-from pipeline.paths import decoded, read_file, reason_of, user_path
+from pipeline.scene.decimals import make_plain
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import (
     Fault,
@@ -30,40 +26,18 @@ from pipeline.scene.faults import (
     row_text,
 )
 from pipeline.scene.kinds import OneOf
+from pipeline.scene.lines import NUMBER, Lines, SheetRow, find_headings, headings_at
 from pipeline.scene.names import Heading, Names
-from pipeline.scene.units import as_entry, clock_time, is_unit, to_si, unit_of_table
-from pipeline.sweep.limits import MOST_BYTES_OF_TEXT, MOST_ROWS
+from pipeline.scene.option_words import Written, in_words_of
+from pipeline.scene.units import as_entry, clock_time, to_si
 from tribo import InputError
 from tribo.types import Array
 
-BETWEEN = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", "  ": "wide blanks",
-           " ": "blanks"}  # fmt: skip
-"""Separators of cells, and their names; of equally good ones the first is taken."""
-_GROUP = "'’\xa0\u202f"  # marks of thousands that never mark decimals
-NUMBER = re.compile(rf"[<>]?[+-]?(?:\d[\d.,{_GROUP}]*|[.,]\d+)(?:[eE][+-]?\d+)?(?:\s\D*)?")
-"""A number with decimal or thousands marks of any kind, and perhaps a unit."""
 _ZERO = re.compile(r"[+-]?0*[.,]?0*(?:[eE][+-]?\d+)?(?:\s.*)?")
 EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat", "<na>")
 """Contents of cells without a value, in lower case."""
-_MOST_ABOVE = 200  # rows that are searched for the row of headings
-_WIDEST = 1000  # headings of a row, each of which is compared with all names
-_SAMPLE = 150  # lines at each end from which the separator is found
-_PLURAL = {"has": "have", "is": "are", "stands": "stand"}
+_PLURAL = {"has": "have", "is": "are", "stands": "stand", "repeats": "repeat"}
 _DAY = 86400.0  # [s]
-
-
-class SheetRow(NamedTuple):
-    """Row of a table: its number in the file, and its cells."""
-
-    number: int
-    cells: list[str]
-
-
-class Lines(NamedTuple):
-    """Rows of a text or a sheet that are not empty, and notes on how they were read."""
-
-    rows: list[SheetRow]
-    form: list[str]
 
 
 @dataclass(slots=True)
@@ -80,6 +54,12 @@ class Sheet:
     rows: list[SheetRow] = field(default_factory=list)  # that are used, with decimal points
     left_out: dict[int, str] = field(default_factory=dict)  # reasons by the numbers of rows
     sources: set[int] = field(default_factory=set)  # columns from which others were derived
+    written: Written = "command"  # where the table is named, and so its options
+
+    @property
+    def told_faults(self) -> list[str]:
+        """Faults, with options as they are written where the table is named."""
+        return [in_words_of(self.written, fault) for fault in self.faults]
 
     @property
     def unused(self) -> list[str]:
@@ -136,7 +116,12 @@ class Sheet:
             wanted = (f"{name} [{unit}]" if unit else name for name, unit in missing.items())
             near = "".join(did_you_mean(heading.name, missing) for heading in self.headings)
             heads = ", ".join(quoted(heading.text) for heading in self.headings) or "an empty file"
-            self.faults.append(f"no column {', '.join(wanted)} in {heads}{near}")
+            given = (f"{name}=... {unit or ''}".strip() for name, unit in missing.items())
+            options = " ".join(f'--given "{one}"' for one in given)
+            self.faults.append(
+                f"no column {', '.join(wanted)} in {heads}{near}; name it by "
+                f'--column "{next(iter(missing))}=HEADING", or {options}'
+            )
         columns = {name: self.places[name] for name in needed if name in self.places}
         reasons = dict[int, str]()
         for number, cells in self.rows:
@@ -215,109 +200,9 @@ class Sheet:
             self.faults.append(f'there are no rows; begin with a line "{first_line}"')
         if self.faults:
             hint = f'; write the unit in the heading, as in "{first_line}"'
-            faults = [fault + hint * ("has no unit" in fault) for fault in self.faults]
+            faults = [fault + hint * ("has no unit" in fault) for fault in self.told_faults]
             place = ", ".join(filter(None, [self.name, self.other_sheets]))
             raise InputError(fault_lines(place, faults))
-
-
-def split_lines(lines: Iterable[str], separator: str) -> Iterator[SheetRow]:
-    """Split lines into rows of cells; separators within quotes do not count."""
-    if separator == "  ":
-        yield from (SheetRow(k, re.split(r"\s{2,}|\t", x.strip())) for k, x in enumerate(lines, 1))
-        return
-    if separator == " ":  # a blank before a unit separates no cells
-        lines = (re.sub(r"\s+(?=[\[(])", "", line.strip()) for line in lines)
-    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    yield from (SheetRow(reader.line_num, [*map(str.strip, cells)]) for cells in reader)
-
-
-def find_separator(lines: Sequence[str], names: Names | None = None) -> str:
-    """Find the separator that splits `lines` of text into the most cells with numbers.
-
-    Only rows with about the usual number of cells count. If `names` of quantities are given, a
-    separator that splits the headings into such names is preferred.
-    """
-    filled = [line for line in lines if line.strip()]
-    sample = filled[:_SAMPLE] + filled[_SAMPLE:][-_SAMPLE:]
-
-    def fitness(separator: str) -> float:
-        rows = [row for row in split_lines(sample, separator) if len(row.cells) > 1]
-        named, start = find_headings(rows, names) if names else (0, 0)
-        widths = [len(row.cells) for row in rows[start:]]
-        usual = widths[0] if named else max(widths, key=widths.count, default=0)
-        body = [row.cells for row in rows[start:] if abs(len(row.cells) - usual) < 2]
-        cells = [cell for row in body for cell in row if cell]
-        numbers = sum(bool(NUMBER.fullmatch(cell)) for cell in cells)
-        return ((named + 1) * numbers) ** 2 / max(len(cells), 1) + len(body) / 1e3
-
-    return max(BETWEEN, key=fitness)
-
-
-def read_lines(path: Path, names: Names, sheet: str | None, most: int = MOST_ROWS) -> list[Lines]:
-    """Read the non-empty rows of a text file, at most `most`, or of each sheet of a workbook.
-
-    Returns one `Lines` for a text file, or one for each sheet. `sheet` is the only sheet to read;
-    None reads all sheets. `names` are the quantities that headings may name, which help to find the
-    separator of cells in a text.
-    """
-    try:
-        content = read_file(path, MOST_BYTES_OF_TEXT)
-        if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
-            tables: list[Lines] = extras.module("workbook").read_book(path, sheet)
-            return tables
-        text, form = decoded(content)
-        _require_few(path, lines := text.splitlines(), most)
-        mark = find_separator(lines, names)
-        rows = [row for row in split_lines(lines, mark) if any(row.cells)]
-    except (OSError, csv.Error) as error:
-        reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
-        raise InputError(f"{path} cannot be read: {reason}") from error
-    return [Lines(rows, [f"{BETWEEN[mark]} between cells", *form])]
-
-
-def _require_few(path: Path, lines: Sequence[str], most: int) -> None:
-    """Raise an `InputError` for more than `most` rows, before they are split into cells."""
-    if len(lines) > most + _MOST_ABOVE:
-        raise InputError(
-            f"{path} has {len(lines)} rows, and at most {most} can be used here; keep fewer, such "
-            f"as one of {math.ceil(len(lines) / most)}"
-        )
-
-
-def headings_at(rows: Sequence[SheetRow], k: int) -> tuple[list[Heading], int]:
-    """Read row `k` as headings, with units from rows below it.
-
-    Returns the headings, and the number of rows that they take.
-    """
-    first, *others = rows[k].cells
-    is_mark = first in ("#", "%") and len(others) in [len(x.cells) for x in rows[k + 1 : k + 4]]
-    heads = [*map(Heading.of, others if is_mark else [first.lstrip("#% "), *others])]
-    for taken, row in enumerate(rows[k + 1 : k + 3], 2):
-        if any(map(NUMBER.fullmatch, row.cells)):
-            break
-        cells = row.cells[is_mark and row.cells[0] == first :]
-        units = [unit_of_table(cell.strip("[]")) for cell in cells[: len(heads)]]
-        if any(units) and all(map(is_unit, filter(None, units))):
-            for place, unit in enumerate(units):
-                text, title, own = heads[place]
-                if unit and not own:
-                    heads[place] = Heading(f"{text} [{unit}]", title, unit)
-            return heads, taken
-    return heads, 1
-
-
-def find_headings(rows: Sequence[SheetRow], names: Names) -> tuple[int, int]:
-    """Find the row of headings that names the largest number of quantities.
-
-    Returns this number, and the index of the row.
-    """
-    counts = (
-        (names.count(headings_at(rows, k)[0]), -k)
-        for k, row in enumerate(rows[:_MOST_ABOVE])
-        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells) < _WIDEST
-    )
-    named, start = max(counts, default=(0, 0))
-    return named, -start
 
 
 def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | None = None) -> Sheet:
@@ -329,7 +214,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     """
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
-    (rows, form), (_, start) = tables[best], tops[best]
+    (rows, form, between), (_, start) = tables[best], tops[best]
     headings, taken = headings_at(rows or [SheetRow(0, [""])], start)
     body = rows[start + taken :]
     while headings and not headings[-1].text:
@@ -340,7 +225,7 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     above = [cell for row in rows[:start] for cell in row.cells]
     places, faults = names.columns(headings)
     sheet = Sheet(name, names.units, headings, places, [*faults.values()], [*form], above)
-    is_inside, width = True, len(headings)
+    is_inside, width, more = True, len(headings), list[Fault]()
     numeric = [k for name, k in sheet.places.items() if sheet.units[name] is not None]
     for number, cells in body:
         filled = [cell for cell in cells if cell]
@@ -357,52 +242,10 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
         elif numeric and not any(re.search(r"[\d#=]", cells[k]) for k in numeric if cells[k:]):
             sheet.left_out[number] = "has no number"
         elif any(cells[width:]):
-            sheet.faults.append(f"row {number}: {len(cells)} cells below {width} headings")
+            more.append(Fault("", f"{len(cells)} cells below {width} headings", row=number))
         else:
             sheet.rows.append(SheetRow(number, [*cells, *[""] * width][:width]))
-    _make_plain(sheet, decimal)
-    return sheet
-
-
-def _make_plain(sheet: Sheet, decimal: str | None) -> None:
-    """Rewrite numbers with a decimal point, without thousands marks; `decimal` may be unknown."""
-    cells = {cell.partition(" ")[0] for row in sheet.rows for cell in row.cells}
-    commas = [cell for cell in cells if re.fullmatch(r"[+-]?[\d.]*,\d*([eE][+-]?\d+)?", cell)]
-    # Between commas such numbers are quoted; a comma before three digits may mark thousands.
-    is_sure = "commas between cells" not in sheet.form
-    is_comma = any(is_sure or not re.search(r"[1-9],\d{3}$", cell) for cell in commas)
-    mark, other = (",", ".") if decimal == "," or (is_comma and not decimal) else (".", ",")
+    mark, doubtful = make_plain(sheet.rows, numeric, decimal, between)
+    sheet.faults += [*listed_faults(more), *doubtful]
     sheet.form.append(f"decimal {'commas' if mark == ',' else 'points'}")
-    groups = re.compile(rf"[+-]?[1-9]\d{{0,2}}(?:[{other}{_GROUP}]\d{{3}})+(?![\d{other}])")
-    for row in sheet.rows:
-        for k, cell in enumerate(row.cells):
-            if match := groups.match(cell):
-                plain, rest = re.sub(f"[{other}{_GROUP}]", "", match[0]), cell[match.end() :]
-                is_plain = decimal or other not in match[0] or rest[:1] == mark
-                # What may be read in two ways becomes a text that says so.
-                both = f"{plain} or {cell.replace(',', '.')}"
-                cell = plain + rest if is_plain else f"{cell}, {both} by the decimal mark"
-            is_decimal = mark == "," and re.match(r"[+-]?\d*,\d*(?![\d,.])", cell)
-            row.cells[k] = cell.replace(",", ".", 1) if is_decimal else cell
-
-
-def read_sheet(
-    source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
-    moving: Collection[str] = (), sheet: str | None = None, most: int = MOST_ROWS,
-) -> Sheet:  # fmt: skip
-    """Read a table from a file or from lines (`source`), and find the columns of quantities.
-
-    `units` has the quantities to look for, with their SI units. Rows that lack a `needed` quantity,
-    or in which a quantity of `moving` is 0, are left out and counted. `sheet` is the name of a
-    sheet in a workbook, and `most` the largest number of rows of a text.
-    """
-    words: Any = next(extras.modules("tables"), None)
-    names = words.WordNames(units) if words else Names(units)
-    tables = (
-        read_lines(user_path(source), names, sheet, most) if isinstance(source, Path) else [source]
-    )
-    found = sheet_of("points" if isinstance(source, Lines) else str(source), tables, names)
-    if words:
-        words.derive(found, needed)
-    found.require(needed, moving)
-    return found
+    return sheet

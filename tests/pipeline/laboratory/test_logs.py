@@ -187,8 +187,9 @@ def test_columns_words_and_decimals_of_the_user_come_first(lab):
 
 def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab):
     heads = "load [N];velocity [m/s];outcome\n"
-    with pytest.raises(pipeline.SceneFileError, match=r'"1.250, 1250 or 1.250 by the decimal'):
-        lab(heads + "1.250;1,5;mild\n")
+    with pytest.raises(pipeline.SceneFileError, match=r"is 1250 or 1.250; say decimal = "):
+        lab(heads + "1.250;2;mild\n")
+    assert lab(heads + "1.250;1,5;mild\n").tested[1].normal_load == 1250.0
     for mark, load in ((",", 1250.0), (".", 1.25)):
         scene = lab(heads + "1.250;2;mild\n", f'\ndecimal = "{mark}"\n')
         assert scene.tested[1].normal_load == load

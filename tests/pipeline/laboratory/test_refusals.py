@@ -15,6 +15,7 @@ from pipeline.laboratory.scan import surface_statistics
 from pipeline.laboratory.spectrum import fit_self_affine
 from pipeline.laboratory.surfaces import filled, read_surface
 from pipeline.scene.along import OperatingPoints
+from pipeline.scene.choices import Choices
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from tests.helpers.instruments import gwy, sur, x3p
@@ -44,7 +45,7 @@ def book(sheet=None):
         made.active.title = "Log"
         made.active["A1"] = "load"
         made.save("log.xlsx")
-        return OperatingPoints.read("log.xlsx", sheet)
+        return OperatingPoints.read("log.xlsx", Choices(sheet=sheet))
 
     return build
 
@@ -52,7 +53,7 @@ def book(sheet=None):
 def table(name, content=b"", sheet=None):
     def build():
         Path(name).write_bytes(content)
-        return OperatingPoints.read(name, sheet)
+        return OperatingPoints.read(name, Choices(sheet=sheet))
 
     return build
 

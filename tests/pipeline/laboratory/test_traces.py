@@ -395,8 +395,9 @@ def test_the_figure_shows_friction_stages_and_rises(tmp_path, irg):
     from pipeline.laboratory.picture import draw_trace
     from pipeline.laboratory.reading import OF_TRACE, read_table
     from pipeline.laboratory.records import read_trace
+    from pipeline.scene.choices import NO_CHOICES
 
-    trace = read_trace(read_table(path, {}, OF_TRACE))
+    trace = read_trace(read_table(path, NO_CHOICES, wanted=OF_TRACE))
     friction, commands, speeds = draw_trace(trace, "trace.csv").axes
     numbers = [text.get_text() for text in friction.texts if text.get_text().isdigit()]
     assert numbers == ["1", "2", "3", "4", "5", "6"]

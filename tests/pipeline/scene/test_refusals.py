@@ -9,6 +9,7 @@ import numpy as np
 
 import tribo
 from pipeline.scene.along import OperatingPoints
+from pipeline.scene.choices import Choices
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.new import new_scene
 from pipeline.scene.scenefile import load_scene
@@ -303,8 +304,12 @@ ENTRIES = {
     # tables of points
     "points rows": (points("load [N],velocity [m/s]\n" + "9,1\n" * 100_300),
                     "has 100301 rows, and at most 100000 can be used here"),
-    "points decimals": (points("load [N];velocity [m/s]\n1.200;1,5\n"),
-                        '"1.200, 1200 or 1.200 by the decimal mark'),
+    "points decimals": (points("load [N];velocity [m/s]\n1.200;15\n"),
+                        'row 2: "1.200" is 1200 or 1.200; say decimal="." or decimal=","'),
+    "points marks": (points("load [N];velocity [m/s]\n1.2;1,5\n"),
+                     "others have another decimal mark"),
+    "points choice": (lambda: OperatingPoints.read("a.csv", Choices(columns={"lod": "F"})),
+                      'columns.lod: no such quantity (did you mean "load"?)'),
     "points type": (lambda: OperatingPoints.read(3), "points are of type int"),
     "points lengths": (lambda: OperatingPoints.read({"load": ["1 N"], "velocity": []}),
                        "columns of unlike lengths"),

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.scene.along import OperatingPoints
+from pipeline.scene.choices import Choices
 from pipeline.sweep.plan import points
 from tests.helpers import synthetic
 from tests.helpers.scenes import SCENE
@@ -170,6 +172,18 @@ def test_a_load_record_is_read_as_duties_are(tmp_path, name):
     assert loading.peak == 250.0
 
 
+def test_a_scene_says_how_a_record_is_read(tmp_path):
+    chosen = 'file = { path = "rec.csv", columns = { load = "x [kN]" }, decimal = "," }'
+    (tmp_path / "rec.csv").write_text("time [s];x;load\n0;0;9\n0,5;0,100;9\n1,500;0,300;9\n")
+    scene = f'extends = "first_try"\nwithout = ["loading"]\n[loading]\n{chosen}\n'
+    (tmp_path / "rec.toml").write_text(scene)
+    loading = pipeline.load_scene(tmp_path / "rec.toml").scene.loading
+    assert loading.loads == pytest.approx([0.0, 100.0, 300.0])
+    (tmp_path / "rec.toml").write_text(scene.replace("x [kN]", "y"))
+    with pytest.raises(pipeline.SceneFileError, match='no column "y"'):
+        pipeline.load_scene(tmp_path / "rec.toml")
+
+
 def test_rows_of_a_record_without_a_load_are_told(tmp_path):
     notes = record(tmp_path, RECORDS["plain"] + "2,\n").notes
     said = [note.words for note in notes if note.place == "loading.file"]
@@ -192,3 +206,56 @@ def test_rows_of_pairs_that_rest_are_left_out_and_told(tmp_path):
     assert [(one.load, one.velocity) for one in points(sweep)] == [(300.0, 1.0), (600.0, 2.0)]
     said = [note.words for note in sweep.notes if note.place == "sweep.along"]
     assert said == ["mesh.csv, 3 rows: 2 used, 1 left out: row 3 is at rest"]
+
+
+NUMBERS = {
+    "thousands of points": ("1.200;1.500", ",", (1200.0, 1500.0)),
+    "decimals of points": ("1.200;1.500", ".", (1.2, 1.5)),
+    "a comma elsewhere": ("1.200;0,5", None, (1200.0, 0.5)),
+    "a point elsewhere": ("1,200;0.5", None, (1200.0, 0.5)),
+    "thousands twice": ("1.200.000;1.500", None, (1.2e6, 1500.0)),
+    "both marks": ("1.200,5;1.500", None, (1200.5, 1500.0)),
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_number_with_two_readings_is_decided_by_another_cell_or_by_the_user(tmp_path, name):
+    row, decimal, right = NUMBERS[name]
+    path = tmp_path / "duty.csv"
+    path.write_text(f"load [N];velocity [m/s]\n{row}\n")
+    assert OperatingPoints.read(path, Choices(decimal=decimal)).places == (right,)
+
+
+@pytest.mark.parametrize("text", ["1.200;1.500", '"1,200","1,500"'])
+def test_a_number_with_two_readings_is_asked_for(tmp_path, text):
+    path = tmp_path / "duty.csv"
+    between = ";" if ";" in text else ","
+    path.write_text(f"load [N]{between}velocity [m/s]\n{text}\n")
+    with pytest.raises(InputError, match=r'is 1200 or 1.200; say decimal="." or decimal=","'):
+        OperatingPoints.read(path)
+
+
+def test_columns_of_numbers_in_python_have_one_reading():
+    read = OperatingPoints.read({"load": [1.125], "velocity": ["1.250 m/s"]})
+    assert read.places == ((1.125, 1.25),)
+    with pytest.raises(InputError, match=r"1200 N or 1.200 N"):
+        OperatingPoints.read({"load": ["1,200 N"], "velocity": ["2 m/s"]})
+
+
+def test_a_thousand_faults_of_one_kind_are_one_line(tmp_path):
+    path = tmp_path / "duty.csv"
+    path.write_text("load [N],velocity [m/s]\n" + "300,2,7\n" * 1000)
+    with pytest.raises(InputError) as raised:
+        OperatingPoints.read(path)
+    assert str(raised.value).endswith(
+        "rows 2, 3, 4, 5, 6, 7 and 994 more: 3 cells below 2 headings"
+    )
+
+
+def test_columns_rows_and_units_are_chosen(tmp_path):
+    text = "Fn;v;use\n1.200;1,5;y\n1.300;1,6;n\n"
+    (tmp_path / "duty.csv").write_text(text)
+    columns = {"load": "Fn [N]", "velocity": "v [m/s]"}
+    read = OperatingPoints.read(tmp_path / "duty.csv", Choices(columns=columns, skip={"use": "n"}))
+    assert read.places == ((1200.0, 1.5),)
+    assert read.counted == "2 rows: 1 used, 1 left out: row 3 has use n"
