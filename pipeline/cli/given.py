@@ -79,8 +79,8 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
         if place:
             raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
         return OperatingPoints.read(options.points, Choices(**table_choices_in(options)), "command")
-    if given := values_in(options, *_OF_TABLE):
-        flags = flags_of(given)
+    if chosen := values_in(options, *_OF_TABLE):
+        flags = flags_of(chosen)
         raise InputError(f"{flags} needs --points; give --points, too, or leave out {flags}")
     if len(place) == 1:
         (given,) = place

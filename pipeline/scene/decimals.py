@@ -64,8 +64,8 @@ def make_plain(
         (row, k): mark for row, cells in rows for k, cell in enumerate(cells)
         if (mark := mark_of(cell))
     }  # fmt: skip
-    own = {mark for (_, k), mark in found.items() if k in used} - {_EITHER}
-    sure = own or {*found.values()} - {_EITHER}
+    near = {mark for (_, k), mark in found.items() if k in used} - {_EITHER}
+    sure = near or {*found.values()} - {_EITHER}
     if between == "," and not any("," in cell for _, cells in rows for cell in cells):
         sure = {"."}  # commas are taken
     decimal = given or (min(sure) if len(sure) == 1 else None)
@@ -74,8 +74,10 @@ def make_plain(
         (row, texts[row][k]) for (row, k), mark in found.items()
         if k in used and mark != decimal and (decimal is None or not _fits(texts[row][k], decimal))
     ]  # fmt: skip
-    for _, cells in rows:
-        cells[:] = [_plain(cell, decimal or ".") for cell in cells]
+    for row, cells in rows:
+        own = [decimal or found.get((row, k)) for k in range(len(cells))]
+        marks = ["," if mark == "," else "." for mark in own]
+        cells[:] = [*map(_plain, cells, marks)]
     return decimal or ".", [*_faults(asked, decimal)]
 
 

@@ -307,7 +307,7 @@ ENTRIES = {
     "points decimals": (points("load [N];velocity [m/s]\n1.200;15\n"),
                         'row 2: "1.200" is 1200 or 1.200; say decimal="." or decimal=","'),
     "points marks": (points("load [N];velocity [m/s]\n1.2;1,5\n"),
-                     "others have another decimal mark"),
+                     'row 2: "1.2", where others have another decimal mark'),
     "points choice": (lambda: OperatingPoints.read("a.csv", Choices(columns={"lod": "F"})),
                       'columns.lod: no such quantity (did you mean "load"?)'),
     "points type": (lambda: OperatingPoints.read(3), "points are of type int"),
