@@ -42,6 +42,9 @@ class TableFile(Choices):
     """File of a table in a scene, with what is said of it."""
 
     path: A[str, "File, relative to the scene's folder."]
+
+    def __hash__(self) -> int:
+        return hash(repr(self))  # its dictionaries have no hash
 # fmt: on
 
 
