@@ -38,7 +38,7 @@ def _lines(reports: Sequence[Report]) -> Iterator[str]:
         for finding in report.findings:
             verdict = "agrees" if finding.agrees else "differs"
             yield f"- **{verdict}** *{finding.printed}*: {finding.computed}.{finding.reason}"
-        yield f"\n{' '.join(report.notes)}"
+        yield f"\n{' '.join(filter(None, report.notes))}"
 
 
 def _agreement(report: Report) -> str:

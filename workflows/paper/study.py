@@ -87,12 +87,23 @@ class Study:
         """Yield `items` one after the other, and report each as a stage; see `staged`."""
         return staged(items, self.progress, name, weight)
 
-    def sweep(self, sweep: Sweep, name: str) -> tuple[Outcome, xr.Dataset]:
-        """Run or resume a sweep in the store `name`; return its outcome and dataset."""
+    def sweep(
+        self, sweep: Sweep, name: str, further_patches: bool = False
+    ) -> tuple[Outcome, xr.Dataset]:
+        """Run or resume a sweep in the store `name`; return its outcome and dataset.
+
+        With `further_patches` only the first patch is computed at all points, see `run_sweep`.
+        """
         store = Path(self.results, f"{name}.zarr")
         self.tell(f"the sweep in {store}, including what is there already")
         with run_line() as progress:
-            outcome = run_sweep(sweep, store, workers=self.workers, progress=progress)
+            outcome = run_sweep(
+                sweep,
+                store,
+                workers=self.workers,
+                progress=progress,
+                further_patches=further_patches,
+            )
         return outcome, open_sweep(store)
 
     def seeds(self, usual: int) -> range:

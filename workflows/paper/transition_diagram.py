@@ -14,15 +14,20 @@ from .report import Report, texts
 from .study import Study
 from .transitions import worn
 
+_PATCHES = 8  # whose width is that of the pin
 _GOOD = 0.1  # relative deviation that agrees, as in report.agree
 
 
 def fig10(study: Study) -> Report:
-    """Report on the transition diagram of the paper's system, which is computed if needed."""
-    sweep = study.scene("irg_transition")
+    """Report on the transition diagram of the paper's system, which is computed if needed.
+
+    It is that of a specimen of several patches, as `make diagram` computes it.
+    """
+    patches = len(study.seeds(_PATCHES))
+    sweep = study.scene("irg_transition", {"sweep.realizations": patches})
     name = sweep.name if study.preset is None else f"{sweep.name}_{study.preset}"
-    outcome, ds = study.sweep(sweep, name)
-    _, by_local_wear = study.sweep(worn(sweep, "local"), f"{name}_local")
+    outcome, ds = study.sweep(sweep, name, further_patches=True)
+    _, by_local_wear = study.sweep(worn(sweep, "local"), f"{name}_local", further_patches=True)
 
     def critical(load: float, friction: float | None = None) -> float:
         return float(boundary(at(ds, friction=friction))["critical_velocity"].sel(load=load))
@@ -52,6 +57,7 @@ def fig10(study: Study) -> Report:
     values = {
         "friction": sweep.conditions.friction,
         "off": off,
+        "patches": patches,
         "failed": f"{failed} points failed and are left out." if failed else "",
     }
     columns = ("load [N]", "measured [m/s]", f"friction {sweep.conditions.friction:g}", "off")
@@ -63,7 +69,8 @@ def fig10(study: Study) -> Report:
         data={
             "transitions": transitions,
             "computed": outcome.computed,
-            "points": outcome.total,
+            "points": outcome.done,
+            "patches": patches,
         },
         figure=_with_local_wear(diagram(results(ds)), boundary(by_local_wear)),
     )
