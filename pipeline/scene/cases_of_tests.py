@@ -96,11 +96,11 @@ class TestReader:
             for problem in wrong:
                 faults.refuse(f"{place}.with", problem)
             with faults.at(place):
-                case = replace(case, scene=self._staged(case.scene, test))
+                case = replace(case, scene=self.staged(case.scene, test))
                 made.append(attach_case(test, number, case, base.conditions.critical_temperature))
         return tuple(made)
 
-    def _staged(self, scene: Scene, test: Measurement) -> Scene:
+    def staged(self, scene: Scene, test: Measurement) -> Scene:
         """The scene with the stages of a test; or with so many of its own that it has the test."""
         if test.stages is not None:
             return _with_stages(scene, test)

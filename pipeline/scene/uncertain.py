@@ -20,7 +20,7 @@ from pipeline.sweep.inputs import CRITICAL, RISE, Input
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.tables import Entries, entry_at
 from pipeline.sweep.variants import Variants
-from tribo import InputError
+from tribo import InputError, Stages
 
 _KELVIN = ("temperature.bulk", CRITICAL)
 AFTER = {"friction.coefficient", *_KELVIN, RISE}
@@ -65,8 +65,10 @@ class InputReader:
             if is_stated or (made.path == "loading.hold" and test.hold is not None):
                 continue
             case = self._case({**test.changes, made.path: value})
-            own[number] = attach_case(test, number, case, None).simulated
-        return replace(made, case=self._case({made.path: value}), tests=own)
+            case = replace(case, scene=self.tests.staged(case.scene, test))
+            case = attach_case(test, number, case, None).simulated
+            own[number] = _in_window(case, test.simulated)
+        return replace(made, case=_in_window(self._case({made.path: value}), self.base), tests=own)
 
     def _case(self, changes: dict[str, Any]) -> Case:
         parts, found = self.tests.read_changed(json.dumps(changes))
@@ -74,6 +76,13 @@ class InputReader:
             problem = found[0].problem if found else "it cannot be read"
             raise UnfitError(f"one standard uncertainty more is refused: {problem}")
         return case_of(parts, self.base)
+
+
+def _in_window(case: Case, other: Case) -> Case:
+    """The case in the window of another one: a wider window would have another surface."""
+    if case.scene.pixels == other.scene.pixels or not isinstance(case.scene.loading, Stages):
+        return case
+    return replace(case, scene=replace(case.scene, pixels=other.scene.pixels))
 
 
 @dataclass(frozen=True)
