@@ -13,9 +13,8 @@ from pipeline.analysis.tested import tests_frame
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.quantities import display, shown_in
-from pipeline.run.here import compute_here
+from pipeline.run.here import compute_here, computed_dataset
 from pipeline.store.create import writing
-from pipeline.store.write import store_path
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp
@@ -41,11 +40,10 @@ def infer(options: argparse.Namespace) -> Result:
             "or a [[tested]] with an outcome"
         )
     least = replace(sweep.alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
-    with store_path(options.kept) as path:
-        with working("simulating the tests") as progress, writing(path, least) as store:
-            compute_here(store, source=stored_tests_of(sweep), report=progress)
-        beside = unmodelled_rise_words(sweep.conditions)
-        return _inferred_result(pipeline.infer(path), [beside] if beside else [])
+    with working("simulating the tests") as progress, writing(options.kept, least) as store:
+        compute_here(store, source=stored_tests_of(sweep), report=progress)
+    beside = unmodelled_rise_words(sweep.conditions)
+    return _inferred_result(pipeline.infer(computed_dataset(store)), [beside] if beside else [])
 
 
 def _inferred_result(found: Inferred, beside: Sequence[str]) -> Result:

@@ -16,11 +16,10 @@ from pipeline.analysis.words import case_lines, missing_lines
 from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, tell, working, wrapped
 from pipeline.cli.verdicts import place_lines
-from pipeline.run.here import compute_here
+from pipeline.run.here import compute_here, computed_dataset
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
-from pipeline.store.write import store_path
 from pipeline.sweep.model import Point
 from tribo import InputError
 
@@ -47,11 +46,10 @@ def point(options: argparse.Namespace) -> Result:
     count = len(velocities) + sum(len(one.places) for one in places.own_points)
     if source is None and count > _MANY:
         tell(f"{count} points are simulated, with those of tests and uncertain inputs")
-    with store_path(None) as path:
-        with working("simulating") as progress, writing(path, places) as store:
-            wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
-            compute_here(store, wanted, source, progress)
-        return _margin_result(pipeline.open_sweep(path), Place(load, velocity))
+    with working("simulating") as progress, writing(None, places) as store:
+        wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
+        compute_here(store, wanted, source, progress)
+    return _margin_result(computed_dataset(store), Place(load, velocity))
 
 
 def _margin_result(ds: xr.Dataset, place: Place) -> Result:

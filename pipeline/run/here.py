@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import xarray as xr
+
+from pipeline.scene.stored_text import remember_sweep
+from pipeline.store.read import store_dataset
 from pipeline.store.take import take_points
 from pipeline.store.write import Store, opened
 from pipeline.sweep.model import Point
@@ -26,6 +30,12 @@ def compute_here(
     if store.tests:
         store.tests.commit(_simulated(store.tests, store.tests.pending(), (), report))
     store.commit(_simulated(store, wanted, wanted[:1], report))
+
+
+def computed_dataset(store: Store) -> xr.Dataset:
+    """Dataset of an open store, whose sweep is not read again."""
+    remember_sweep(store.root.attributes["scene"], store.sweep)
+    return store_dataset(store).drop_vars("checksum").load()
 
 
 def _simulated(

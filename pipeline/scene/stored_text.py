@@ -36,8 +36,10 @@ def sweep_text(sweep: Sweep) -> str:
     """Write a sweep as JSON text, which `parse_sweep` reads."""
     table = sweep.variants
     values = [row.values for row in table.rows]
-    # Loads, velocities and steps may have been replaced since the sweep was read.
+    # Loads, velocities, steps and tests may have been replaced since the sweep was read.
     entries, read = {**sweep.entries}, sweep.source.parts.declared.sweep
+    if not sweep.tests:
+        entries = {k: one for k, one in entries.items() if k not in ("measured", "tested")}
     for name, unit in (("loads", "N"), ("velocities", "m/s")):
         if (present := getattr(sweep, name)) != getattr(read, name):
             quantities = [f"{one!r} {unit}" for one in present]
@@ -71,6 +73,12 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
     return _read(_Stored(text, tuple(map(array_digest, arrays.values())), arrays))
 
 
+def remember_sweep(text: str, sweep: Sweep) -> None:
+    """Let `parse_sweep` return a sweep for its `text`, which then need not be read again."""
+    arrays = file_contents(sweep)
+    _read(_Stored(text, tuple(map(array_digest, arrays.values())), arrays, sweep))
+
+
 @dataclass(frozen=True)
 class _Stored:
     """A text and the digests of the contents beside it, by which the sweep is read once."""
@@ -78,10 +86,13 @@ class _Stored:
     text: str
     digests: tuple[str, ...]
     arrays: Mapping[str, Array] = field(compare=False)
+    sweep: Sweep | None = field(default=None, compare=False)
 
 
 @functools.lru_cache(maxsize=8)
 def _read(stored: _Stored) -> Sweep:
+    if stored.sweep:
+        return stored.sweep
     try:
         read = json.loads(stored.text)
         if read["form"] != FORM:

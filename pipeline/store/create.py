@@ -48,10 +48,11 @@ from pipeline.sweep.stages import Report, silent
 
 
 @contextmanager
-def writing(path: PathLike, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
+def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
     """Context manager: create the store of a sweep, or open it with room for the sweep's points.
 
     The points are marked as asked for, and files that an earlier run began to write are removed.
+    Without a path the store is in memory, and goes with the last reference to it.
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.

@@ -36,8 +36,9 @@ def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
     no locks, a note is reported, and the block runs without a lock.
     """
     unlocked = Progress(f"{place} has no locks: let one run at a time write to it")
-    if isinstance(place, Bucket):
-        progress(unlocked)
+    if not isinstance(place, Folder):
+        if isinstance(place, Bucket):
+            progress(unlocked)
         yield lambda: True
         return
     with io_errors(place, "written"):
@@ -92,7 +93,7 @@ def holder_of(place: StorePlace) -> str | None:
 
     It is also None if that is not known, as on an object store.
     """
-    if isinstance(place, Bucket):
+    if not isinstance(place, Folder):
         return None
     with suppress(OSError):
         descriptor = os.open(place.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)

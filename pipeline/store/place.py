@@ -17,7 +17,7 @@ import errno
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -156,15 +156,48 @@ class Bucket:
 _OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
-StorePlace = Folder | Bucket
-"""Where the files of a store are: a folder, or an object store."""
+@dataclass(frozen=True)
+class Memory:
+    """Place of a store that nobody keeps: the memory of this process."""
+
+    contents: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def __str__(self) -> str:
+        return "the memory of this process"
+
+    def zarr(self) -> Store:
+        """Read-only Zarr store of the contents."""
+        from zarr.storage import MemoryStore
+
+        return MemoryStore(self.contents, read_only=True)
+
+    def read(self, key: str) -> bytes | None:
+        """Content by its `key`; None if there is none."""
+        return self.contents[key].to_bytes() if key in self.contents else None
+
+    def put(self, contents: Mapping[str, bytes]) -> None:
+        """Keep or replace `contents` by key."""
+        from zarr.core.buffer import default_buffer_prototype
+
+        make = default_buffer_prototype().buffer.from_bytes
+        self.contents.update({key: make(content) for key, content in contents.items()})
+
+    def keys(self) -> set[str]:
+        """Keys of all contents."""
+        return {*self.contents}
 
 
-def place_of(path: PathLike) -> StorePlace:
-    """`Folder` or `Bucket` of a store, from its path or address.
+StorePlace = Folder | Bucket | Memory
+"""Where the files of a store are: a folder, an object store, or memory."""
+
+
+def place_of(path: PathLike | None) -> StorePlace:
+    """`Folder` or `Bucket` of a store, from its path or address; `Memory` without one.
 
     Raises a `StoreError` for the root of a file system.
     """
+    if path is None:
+        return Memory()
     address = os.fspath(path)
     if "://" in address:
         return Bucket(address.rstrip("/"))

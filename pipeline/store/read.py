@@ -15,6 +15,7 @@ from pipeline.store.layout import blocks
 from pipeline.store.place import (
     ROOT,
     Folder,
+    Memory,
     PathLike,
     StoreError,
     StorePlace,
@@ -73,7 +74,12 @@ class _Backend(BackendEntrypoint):
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
         store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
-        return _dataset_of(store).assign_coords(_test_coordinates(store))
+        return store_dataset(store)
+
+
+def store_dataset(store: Store) -> xr.Dataset:
+    """Present state of an open store as a dataset; data are read when they are used."""
+    return _dataset_of(store).assign_coords(_test_coordinates(store))
 
 
 def _dataset_of(store: Store) -> xr.Dataset:
@@ -99,7 +105,8 @@ def _dataset_of(store: Store) -> xr.Dataset:
         shown = attributes_of(variable)
         shown.pop("coordinates", None)
         variables[name] = xr.Variable(variable.dims, values, shown)
-    variables["status"].encoding["store"] = str(store.place)
+    if not isinstance(store.place, Memory):
+        variables["status"].encoding["store"] = str(store.place)
     steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
     ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
     return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps

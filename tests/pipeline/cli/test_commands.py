@@ -107,6 +107,9 @@ def test_a_point_counts_the_tests_of_its_scene_unless_they_are_left_out(
     said, alone = irg(*point), irg(*point, "--without-tests")
     assert re.search(r"model's own error   .* of the rise \(90 %\), by [12] tests? and the", said)
     assert "of the rise (90 %), by no test and the prior" in alone
+    assert "not every verdict is given" not in alone
+    other_surface = irg(*point, "--set", "sweep.realizations=[3, 4]", "--realization", 4)
+    assert re.search(r"of the rise \(90 %\), by [12] tests? and the", other_surface)
     (row,), (other,) = irg(*point, "--without-tests", "--json"), irg(*point, "--json")
     assert other["probability"] > row["probability"]
     assert other["decisive temperature [°C]"] == row["decisive temperature [°C]"]
