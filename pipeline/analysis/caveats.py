@@ -10,10 +10,12 @@ from pipeline.analysis.dataset import Layout
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
+from pipeline.scene.shipped import typed_name
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends, note_on_turns
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
 
@@ -32,6 +34,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     lines = [
         note_on_failed(scene),
         sweep.caveat,
+        *doubt_lines(sweep, answered=True),
         unmodelled_rise_words(conditions),
         note_on_ends(sweep),
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
@@ -39,6 +42,23 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         error_in_words(sweep) if critical else None,
     ]
     return tuple(line for line in lines if line)
+
+
+def doubt_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str]:
+    """Lines with the gravest doubts about a scene, `most` of them, and the number of the others.
+
+    In an answer (`answered`) those are left out that have caveats of their own: on sharp ends, on
+    earlier turns, and on a narrow window, which stands at the points that it limits.
+    """
+    own = (note_on_ends(sweep), note_on_turns(sweep))
+    lines = [
+        str(doubt)
+        for doubt in sweep.doubts
+        if not answered or (doubt.words not in own and doubt.place != "window.pixels")
+    ]
+    if (more := len(lines) - most) > 0:
+        lines[most:] = [f"and {more} more: irg check {typed_name(sweep.name)}"]
+    return lines
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:

@@ -13,7 +13,7 @@ from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import Judge, judge_of
-from pipeline.analysis.margin import PASSED, Margin
+from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
 from pipeline.analysis.results import Results, ResultsLike
 from pipeline.analysis.rise_error import RiseError, rise_errors
 from pipeline.analysis.scenes import heads_of, shown_label
@@ -30,7 +30,7 @@ from pipeline.sweep.condition_words import verdict_conditions
 from pipeline.sweep.conditions import known_critical_temperature
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
-from tribo import InputError
+from tribo import InputError, WarningKind
 from tribo.types import Array
 
 _AT_ONCE = 2000  # operating points judged in one call, with some 100 MB of memory
@@ -223,6 +223,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
     }
     is_passed = (along["load"].first < loads) & (temperatures <= critical)
     parts = rise_errors(judge.rises, loads, velocities).T
+    is_at_edge = judge.rises.have_warning(loads, velocities, WarningKind.CONTACT_AT_EDGE)
     notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
     tested, why = judge.tested_velocities(loads)[1], forbidding_words(judge)
     margins = (
@@ -253,7 +254,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             not_mild=why[0] or f"{names[k]} forbids it" * bool(no_mild[k]),
             not_severe=why[1] or f"{names[k]} forbids it" * bool(no_severe[k]),
             tested=tuple(tests_beside(judge.evidence, loads[k], velocities[k])),
-            caveats=((PASSED,) * bool(is_passed[k])) + notes,
+            caveats=(PASSED,) * bool(is_passed[k]) + (AT_EDGE,) * bool(is_at_edge[k]) + notes,
             entries={path: judge.source.rows[path].item() for path, _ in judge.source.name},
         )
         for k, (outcome, load_outcome) in enumerate(

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.analysis.results import Results
 from pipeline.quantities import UNITS
-from pipeline.scene.shipped import shipped_scenes
+from pipeline.scene.shipped import typed_name
 from pipeline.scene.units import to_si
 
 _ENTRIES = {"load": "sweep.loads", "velocity": "sweep.velocities"}
@@ -22,11 +22,10 @@ def adding_command(data: Results, name: str, value: float) -> str:
     written = sweep.entries.get("sweep", {}).get(entry.partition(".")[2])
     axis = sweep.loads if name == "load" else sweep.velocities
     setting = _longer_range(entry, written, value, UNITS[name]) or _list(entry, axis, value, name)
-    scene = sweep.name if sweep.name in shipped_scenes() else f"{sweep.name}.toml"
     store = str(data.store or "")
     usual = store.endswith(f"results/{sweep.name}.zarr") or not store
-    words = ["irg", "run", scene, *([] if usual else ["-o", store]), "--set", setting]
-    return shlex.join(words)
+    out = [] if usual else ["-o", store]
+    return shlex.join(["irg", "run", typed_name(sweep.name), *out, "--set", setting])
 
 
 def _longer_range(entry: str, written: Any, value: float, unit: str) -> str:

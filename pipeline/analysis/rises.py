@@ -31,7 +31,7 @@ from pipeline.store.schema import PLANE
 from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions, row_conditions
 from pipeline.sweep.severity import rise_limit
-from tribo import Criterion, InputError
+from tribo import Criterion, InputError, WarningKind
 from tribo.types import Array, Indices, Mask
 
 Places = Array | float
@@ -324,6 +324,12 @@ class Rises:
         along = _slots(self.velocities, velocities)
         rows = self._loads_around[along, _slots(self.loads, loads)]
         return rows, self._velocities_around[rows, along[:, None]]
+
+    def have_warning(self, loads: Array, velocities: Array, kind: WarningKind) -> Mask:
+        """True for those of k places whose rise is found between points with a warning (k,)."""
+        rows, columns = self.rests_on(loads, velocities)
+        found = (self.flags[rows[..., None], columns] & kind) != 0
+        return np.asarray((found & (columns >= 0)).any(axis=(1, 2)))
 
     @functools.cached_property
     def _loads_around(self) -> Indices:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from pipeline.analysis.frames import ERRORS
 from pipeline.analysis.judge import judge_of
-from pipeline.analysis.margin import PASSED, Margin
+from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
 from pipeline.analysis.results import Results
@@ -138,4 +138,4 @@ def margin_lines(here: Margin, axes: Collection[str] = ("velocity", "load")) -> 
         yield f"  no verdict          {here.against}"
     if here.decided_by:
         yield f"  would decide it     {here.decided_by}"
-    yield from remarks("warning", PASSED if PASSED in here.caveats else "")
+    yield from remarks("warning", *(one for one in (PASSED, AT_EDGE) if one in here.caveats))

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
@@ -20,14 +21,11 @@ from pipeline.cli.output import Result, counted, tell
 from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.cluster import client_of
-from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.accuracy import error_in_words, has_unknown_error
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import note_on_turns
-from pipeline.sweep.remarks import remarks
 from pipeline.sweep.sources import library_tables
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
@@ -40,9 +38,10 @@ def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
-    tell(*map(str, sweep.notes))
+    tell(*(str(one) for one in sweep.notes if one.grade == "note"))
+    for line in doubt_lines(sweep):
+        output.complain(line)  # with --quiet, too
     require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
-    tell(*remarks("warning", note_on_turns(sweep)))
     choices = values_in(options, "workers", "dashboard", "retry_failed", "boundary_only", "source")
     choices |= {"further_patches": True} if options.patches else {}
     is_elsewhere = options.scheduler or options.scheduler_file
@@ -95,7 +94,8 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, facts, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *((one.grade, one.text) for one in (*sweep.notes, *doubts(sweep, facts))),
+        *((one.grade, one.text) for one in sweep.notes if one.grade == "note"),
+        *((one.grade, one.text) for one in sweep.doubts),
         *_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers)),
     ]
     frame = frame_of(_HEADS, rows)

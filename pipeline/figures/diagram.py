@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
 from pipeline.analysis.results import Results
@@ -73,6 +74,7 @@ def diagram(data: Results, realization: int | None = None, log: bool = False) ->
         style.plain_numbers(axes)
     style.write_title(axes, ", ".join([style.title_of(data), *variant_words(data.surface)]))
     axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
+    caption = "\n".join([caption, *doubt_lines(data.sweep, most=1, answered=True)])
     style.legend_below(figure, handles=legend, caption=caption)
     return figure
 

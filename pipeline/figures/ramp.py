@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.figures import style
@@ -82,7 +83,8 @@ def ramp(
     ]
     time, own = data.values("time"), data.values("own_grid")
     is_coarse = any((np.isfinite(time[point]) & ~own[point]).any() for point in points)
-    caption = heating_words(conditions) + _COARSE_RAMP * is_coarse
+    said = heating_words(conditions) + _COARSE_RAMP * is_coarse
+    caption = "\n".join([said, *doubt_lines(data.sweep, most=1, answered=True)])
     style.legend_below(figure, handles=names, caption=caption)
     return figure
 
@@ -192,5 +194,6 @@ def temperature(
             axes.axvline(turn, color=VERMILION, label=f"transition, {turn:.3g} m/s")
     axes.set(xlabel="sliding velocity [m/s]", ylabel="contact temperature [°C]")
     style.write_title(axes, f"{style.title_of(data)}\n{load_here:g} N")
-    style.legend_below(figure, caption=heating_words(conditions))
+    said = [heating_words(conditions), *doubt_lines(data.sweep, most=1, answered=True)]
+    style.legend_below(figure, caption="\n".join(said))
     return figure

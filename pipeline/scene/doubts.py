@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pipeline.quantities import display
-from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span
+from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
 from pipeline.scene.faults import key_path
 from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
@@ -17,29 +17,69 @@ from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
 from tribo import Ramp, SelfAffineRoughness
 
+UNWORN = "not given: an unworn contact stays narrow, and gets hotter"
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
 _REACH = 10.0  # factor beyond the ends of the sweep from which the unit of a test is in doubt
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
+_MOST_CASES = 12  # cases that are looked at, each in some 0.1 s
 _Doubt = tuple[str, str]
 """Path of the doubtful entry, empty if it is not a single one, and the reason in words."""
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
-    """Warnings of probable mistakes in a scene, and of limits of the model, before simulating.
+    """Warnings of probable mistakes in one scene, and of limits of the model, the gravest first.
 
     `facts` are the scene's numbers from `facts_of`.
     """
     found = [
         *_unusual(sweep, facts),
+        ("window.pixels", _narrow_window(sweep, facts)),
+        *_surface_doubts(sweep, facts),
+        ("wear", UNWORN * (sweep.scene.wear is None)),
         *_test_doubts(sweep),
         ("", note_on_turns(sweep)),
-        *_surface_doubts(sweep, facts),
         ("pin.length", note_on_ends(sweep)),
-        ("window.pixels", _narrow_window(sweep, facts)),
     ]
-    if sweep.scene.wear is None:
-        found.append(("wear", "not given: an unworn contact stays narrow, and gets hotter"))
     return tuple(Remark(place, "warning", words) for place, words in found if words)
+
+
+def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
+    """Doubts of all cases of a sweep, those of values first; each says how many cases have it.
+
+    Of many cases a few are looked at, evenly spaced; of the values of an entry all are.
+    """
+    values = [*_unusual_values(sweep)]
+    noted = [one for one in sweep.notes if one.grade == "warning" and one.place not in dict(values)]
+    names = sweep.variants.given
+    chosen = names[:: math.ceil(len(names) / _MOST_CASES)]
+    found = dict[str, list[Remark]]()
+    for name in chosen:
+        case = sweep if len(names) == 1 else sweep.take(name)
+        for one in doubts(case, facts_of(case)):
+            found.setdefault(one.place or one.words, []).append(one)
+    of_cases = (_counted(each, len(chosen)) for each in found.values())
+    valued = (Remark(place, "warning", words) for place, words in values)
+    return *valued, *noted, *of_cases
+
+
+def _counted(alike: Sequence[Remark], cases: int) -> Remark:
+    """The first of some doubts about one entry, with the number of cases that have it."""
+    first = alike[0]
+    if len(alike) == cases:
+        return first
+    return first._replace(words=f"{first.words} (in {len(alike)} of {cases} cases)")
+
+
+def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:
+    """Warnings of values of the sweep's columns that are outside their entry's usual range."""
+    for column in sweep.variants.columns:
+        kind = number_at(column.key)
+        labels = (row.labels[column.name] for row in sweep.variants.rows)
+        known = [*dict.fromkeys(one for one in labels if isinstance(one, int | float))]
+        odd = [one for one in known if unusual(one, kind.usual, kind.unit)]
+        if odd:
+            several = f"{len(odd)} of {len(known)} values unusual: " * (len(known) > 1)
+            yield column.key, several + unusual(odd[0], kind.usual, kind.unit)
 
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
@@ -97,6 +137,13 @@ def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
 
 def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     scene, surface = sweep.scene, facts.surface
+    along = surface is not None and surface.lay is not None and surface.lay <= _ALONG
+    if along and scene.wear and scene.wear.pattern == "swept":
+        yield (
+            "wear.pattern",
+            'the grooves lie along sliding; where the same ones pass the pin again, "swept" makes '
+            'the rise about 50 % too high: give pattern = "local"',
+        )
     if isinstance(scene.roughness, SelfAffineRoughness):
         sides = zip("xy", scene.roughness.correlation_length, facts.window, strict=True)
         for axis, length, side in sides:
@@ -107,10 +154,3 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
                     "window, so that temperatures differ much from surface to surface: give more "
                     "window.pixels, or several surfaces (sweep.realizations)",
                 )
-    along = surface is not None and surface.lay is not None and surface.lay <= _ALONG
-    if along and scene.wear and scene.wear.pattern == "swept":
-        yield (
-            "wear.pattern",
-            'the grooves lie along sliding; where the same ones pass the pin again, "swept" makes '
-            'the rise about 50 % too high: give pattern = "local"',
-        )

@@ -55,3 +55,8 @@ def page_name(path: Path) -> str:
     ``FIRST_HOUR.md`` becomes "first-hour". A path made of typed text is converted likewise.
     """
     return "paper" if path.stem == "README" else path.stem.lower().replace("_", "-")
+
+
+def typed_name(scene: str) -> str:
+    """Scene of this name as typed in a command: a shipped one, or a file of the same name."""
+    return scene if scene in shipped_scenes() else f"{scene}.toml"

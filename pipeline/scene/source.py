@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from pipeline.scene.cases_of_tests import TestReader, with_changes
+from pipeline.scene.doubts import doubts_of_all
 from pipeline.scene.faults import Faults
 from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
@@ -61,6 +62,12 @@ class Source:
     def plain_entries(self) -> dict[str, Any]:
         """All entries in their usual units, instead of as written."""
         return self.reader.complete({}, self.parts)
+
+    def doubts(self, sweep: Sweep) -> tuple[Remark, ...]:
+        """Doubts about a sweep of this source; those of a store were found when it was made."""
+        if self.reader.is_stored:
+            return tuple(note for note in sweep.notes if note.grade == "warning")
+        return doubts_of_all(sweep)
 
     def take_case(self, sweep: Sweep, name: Variant) -> Sweep:
         """The sweep of the case of `sweep` called `name`, without variants."""

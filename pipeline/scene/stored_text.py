@@ -53,7 +53,7 @@ def sweep_text(sweep: Sweep) -> str:
         "entries": entries,
         "columns": [asdict(one) | {"values": table.labels(one.name)} for one in table.columns],
         "rows": values if any(values) else (),
-        "notes": sweep.notes,
+        "notes": [*(one for one in sweep.notes if one.grade == "note"), *sweep.doubts],
         "sources": sweep.sources,
         "stations": sweep.stations and asdict(sweep.stations),
     }

@@ -124,6 +124,12 @@ class Sweep:
         words = self.title, self.caveat
         return digest(((self.base, *self.cases), plane, words, self.tests, self.inputs, labels))
 
+    @cached_property
+    def doubts(self) -> tuple[Remark, ...]:
+        """Warnings of probable mistakes in the scene, of all cases, the gravest first."""
+        found: tuple[Remark, ...] = self.source.doubts(self)
+        return found
+
     @property
     def scene(self) -> Scene:
         """The scene itself, to simulate."""

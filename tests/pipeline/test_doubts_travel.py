@@ -1,0 +1,66 @@
+"""What a scene is doubted for stands in every answer on it, once."""
+
+import re
+
+import pytest
+
+import pipeline
+from tests.helpers.scenes import SCENE
+from tests.pipeline.conftest import commit_all
+
+HARD = "materials.steel.hardness: 3.14 times the elastic modulus, where 0.001 to 0.2 times"
+PLACE = ["--load", "300 N", "--velocity", "1.5 m/s"]
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory):
+    """Scene file of steel with slips in its moduli, with its store beside."""
+    path = tmp_path_factory.mktemp("odd") / "odd.toml"
+    text = SCENE.replace("increments = 10", "increments = 1").replace("210 GPa", "21 GPa")
+    path.write_text(text.replace("6.6 GPa", "66 GPa"))
+    commit_all(path.with_suffix(".zarr"), pipeline.load_scene(path))
+    return path
+
+
+def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
+    store, page, figure = odd.with_suffix(".zarr"), tmp_path / "a.html", tmp_path / "a.svg"
+    doors = {
+        "check": irg("check", odd),
+        "run": irg("run", odd, "-o", store, "-q"),
+        "boundary": irg("boundary", store),
+        "margin": irg("margin", store, *PLACE),
+        "one point": irg("point", odd, *PLACE),
+        "JSON": irg("margin", store, *PLACE, "--json")[0]["notes"],
+        "Python": " ".join(pipeline.margin(store, "300 N", "1.5 m/s").caveats),
+        "attributes": pipeline.boundary(store).attrs["caveats"],
+    }
+    irg("explore", store, "-o", page)
+    doors["page"] = re.sub("<[^>]+>", " ", page.read_text(encoding="utf-8"))
+    for door, said in doors.items():
+        assert " ".join(said.split()).count(HARD) == 1, door
+    irg("plot", store, "-o", figure)
+    assert "3.14 times the elastic modulus" in " ".join(figure.read_text().split())
+
+
+def test_at_most_three_doubts_are_said_the_gravest_first(odd, irg):
+    more = {
+        "loading.reference_load": "90 kN", "temperature.bulk": "150 degC",
+        "temperature.critical": "500 degC", "friction.coefficient": 1.2,
+    }  # fmt: skip
+    sets = [word for path, value in more.items() for word in ("--set", f"{path}={value}")]
+    said = irg("point", odd, *PLACE, *sets)
+    lines = " ".join(said.split())
+    assert lines.count("are usual: check the number and unit") == 3
+    assert "friction.coefficient: 1.2, where" in lines
+    assert re.search(r"and \d more: irg check odd.toml", lines)
+
+
+def test_values_of_all_cases_are_doubted(odd, irg):
+    over = 'sweep.over={"pin.radius"=["2 mm","400 nm","8 mm"]}'
+    said = " ".join(irg("check", odd, "--set", over).split())
+    assert "pin.radius: 1 of 3 values unusual: 0.0004 mm, where 0.1 to 1000 mm are usual" in said
+    over = 'sweep.over={"materials.steel.hardness"=["2 GPa","66 GPa"]}'
+    said = " ".join(irg("check", odd, "--set", over).split())
+    assert (
+        f"{HARD} the elastic modulus are usual: check the number and unit (in 1 of 2 cases" in said
+    )
