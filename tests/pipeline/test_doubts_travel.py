@@ -44,8 +44,8 @@ def test_every_door_says_a_doubt_once(odd, irg, tmp_path):
 
 def test_at_most_three_doubts_are_said_the_gravest_first(odd, irg):
     more = {
-        "loading.reference_load": "90 kN", "temperature.bulk": "150 degC",
-        "temperature.critical": "500 degC", "friction.coefficient": 1.2,
+        "loading.reference_load": "90 kN", "materials.steel.thermal_conductivity": "450 W/(m K)",
+        "materials.steel.density": "78 kg/m^3", "friction.coefficient": 1.2,
     }  # fmt: skip
     sets = [word for path, value in more.items() for word in ("--set", f"{path}={value}")]
     said = irg("point", odd, *PLACE, *sets)
