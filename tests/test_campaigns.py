@@ -11,7 +11,7 @@ import pytest
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
-from tests.promises import front, truth
+from tests.promises import front, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
 
@@ -86,3 +86,10 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name):
     errors, warned = (np.array(found[key]) for key in ("errors", "warned"))
     assert np.abs(errors[~warned]).max() <= PRESET_BOUNDS[name]
     assert warned.mean() < 0.5
+
+
+def test_two_halves_of_eight_patches_are_as_near_as_they_state():
+    small = {"sweep.loads": ["400 N", "600 N"], "fidelity.preset": "draft"}
+    for _, apart, ratio in patches.rows_of("line", patches=8, **small):
+        assert apart <= 1
+        assert patches.LEAST <= ratio <= patches.MOST

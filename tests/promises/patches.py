@@ -1,0 +1,103 @@
+"""Whether the stated error by the surface holds: two sets of eight patches, and each beside all.
+
+Each scene is computed on its first patch, and at one point a load on fifteen more. The rises of two
+sets of eight may differ by 2.4 √(e₁² + e₂²), where e are the errors that both state. What one patch
+states must be half to three times of how the sixteen differ: between discs it is 2 to 3 times too
+large, elsewhere within a factor of 2.
+"""
+
+import argparse
+import math
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import pipeline
+from tests.helpers.campaigns import conclude, table
+
+SCENES = {
+    "line": ("first_try", {}, ("200 N", "400 N", "600 N", "750 N")),
+    "ball": ("ball_on_disk", {}, ("50 N", "100 N", "200 N", "300 N")),
+    "crowned": (
+        "ball_on_disk",
+        {"pin.shape": "crowned", "pin.crown_radius": "6 mm"},
+        ("50 N", "100 N", "200 N", "300 N"),
+    ),
+    "pin on disk": ("pin_on_disk", {}, ("50 N", "100 N", "150 N", "200 N")),
+    "discs": ("twin_disc", {}, ("2 kN", "4 kN", "6 kN", "8 kN")),
+}
+"""Scene, changed entries and loads, by kind of contact."""
+ALLOWED, HELD = 2.4, 0.9  # of the difference of two sets, and share of places
+LEAST, MOST = 0.5, 3.0  # what one patch states, over how patches differ
+HEADS = (
+    "contact", "N", "m/s", "first eight", "last eight", "stated", "apart, of allowed",
+    "patches differ by", "one states", "from", "to",
+)  # fmt: skip
+
+
+def places(name, patches=16, **changes):
+    """Yield for each load the place, and what the two halves and the patches say there."""
+    scene, entries, loads = SCENES[name]
+    overrides = {"sweep.loads": list(loads), "sweep.fields": False, "sweep.steps": "end"}
+    overrides |= {"sweep.realizations": patches} | entries | changes
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "patches.zarr"
+        pipeline.run_sweep(
+            pipeline.load_scene(scene, overrides=overrides), path, further_patches=True
+        )
+        ds = pipeline.open_sweep(path).load()
+    done = (ds["status"] == 1).all("realization")
+    for load in ds["load"].values:
+        (velocity,) = ds["velocity"].values[done.sel(load=load).values]
+        here = ds.sel(load=[load], velocity=[velocity])
+        half = patches // 2
+        halves = (here.isel(realization=part) for part in (slice(half), slice(half, None)))
+        rises, errors = zip(*(stated(one, load, velocity) for one in halves), strict=True)
+        held = pipeline.results(here)
+        levels = np.log(held.rises(held.conditions)).ravel()
+        own = held.sampling(held.conditions).ravel()
+        yield load, velocity, rises, errors, levels.std(ddof=1), own
+
+
+def stated(ds, load, velocity):
+    """Rise of a specimen [K], and the relative error that it states for the surface."""
+    held = pipeline.margin(ds, load, velocity, without_tests=True)
+    conditions = pipeline.results(ds).conditions
+    rise = held.decisive_temperature - conditions.coldest_bulk_temperature
+    return rise, held.error.surface / rise
+
+
+def rows_of(name, **options):
+    """Table rows of a scene, with what is judged: share of the allowed difference, and ratio."""
+    for load, velocity, rises, errors, differ, own in places(name, **options):
+        apart = abs(math.log(rises[0] / rises[1])) / (ALLOWED * math.hypot(*errors))
+        typical = float(np.sqrt(np.mean(own**2)))
+        percents = (f"{value:.1%}" for value in (differ, typical, own.min(), own.max()))
+        row = name, f"{load:g}", f"{velocity:g}", *(f"{rise:.4g} K" for rise in rises)
+        yield (*row, f"{max(errors):.1%}", f"{apart:.2f}", *percents), apart, typical / differ
+
+
+def main():
+    """Judge the errors of all scenes."""
+    parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
+    parser.add_argument("--patches", type=int, default=16)
+    options = parser.parse_args()
+    rows = [row for name in SCENES for row in rows_of(name, patches=options.patches)]
+    held = np.mean([apart <= 1 for _, apart, _ in rows])
+    ratios = [ratio for *_, ratio in rows]
+    told = (
+        f"two halves of {options.patches} patches are as near as stated at {held:.0%} of "
+        f"{len(rows)} places; one patch states {min(ratios):.2g} to {max(ratios):.2g} of it"
+    )
+    found = table(HEADS, [row for row, *_ in rows])
+    return conclude(
+        "patches",
+        f"{found}\n\n{told}",
+        held >= HELD and min(ratios) >= LEAST and max(ratios) <= MOST,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
