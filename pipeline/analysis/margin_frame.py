@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple, Unpack, overload
 
 import numpy as np
@@ -23,7 +24,8 @@ from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.units import in_si
+from pipeline.scene.names import Heading
+from pipeline.scene.units import in_si, is_unit, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.condition_words import verdict_conditions
@@ -341,15 +343,24 @@ def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd
     return pd.DataFrame(columns, index=answers.index)
 
 
-def counts_in_words(frame: pd.DataFrame) -> str:
-    """Numbers of operating points by verdict, and the point with the least margin, in words.
+def counts_in_words(frame: pd.DataFrame, points: OperatingPoints | None = None) -> str:
+    """Numbers of operating points by verdict, in words; with their hours if `points` has them."""
+    hours = _hours(points) if points and len(points.places) == len(frame) else None
+    said = list[str]()
+    for verdict, number in sorted(Counter(frame["verdict"]).items()):
+        own = "" if hours is None else f" ({hours[frame['verdict'] == verdict].sum():.4g} h)"
+        said.append(f"{number} {verdict}{own}")
+    return ", ".join(said)
 
-    The point is left out if it is the only one, or no margin is known.
-    """
-    counts = Counter(frame["verdict"])
-    said = ", ".join(f"{number} {verdict}" for verdict, number in sorted(counts.items()))
-    if len(frame) == 1 or frame["distance [K]"].isna().all():
-        return said
-    least = frame.loc[frame["distance [K]"].astype(float).idxmin()]
-    place = f"{least['load [N]']:g} N and {least['velocity [m/s]']:g} m/s"
-    return f"{said}; the least margin is {least['distance [K]']:.3g} K, at {place}"
+
+def _hours(points: OperatingPoints) -> Array | None:
+    """Hours of each operating point, from the only column of a duration; None without one."""
+    found = list[Array]()
+    for head, cells in points.others.items():
+        heading = Heading.of(head)
+        unit = "h" if heading.title.lower() in ("h", "hours", "stunden") else heading.unit
+        if unit and is_unit(unit, "1 s"):
+            with suppress(ValueError):
+                one = to_si(f"1 {unit}", "1 h") / 3600
+                found.append(one * np.array([*map(float, cells)]))
+    return found[0] if len(found) == 1 else None

@@ -263,13 +263,14 @@ OF_INFER = (
     ),
     BULK, TABLE, *PLACE, REALIZATION,
 )  # fmt: skip
+ALL = flag("--all", "print all rows and notes")
 OF_BOUNDARY = (
     Option(
         "--by", default="load", choices=("load", "velocity", "test"),
         help="rows of the table: critical velocities by load, critical loads by velocity, or the "
         "tests beside what is computed for them; default: load",
     ),
-    flag("--all", "print all rows"),
+    ALL,
 )  # fmt: skip
 OF_PLOT = (
     Option(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 from collections.abc import Sequence
 
 import pandas as pd
@@ -23,7 +24,7 @@ from pipeline.analysis.margin_frame import (
 )
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
-from pipeline.analysis.tables import notes_of, short, some_rows
+from pipeline.analysis.tables import lines_of, notes_of, short, some_rows
 from pipeline.analysis.tested import test_parts, tests_frame
 from pipeline.analysis.until import Until, changes_frame
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
@@ -33,7 +34,8 @@ from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
 from tribo import InputError
 
-_MOST_ROWS = 8  # rows of a boundary printed; --all, --json and files have all
+_MOST_ROWS = 8  # rows of a table printed; --all, --json and files have all
+_MOST_LINES = 14  # lines of the answer on a table of operating points
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -49,11 +51,14 @@ def margin(options: argparse.Namespace) -> Result:
         count = counted(len(table), "operating point", "operating points")
         lines += [points.counted] if points and points.counted else []
         known = [one.margin for one in found if one.margin]
-        lines += [f"{count}: {counts_in_words(table)}"]
+        lines += [f"{count}: {counts_in_words(table, points)}"]
         lines += words.condition_lines(one.conditions for one in known)
-        lines += ["", short(table, LONG), ""]
-        lines += [*(points.remarks if points else []), *notes_of(table, caveats)]
-        lines += [words.model_error_line(one.model_error for one in known)] if known else []
+        rests = [*(points.remarks if points else []), *notes_of(table, caveats)]
+        rests += [words.model_error_line(one.model_error for one in known)] if known else []
+        if points and not options.all:
+            lines, caveats = _few_lines(lines, table, [*rests, *caveats])
+        else:
+            lines += ["", short(table, LONG), "", *rests]
     frames = [table]
     if options.budget:
         budget = budget_at(_one_judge(data, found, "--budget"), *found[0].place)
@@ -71,6 +76,26 @@ def margin(options: argparse.Namespace) -> Result:
     lines += words.case_lines(data)
     lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=frames)
+
+
+def _few_lines(
+    lines: Sequence[str | pd.DataFrame], table: pd.DataFrame, rests: Sequence[str]
+) -> tuple[list[str | pd.DataFrame], list[str]]:
+    """Lines with at most 8 rows of a table, the worst first, and as many `rests` as fit in 14."""
+    above, below = wrapped(lines), [one for one in wrapped(rests) if isinstance(one, str)]
+    worst = short(table, LONG).loc[table["distance [K]"].astype(float).sort_values().index]
+    room = _MOST_LINES - len(above)
+    few, most = worst.head(_MOST_ROWS), len(worst)
+    while len(lines_of(few)) + (len(few) < most or bool(below)) > room and len(few) > 1:
+        few = few.head(len(few) - 1)
+    room -= len(lines_of(few))
+    hidden = [f"{most - len(few)} more rows"] * (len(few) < most)
+    if hidden or len(below) > room:
+        kept = [*itertools.takewhile(lambda line: not line.startswith(" "), below[: room - 1])]
+        left = sum(not line.startswith(" ") for line in below[len(kept) :])
+        hidden += [counted(left, "further note", "further notes")] * bool(left)
+        below = [*kept, f"{' and '.join(hidden)}: --all; -o TABLE.csv has all rows"]
+    return [*above, few], below
 
 
 def _one_judge(data: Results, found: Sequence[Asked], option: str) -> Judge:

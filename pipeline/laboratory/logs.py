@@ -20,7 +20,7 @@ from pipeline.laboratory.reading import (
 )
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import row_text
+from pipeline.scene.faults import quoted, row_text
 from pipeline.scene.format import Stages, Test, TransitionTable
 from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
@@ -178,6 +178,17 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
         )
     if "" not in words:
         sheet.require(["outcome"])
+    unknown = dict[str, list[int]]()
+    for number, cells in sheet.rows:
+        if found[cells[place]] is None:
+            unknown.setdefault(cells[place], []).append(number)
+    for cell, numbers in unknown.items():
+        word = cell.replace('"', '\\"')
+        sheet.faults.append(
+            f"{row_text(numbers)}, outcome: {quoted(cell)} is unknown; say what it means by --word "
+            f'"{word}=mild" or --word "{word}=severe", or leave it out by --skip "outcome={word}"'
+        )
+        sheet.leave_out(dict.fromkeys(numbers, f"has the unknown outcome {quoted(cell)}"))
 
 
 def _leave_out_copies(sheet: Sheet) -> None:

@@ -28,8 +28,6 @@ OF_TRACE = *NEEDED, "friction_force", "friction_torque", "bulk_temperature", "ou
 """Quantities that a trace may have; an outcome tells a log from a trace."""
 _ENDS = "mild_up_to", "severe_at"
 _BEYOND = re.compile(r"(?:>=?|≥|über|beyond|above)\s*(\d\S*.*)|(\d[\d.]*)\s*\+")
-# Left out if the outcome is of several words, as the question may suggest their opposite.
-_NEAR = re.compile(r" \(did you mean [^)]*\)")
 _MOST = 0.95  # share of rows in which time must rise for a single run
 _OF_SINE = 2 / np.pi  # mean of a rectified sine over its peak
 
@@ -81,19 +79,12 @@ def _join_units(sheet: Sheet) -> None:
 
 
 def add_hints(sheet: Sheet) -> None:
-    """Add hints to faults on missing units and unknown outcomes: the option that resolves each.
-
-    The faults are messages of the `sheet`, and are changed in place. An outcome is unknown if the
-    word in its column is not known to mean mild or severe.
-    """
+    """Add to faults on missing units, in place, the option that gives the unit."""
     for k, fault in enumerate(sheet.faults):
         if match := re.search(r", (\w+): \S+ has no unit", fault):
             unit = {"K": "degC"}.get(unit := sheet.units[match[1]] or "", unit)
             head = f"{sheet.heading(match[1]).text} [{unit}]"
             sheet.faults[k] += f'; write the unit in the heading, or --column "{match[1]}={head}"'
-        if match := re.search(r', outcome: "((?:\\.|[^"])*)" is unknown', fault):
-            message = _NEAR.sub("", fault) if " " in match[1] else fault
-            sheet.faults[k] = f'{message}; or say what it means by --word "{match[1]}=severe"'
 
 
 def _read_levels(sheet: Sheet, step: str) -> None:

@@ -35,10 +35,14 @@ _GRAVITY = Decimal("9.80665")  # [m/s²], of weights
 NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
-TURNS = ("rpm", "1/min", "min^-1", "U/min")
-"""Units of rotational speed; with a radius or diameter it is a velocity."""
+_PER_MINUTE = ("rpm", "1/min", "/min", "min^-1", "min⁻¹", "min-1", "U/min", "rev/min", "r/min")
+_PER_SECOND = ("Hz", "1/s", "/s", "s^-1", "s⁻¹", "rev/s")
+TURNS = {
+    **dict.fromkeys(_PER_MINUTE, 2 * math.pi / 60), **dict.fromkeys(_PER_SECOND, 2 * math.pi),
+}  # fmt: skip
+"""Units of rotational speed [rad/s]; with a radius or diameter it is a velocity."""
 _TURNS = re.compile(
-    rf"\s*(?P<number>{NUMBER})\s*(?:{'|'.join(map(re.escape, TURNS))})\s+at\s+"
+    rf"\s*(?P<number>{NUMBER})\s*(?P<unit>{'|'.join(map(re.escape, TURNS))})\s+at\s+"
     r"(?P<which>radius|diameter)\s+(?P<length>.+)"
 )
 _COMMA = re.compile(r"\s*[+-]?\d+,\d")
@@ -75,7 +79,7 @@ _CLOCK = re.compile(
 _OF_TABLES = {
     "C": "degC", "F": "degF", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
     "m_s": "m/s", "mm_s": "mm/s", "newton": "N", "newtons": "N", "celsius": "degC", "m/s": "m/s",
-    **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(TURNS, "rpm"),
+    **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(_PER_MINUTE, "rpm"),
     **dict.fromkeys(("-", "–", "1", "hh:mm:ss", "hh:mm"), ""),
 }  # fmt: skip
 """Units as tables mean them: C is a temperature and not a charge, and a mass is a weight."""
@@ -116,7 +120,11 @@ def exact_si(text: str, like: str) -> Decimal:
         if radius <= 0:
             which = f"{turns['which']} of the track"
             raise UnitError(f"{_quoted(text)}: the {which} is not above 0; give a length above 0")
-        return Decimal(turns["number"]) / 60 * Decimal(2 * math.pi) * radius
+        return Decimal(turns["number"]) * Decimal(TURNS[turns["unit"]]) * radius
+    if needed == "rad s-1":
+        turned, of_turns = _parts(text)
+        if of_turns in TURNS:
+            return Decimal(turned) * Decimal(TURNS[of_turns])
     number, unit = _read(text)
     if unit.dimension != needed:
         raise UnitError(f"{_quoted(text)} {_misfit(text, unit, like)}")
@@ -187,12 +195,16 @@ def as_entry(cell: str, unit: str) -> str | float:
 def is_unit(unit: str, like: str | None = None) -> bool:
     """True for a unit, or if `like` is given, for a unit of the same dimension as `like`.
 
+    Hertz are a unit of rotational speed, too.
+
     Without `like`, % is a unit. With an empty `like` only % is.
     """
+    if like == "rpm" and unit in TURNS:
+        return True
     try:
         found = si_unit(f"1 {unit}")
     except UnitError:
-        return unit == "%" and not like
+        return (unit == "%" and not like) or (unit in TURNS and like is None)
     if like is not None:
         return bool(like) and found == si_unit(f"1 {like}")
     return unit not in "µμ" and not unit.isdigit()  # a lone µ, once a micron, is friction

@@ -179,3 +179,22 @@ def test_a_text_of_too_many_rows_is_refused_before_its_rows_are_read(store, tmp_
     )
     said = irg("check", "first_try", "--set", f"sweep.along={points}", code=2)
     assert "at most 10000 can be used here; keep fewer, such as one of 21" in said
+
+
+def test_a_long_table_has_fourteen_lines_the_worst_points_and_hours_by_verdict(
+    store, tmp_path, irg
+):
+    points = tmp_path / "duty.csv"
+    rows = [f"{300 + 10 * k},{1 + 0.05 * k},{k + 1}" for k in range(20)]
+    points.write_text("load [N],velocity [m/s],hours\n" + "\n".join(rows))
+    lines = irg("margin", "out.zarr", "--points", points).splitlines()
+    assert len(lines) <= 14
+    assert max(map(len, lines)) <= 100
+    assert "further notes: --all; -o TABLE.csv has all rows" in lines[-1]
+    record = irg("margin", "out.zarr", "--points", points, "--json")
+    severe = [k + 1 for k, one in enumerate(record) if one["verdict"] == "severe"]
+    assert f"{len(severe)} severe ({sum(severe)} h)" in lines[0]
+    worst = min(record, key=lambda one: one["distance [K]"])
+    first = next(line for line in lines if line.split()[0].isdigit() and "points" not in line)
+    assert f"{worst['load [N]']:g}" in first.split()
+    assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24

@@ -329,3 +329,25 @@ def test_conditions_that_are_probably_in_another_unit_are_doubted(tests):
     log = "load [N],velocity [m/s],bulk temperature [degC],outcome\n400,1.2,333,mild\n"
     (doubt,) = tests(log)["doubts"]
     assert "the test of 400 N at 1.2 m/s: bulk temperature: 333 °C, where" in doubt
+
+
+@pytest.mark.parametrize("unit", ["rpm", "1/min", "min^-1", "min⁻¹", "U/min", "rev/min", "Hz"])
+def test_speeds_of_rotation_are_read_in_headings_cells_and_given(tests, unit):
+    turns = 11.93662 if unit == "Hz" else 716.1972
+    for head, row, more in (
+        (f"rotation [{unit}],", f"{turns},", []),
+        ("rotation,", f"{turns} {unit},", []),
+        ("", "", ["--given", f"rotation={turns} {unit}"]),
+    ):
+        text = f"load [N],{head}outcome\n400,{row}mild\n"
+        (test,) = tests(text, "--given", "track_radius=20 mm", *more)["tests"]
+        assert float(test["velocity"].split()[0]) == pytest.approx(1.5, rel=1e-6)
+
+
+def test_each_unknown_word_has_its_rows_and_no_outcome_is_proposed(tests):
+    head = "load [N],velocity [m/s],outcome\n"
+    faults = tests(f"{head}400,1,ok\n500,1,odd\n600,1,?\n700,1,odd\n", code=2)["faults"]
+    assert [one.split(" is unknown")[0] for one in faults] == [
+        'rows 3 and 5, outcome: "odd"', 'row 4, outcome: "?"',
+    ]  # fmt: skip
+    assert '--word "odd=mild" or --word "odd=severe"' in faults[0]
