@@ -69,7 +69,7 @@ def budget_at(judge: Judge, load: float, velocity: float) -> Budget:
     critical = effects.conditions.critical_temperature
     at_first = replace(judge.conditions, critical_temperature=critical)
     before, _, first, _ = _moments(prior, effects.at(at_first, *place)[0])
-    belief, a = judge.evidence.belief, effects.at(judge.conditions, *place)[0]
+    belief, a = judge.evidence.belief, effects.at(judge.tested_conditions, *place)[0]
     after, variances, last, scatter = _moments(belief, a)
     with np.errstate(divide="ignore", invalid="ignore"):
         takes = np.nan_to_num((after * last) ** 2 / (variances * last))[: len(a)]

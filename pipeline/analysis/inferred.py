@@ -43,11 +43,15 @@ class Weighed:
     sides: tuple[bool, bool]  # whether some result was mild, and whether some was severe
 
     @property
+    def is_from_tests_alone(self) -> bool:
+        """True if nothing is known of the critical temperature before the tests."""
+        number = self.effects.critical
+        return number is not None and self.effects.inputs[number].spread is None
+
+    @property
     def is_bounded(self) -> bool:
         """False if tests alone give the critical temperature, and bound it from one side only."""
-        number = self.effects.critical
-        is_alone = number is not None and self.effects.inputs[number].spread is None
-        return not is_alone or self.sides == (True, True)
+        return not self.is_from_tests_alone or self.sides == (True, True)
 
 
 def weigh(data: Results, conditions: Conditions, effects: Effects) -> Weighed:

@@ -56,6 +56,22 @@ class Judge:
         return self.weighed.effects
 
     @property
+    def tested_conditions(self) -> Conditions:
+        """`conditions` with the critical temperature that the tests make likely."""
+        critical = self.weighed.conditions.critical_temperature
+        return replace(self.conditions, critical_temperature=critical)
+
+    @property
+    def offset(self) -> float:
+        """What is added to y where the tests make another critical temperature likely."""
+        pair = self.conditions, self.tested_conditions
+        stated, likely = (known_critical_temperature(one) for one in pair)
+        if stated == likely:
+            return 0.0
+        bulk = self.conditions.coldest_bulk_temperature
+        return math.log((stated - bulk) / (likely - bulk)) if likely > bulk else math.inf
+
+    @property
     def open_sides(self) -> tuple[bool, bool]:
         """Whether no place at all is mild, and none is severe."""
         if not self.weighed.is_bounded or self.effects.waiting:
@@ -85,11 +101,14 @@ class Judge:
         to each y.
         """
         loads, velocities = places_of(loads, velocities)
-        y, error = self.rises.y(loads, velocities) + shift, self.errors(loads, velocities)
+        y, error = (
+            self.rises.y(loads, velocities) + (shift + self.offset),
+            self.errors(loads, velocities),
+        )
         is_known = np.isfinite(error)
         width = np.where(is_known, np.log1p(error), 0.0)
         ends = np.stack([y - width, y, y + width])
-        a = self.effects.at(self.conditions, loads, velocities)
+        a = self.effects.at(self.tested_conditions, loads, velocities)
         low, middle, high = self.evidence.belief.probability(ends, a)
         return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
@@ -117,23 +136,27 @@ class Judge:
 
     @functools.cached_property
     def levels(self) -> tuple[float, float, float]:
-        """Y at which a place is severe with a probability of 5, 50 and 95 %.
+        """Y at `tested_conditions` at which a place is severe with 5, 50 and 95 %.
 
         Where uncertain inputs are simulated, these hold in the middle of the plane.
         """
-        low, middle, high = self._levels(self.effects.middle(self.conditions))
+        low, middle, high = self._levels(self.effects.middle(self.tested_conditions))
         return low, middle, high
 
     def _levels(self, a: Sequence[float]) -> list[float]:
         return [self.evidence.belief.level(share, a) for share in DECIDED]
 
     def levels_at(self, loads: Array, velocities: Array) -> Array:
-        """`levels` (3, k) at k places: found where inputs are simulated, and linear between."""
+        """Y at `conditions` (3, k) for 5, 50 and 95 % at k places.
+
+        It is found where inputs are simulated, and linear between.
+        """
         nodes = self.effects.nodes
         if nodes is None:
-            return np.repeat(np.array(self.levels)[:, None], len(loads), axis=1)
-        a = self.effects.at(self.conditions, *nodes)
-        found = np.array([self._levels(one) for one in a.tolist()]).T
+            levels = np.array(self.levels)[:, None] - self.offset
+            return np.repeat(levels, len(loads), axis=1)
+        a = self.effects.at(self.tested_conditions, *nodes)
+        found = np.array([self._levels(one) for one in a.tolist()]).T - self.offset
         return np.array([self.effects.interpolate(one, loads, velocities) for one in found])
 
     def tested_velocities(self, loads: Array) -> Array:
@@ -158,4 +181,6 @@ def _judge(data: Results, rises: Rises, given: Sequence[str] = ()) -> Judge:
     judged = rises.conditions
     _ = known_critical_temperature(judged)  # raises, as without it there is no verdict
     weighed = weigh(data, judged, effects_of(data, judged, given))
-    return Judge(rises.under(weighed.conditions), weighed)
+    if weighed.is_from_tests_alone:  # the scene's own value is no more than a start
+        rises = rises.under(weighed.conditions)
+    return Judge(rises, weighed)

@@ -67,7 +67,7 @@ class Until:
         if self._gives(self.judge):
             return [], [f"the verdict is {self.wanted} already"]
         effects, place = self.judge.effects, (np.array([self.load]), np.array([self.velocity]))
-        a = effects.at(self.judge.conditions, *place)[0].tolist()
+        a = effects.at(self.judge.tested_conditions, *place)[0].tolist()
         slopes = {
             one.path: slope / (one.spread or 1.0)
             for one, slope in zip(effects.inputs, a, strict=True)

@@ -245,17 +245,19 @@ def _evidence(
     for critical in criticals.tolist():
         try:
             under = replace(conditions, critical_temperature=critical)
+            offset = 0.0
             if judge and critical == own:
                 found, effects, sides = judge.evidence, judge.effects, judge.open_sides
+                under, offset = judge.tested_conditions, judge.offset
             else:
                 effects = effects_of(data, under).without(CRITICAL)
                 found = evidence_of(data, under, effects)
                 sides = found.open_sides()
             a = effects.middle(under)
         except InputError:  # at or below the bulk temperature
-            found, sides, a = _no_evidence(data), (True, True), ()
+            found, sides, a, offset = _no_evidence(data), (True, True), (), 0.0
         evidence = found if critical == own else evidence
-        likely.append(found.belief.probability(ys, a))
+        likely.append(found.belief.probability(ys + offset, a))
         levels.append(np.interp(DECIDED, likely[-1], ys).tolist())
         open_sides.append(sides)
     return {

@@ -110,7 +110,7 @@ def read_sweep(
     entries = source.reader.complete(source.written, parts)
     test_reader = TestReader(source.reader, source.written, entries, parts)
     tests = test_reader.tests(base, found)
-    inputs = tuple(InputReader(test_reader, base, variants).inputs(tests, found))
+    inputs = tuple(InputReader(test_reader, base).inputs(tests, found))
     if faults is None and found:
         raise InputError(f"{found[0].key}: {found[0].problem}")
     return Sweep(

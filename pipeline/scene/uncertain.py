@@ -19,7 +19,6 @@ from pipeline.sweep.case import Case
 from pipeline.sweep.inputs import CRITICAL, RISE, Input
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.tables import Entries, entry_at
-from pipeline.sweep.variants import Variants
 from tribo import InputError, Stages
 
 _KELVIN = ("temperature.bulk", CRITICAL)
@@ -37,7 +36,6 @@ class InputReader:
 
     tests: TestReader
     base: Case
-    variants: Variants
 
     def inputs(self, tests: Sequence[Measurement], faults: Faults) -> Iterator[Input]:
         """Yield the uncertain inputs of a scene with these tests; faults are added to `faults`."""
@@ -49,8 +47,6 @@ class InputReader:
 
     def _input(self, path: str, text: str, tests: Sequence[Measurement]) -> Input:
         entry = numeric_entry(path, self.tests.entries)
-        if any(path in row.values for row in self.variants.rows):
-            raise UnfitError("has several values in the sweep; leave out one of them")
         spread = None if text == FROM_TESTS and path == CRITICAL else _spread(path, text)
         made = Input(path, text, entry.values[0], entry.unit, spread, is_kelvin=path in _KELVIN)
         if path in AFTER or spread is None:

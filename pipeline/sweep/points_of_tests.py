@@ -92,6 +92,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
         velocities=tuple(sorted({slot.velocity for slot in slots})),
         fields=False,
         tests=(),
+        inputs=(),
         stations=Stations("end", judges_hold),
     )
 

@@ -121,6 +121,7 @@ def vary(
     scenes = [sweep, *others.values()]
     varied = _combine(sweep, variations, scenes)
     with store_path(out) as path:
+        varied = replace(varied, inputs=())  # they move no computed boundary
         run_sweep(varied, path, workers, client, progress, boundary_only=USUAL_TOLERANCE)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
