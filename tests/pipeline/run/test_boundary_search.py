@@ -86,12 +86,13 @@ def test_a_second_search_computes_nothing(small):
 
 def test_a_run_without_the_option_completes_the_plane(tmp_path, whole):
     path = tmp_path / "plane.zarr"
-    found = searched(plane(), path).computed
-    outcome = pipeline.run_sweep(plane(), path, workers=2)
+    few = plane(loads=LOADS[3:5])
+    found = searched(few, path).computed
+    outcome = pipeline.run_sweep(few, path, workers=2)
     assert outcome.computed == outcome.total - found
-    assert off(path, whole) == 0
+    assert off(path, pipeline.open_sweep(whole).sel(load=list(few.loads))) == 0
     assert pipeline.summary(path).left_out == 0
-    assert searched(plane(), path).computed == 0
+    assert searched(few, path).computed == 0
     assert pipeline.summary(path).left_out == 0  # all are done
 
 
@@ -179,7 +180,7 @@ def touches(y):
 def test_every_crossing_is_found(turns):
     loads, count, asked = np.log(np.geomspace(0.5, 2.0, 10)), 0, 0
     fine = places_along(X)
-    for seed in range(25):
+    for seed in range(10):
         mu = friction(generator := np.random.default_rng([turns, seed]), turns)
         shape = generator.integers(2**31)
         truth = [heat(load, X, np.random.default_rng(shape)) + mu(X) for load in loads]
@@ -197,8 +198,8 @@ def test_every_crossing_is_found(turns):
             assert len(found) == len(whole)
             np.testing.assert_allclose(found, whole, atol=0.005)
             count += len(whole)
-    assert count > 100
-    assert asked < 25 * y.size * (0.1 + 0.1 * turns)
+    assert count > 40
+    assert asked < 10 * y.size * (0.1 + 0.1 * turns)
 
 
 @pytest.mark.slow
