@@ -76,7 +76,7 @@ class Judge:
         """Whether no place at all is mild, and none is severe."""
         if not self.weighed.is_bounded or self.effects.waiting:
             return True, True
-        return self.evidence.open_sides()
+        return self.evidence.open_sides
 
     def judged_by(self, own: Mapping[str, float]) -> Judge:
         """The judge under conditions of one operating point in place of the scene's.

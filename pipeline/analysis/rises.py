@@ -215,38 +215,34 @@ class Rises:
         A line at a load or velocity of the sweep has only the points there. Any other one ends
         where the side of the limit is no longer certain at both places beside it.
         """
-        limit, ends = self.limit, self.ends[axis]
-        if axis == "load":
-            is_done = [part[:, None] for part in self._is_known.T]
-            own = dict(zip(self.velocities.tolist(), is_done, strict=True))
-            within, certain = (
-                np.concatenate([own.get(x, rest[:, [k]]) for k, x in enumerate(places.tolist())], 1)
-                for rest in (self._is_within(places), self._is_certain(places))
-            )
-            lines = np.where(certain, self._rows(places), math.nan).T
-            done = np.where(within, self.loads[:, None], math.nan).T
-            return turns_of(self.loads, lines, limit, done, ends)
-        nodes = self._nodes(places, 1.0)
-        within, lines = (
-            self._lines(places, nodes, holds)
-            for holds in (self._is_within(nodes), self._is_certain(nodes))
-        )
-        is_point = np.isfinite(within) & np.isin(nodes, self.velocities)
-        done = np.where(is_point, nodes, math.nan)
-        return turns_of(nodes, lines, limit, done, ends, self.conditions.has_friction_curve)
+        return self._turns(axis, places, np.array(self.limit), self._is_certain)
 
     def turns_by_limit(self, axis: str, places: Array, limits: Array) -> Turns:
         """As `turns`, for m limits [K] at once (k, m), but each line ends where its points do."""
+        return self._turns(axis, places, limits, self._is_within)
+
+    def _turns(
+        self, axis: str, places: Array, limits: Array, reaches: Callable[[Array], Mask]
+    ) -> Turns:
+        """As `turns`, of lines that go as far as `reaches` says of each load (n_load, k)."""
+        ends = self.ends[axis]
         if axis == "load":
-            nodes, within = self.loads, self._is_within(places)
-            lines = np.where(within, self._rows(places), math.nan).T
-            done = np.where(within, nodes[:, None], math.nan).T
-            return turns_of(nodes, lines, limits, done, self.ends[axis])
+            is_done = [part[:, None] for part in self._is_known.T]
+            own = dict(zip(self.velocities.tolist(), is_done, strict=True))
+            within, reached = (
+                np.concatenate([own.get(x, rest[:, [k]]) for k, x in enumerate(places.tolist())], 1)
+                for rest in (self._is_within(places), reaches(places))
+            )
+            lines = np.where(reached, self._rows(places), math.nan).T
+            done = np.where(within, self.loads[:, None], math.nan).T
+            return turns_of(self.loads, lines, limits, done, ends)
         nodes = self._nodes(places, 1.0)
-        lines = self._lines(places, nodes, self._is_within(nodes))
-        is_point = np.isfinite(lines) & np.isin(nodes, self.velocities)
-        done, turns_back = np.where(is_point, nodes, math.nan), self.conditions.has_friction_curve
-        return turns_of(nodes, lines, limits, done, self.ends[axis], turns_back)
+        within, lines = (
+            self._lines(places, nodes, holds) for holds in (self._is_within(nodes), reaches(nodes))
+        )
+        is_point = np.isfinite(within) & np.isin(nodes, self.velocities)
+        done = np.where(is_point, nodes, math.nan)
+        return turns_of(nodes, lines, limits, done, ends, self.conditions.has_friction_curve)
 
     def crossings(
         self, loads: Array, levels: Callable[[Array, Array], Array]

@@ -97,6 +97,7 @@ class Evidence:
         tests = "no test" if not count else f"{count} test{'s' * (count > 1)}"
         return f"{size} of the rise (90 %), by {tests} and the prior"
 
+    @property
     def open_sides(self) -> tuple[bool, bool]:
         """Whether no place is mild, and none is severe, as a test without a y might forbid it."""
         outcomes = {row.test.outcome for row in self.waiting}
@@ -245,20 +246,17 @@ def forbidden(
 
 def is_alike(data: Results, conditions: Conditions, row: Row) -> bool:
     """True if a place and a test differ in nothing but what may be compared."""
-    own = row.conditions
-    alike = (
-        own is not None
-        and replace(
-            own,
-            friction=conditions.friction,
-            bulk_temperature=conditions.bulk_temperature,
-            disk_temperature=conditions.disk_temperature,
-            corrections=conditions.corrections,
-        )
-        == conditions
+    if row.conditions is None:
+        return False
+    here = replace(
+        row.conditions,
+        friction=conditions.friction,
+        bulk_temperature=conditions.bulk_temperature,
+        disk_temperature=conditions.disk_temperature,
+        corrections=conditions.corrections,
     )
     scene = row.test.simulated.scene
-    return alike and (scene is data.sweep.scene or scene == data.sweep.scene)
+    return here == conditions and (scene is data.sweep.scene or scene == data.sweep.scene)
 
 
 def _bulks(conditions: Conditions) -> tuple[float, float]:
@@ -304,13 +302,7 @@ def tests_frame(evidence: Evidence) -> pd.DataFrame:
     rows = []
     for row in evidence.rows:
         test, own = row.test, row.conditions
-        y = (
-            row.severe
-            if math.isnan(row.mild)
-            else row.mild
-            if math.isnan(row.severe)
-            else row.severe
-        )
+        y = row.mild if math.isnan(row.severe) else row.severe
         at = (own.friction_at(test.velocity), own.bulk_temperature) if own else (None, None)
         rows.append((
             test.number, test.outcome or "transition", test.normal_load, test.velocity, *at,

@@ -252,7 +252,7 @@ def _evidence(
             else:
                 effects = effects_of(data, under).without(CRITICAL)
                 found = evidence_of(data, under, effects)
-                sides = found.open_sides()
+                sides = found.open_sides
             a = effects.middle(under)
         except InputError:  # at or below the bulk temperature
             found, sides, a, offset = _no_evidence(data), (True, True), (), 0.0

@@ -97,7 +97,7 @@ class TestReader:
                 faults.refuse(f"{place}.with", problem)
             with faults.at(place):
                 case = replace(case, scene=self.staged(case.scene, test))
-                made.append(attach_case(test, number, case, base.conditions.critical_temperature))
+                made.append(attach_case(test, number, case))
         return tuple(made)
 
     def staged(self, scene: Scene, test: Measurement) -> Scene:
@@ -153,9 +153,7 @@ def case_of(parts: Parts, base: Case) -> Case:
     return replace(base, scene=parts.scene, preset=parts.preset, conditions=conditions)
 
 
-def attach_case(
-    test: Measurement, number: int, case: Case, critical_temperature: float | None
-) -> Measurement:
+def attach_case(test: Measurement, number: int, case: Case) -> Measurement:
     """The test with its own case: `case` with the hold, friction and bulk of the test."""
     scene = _held(case.scene, test.hold)
     own = replace(case.conditions, critical_temperature=None).under(scene.loading)
@@ -168,7 +166,7 @@ def attach_case(
     own_case = replace(
         case, name=((TEST, number),), scene=scene, conditions=own, friction_band=None
     )
-    return replace(test, own=own_case, critical_temperature=critical_temperature)
+    return replace(test, own=own_case)
 
 
 def _require_one_velocity(scene: Scene, conditions: Conditions) -> None:

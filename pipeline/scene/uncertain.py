@@ -62,7 +62,7 @@ class InputReader:
                 continue
             case = self._case({**test.changes, made.path: value})
             case = replace(case, scene=self.tests.staged(case.scene, test))
-            case = attach_case(test, number, case, None).simulated
+            case = attach_case(test, number, case).simulated
             own[number] = _in_window(case, test.simulated)
         return replace(made, case=_in_window(self._case({made.path: value}), self.base), tests=own)
 

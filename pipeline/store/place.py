@@ -182,6 +182,10 @@ class Memory:
         make = default_buffer_prototype().buffer.from_bytes
         self.contents.update({key: make(content) for key, content in contents.items()})
 
+    def has(self, key: str) -> bool:
+        """True if there is content of this `key`."""
+        return key in self.contents
+
     def keys(self) -> set[str]:
         """Keys of all contents."""
         return {*self.contents}

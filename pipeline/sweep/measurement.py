@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from pipeline.sweep.case import Case
-from pipeline.sweep.conditions import changed_conditions
 from tribo import InputError
 
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
-_PLACE = "friction", "bulk_temperature", "disk_temperature"
-"""Conditions of a place, which each test has of its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +20,7 @@ class Measurement:
     """A test on a rig: a measured transition to severe wear, or a point with its outcome.
 
     `own` is the case of the test as it is simulated: the scene on its first surface, with what the
-    test itself changes. Its conditions leave out the critical temperature, which `case` adds.
+    test itself changes. Its conditions leave out the critical temperature: it is the oil's.
     """
 
     normal_load: float  # on the whole pin [N]
@@ -41,7 +38,6 @@ class Measurement:
     # Other entries of the scene by path, as written.
     changes: Mapping[str, Any] = field(default_factory=dict, hash=False)
     own: Case | None = field(default=None, compare=False, repr=False)
-    critical_temperature: float | None = field(default=None, compare=False)  # of the scene [K]
 
     @property
     def places(self) -> tuple[tuple[float, float], ...]:
@@ -60,28 +56,6 @@ class Measurement:
         if self.own is None:
             raise InputError("this test belongs to no scene; take it from the tests of one")
         return self.own
-
-    @property
-    def case(self) -> Case:
-        """Scene of the test, and its own conditions with the critical temperature of the scene.
-
-        Raises an `InputError` if the bulk of the test is not below the critical temperature.
-        """
-        conditions = self.simulated.conditions
-        limited = replace(conditions, critical_temperature=self.critical_temperature)
-        return replace(self.simulated, conditions=limited)
-
-    def judge(self, changes: Mapping[str, Any]) -> Measurement:
-        """The test under other conditions of the scene, without its friction and bulk.
-
-        `changes` has them by name, as `changed_conditions` takes them.
-        """
-        own = {name: one for name, one in changes.items() if name not in _PLACE}
-        critical = own.pop("critical_temperature", self.critical_temperature)
-        if self.own is None:
-            return self
-        case = replace(self.own, conditions=changed_conditions(self.own.conditions, own))
-        return replace(self, own=case, critical_temperature=critical)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields as plain data, without those that are None (except friction)."""

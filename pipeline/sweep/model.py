@@ -244,7 +244,7 @@ class Sweep:
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced as by `changed_conditions`.
 
-        Tests keep their friction and bulk temperature.
+        Tests keep their own: answers take the oil's limit for them too.
         """
         if not changes:
             return self
@@ -252,9 +252,8 @@ class Sweep:
             replace(case, conditions=changed_conditions(case.conditions, changes))
             for case in (self.base, *self.cases)
         )
-        tests = tuple(test.judge(changes) for test in self.tests)
         judged = {**self.judged, **changes}
-        return replace(self, base=base, cases=tuple(cases), tests=tests, judged=judged)
+        return replace(self, base=base, cases=tuple(cases), judged=judged)
 
     def alone(self) -> Self:
         """The sweep of the scene itself, without variants."""

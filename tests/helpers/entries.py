@@ -66,9 +66,8 @@ def changed(sweep, **values):
 
 def _with_cases(sweep):
     """Copy of a sweep whose tests have its scene, if they change no entry."""
-    critical = sweep.base.conditions.critical_temperature
     tests = (
-        test if test.changes else attach_case(test, number, sweep.base, critical)
+        test if test.changes else attach_case(test, number, sweep.base)
         for number, test in enumerate(sweep.tests)
     )
     return replace(sweep, tests=tuple(tests))
@@ -252,7 +251,7 @@ def _test(name, test):
     steps = {"N": values.pop("load_step"), "m/s": values.pop("velocity_step")}
     step = next((f"{value!r} {unit}" for unit, value in steps.items() if value), None)
     values["with_"] = values.pop("changes") or None
-    del values["own"], values["critical_temperature"]
+    del values["own"]
     return _table(kind, SimpleNamespace(oil=None, step=step, **values))
 
 
