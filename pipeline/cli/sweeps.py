@@ -22,10 +22,12 @@ from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.cluster import client_of
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.scene.pasts import notes_on_pasts
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.accuracy import error_in_words, has_unknown_error
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.remarks import Remark
 from pipeline.sweep.sources import library_tables
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
@@ -38,7 +40,7 @@ def run(options: argparse.Namespace) -> Result:
     """Answer ``irg run``: run or resume a sweep, or only the points that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_in(options)
-    tell(*(str(one) for one in sweep.notes if one.grade == "note"))
+    tell(*(str(one) for one in _notes_on(sweep)))
     for line in doubt_lines(sweep):
         output.complain(line)  # with --quiet, too
     require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
@@ -79,6 +81,11 @@ def run(options: argparse.Namespace) -> Result:
     return Result(document, text, pipeline.warned(judged), code=code)
 
 
+def _notes_on(sweep: Sweep) -> tuple[Remark, ...]:
+    """Notes on the entries of a scene, and on the past of its tests."""
+    return *(one for one in sweep.notes if one.grade == "note"), *notes_on_pasts(sweep)
+
+
 def check(options: argparse.Namespace) -> Result:
     """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
     sweep = scene_in(options)
@@ -94,7 +101,7 @@ def check(options: argparse.Namespace) -> Result:
     rows = [
         *_meaning_rows(sweep, facts, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
-        *((one.grade, one.text) for one in sweep.notes if one.grade == "note"),
+        *((one.grade, one.text) for one in _notes_on(sweep)),
         *((one.grade, one.text) for one in sweep.doubts),
         *_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers)),
     ]

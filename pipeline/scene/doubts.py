@@ -12,6 +12,7 @@ from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
 from pipeline.scene.faults import key_path
 from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
+from pipeline.scene.pasts import doubt_on_runs
 from pipeline.scene.reference import number_at
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_ends, note_on_turns
@@ -38,6 +39,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
         *_surface_doubts(sweep, facts),
         ("wear", UNWORN * (sweep.scene.wear is None)),
         *_test_doubts(sweep),
+        ("", doubt_on_runs(sweep)),
         ("", note_on_turns(sweep)),
         ("pin.length", note_on_ends(sweep)),
     ]

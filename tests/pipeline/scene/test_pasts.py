@@ -1,0 +1,45 @@
+"""What is told of tests whose specimen has another past than the plane's: kind, and direction."""
+
+import pytest
+
+PLACE = 'load = "400 N"\nvelocity = "2 m/s"\noutcome = "severe"\n'
+STAGES = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\n'
+FRESH = "one specimen at several places, each simulated fresh, so too hot: give its stages"
+
+
+@pytest.fixture
+def told(tmp_path, irg):
+    """Meanings in the table of `irg check`, for a scene with tests written so."""
+
+    def ask(*tests):
+        scene = tmp_path / "scene.toml"
+        begin = 'extends = "first_try"\nwithout = ["measured"]\n'
+        scene.write_text(begin + "".join(f"[[tested]]\n{one}" for one in tests))
+        return [row["meaning"] for row in irg("check", scene, "--json")]
+
+    return ask
+
+
+@pytest.mark.parametrize(
+    ("own", "words"),
+    [
+        (STAGES, "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"),
+        ('with = { "loading.rate" = "15 N/s" }\n', "its load grows slower, worn more, and cooler"),
+        ('with = { "loading.rate" = "1500 N/s" }\n', "its load grows faster, and hotter than"),
+        ('hold = "30 s"\n', "held longer than the plane, which counts where a body keeps heat"),
+    ],
+)
+def test_another_past_is_told_with_its_effect(told, own, words):
+    (line,) = [one for one in told(PLACE, PLACE + own) if one.startswith("test")]
+    assert line.startswith(f"test 2: {words}")
+
+
+def test_a_specimen_of_several_places_without_stages_is_doubted(told):
+    run = 'velocity = "2 m/s"\nmild_up_to = "300 N"\nsevere_at = "400 N"\n'
+    assert f"test 1: {FRESH}" in told(run)
+    assert not [line for line in told(run + STAGES) if "simulated fresh" in line]
+    rows = [
+        PLACE + 'run = "a"\n',
+        PLACE.replace("400", "300").replace("severe", "mild") + 'run = "a"\n',
+    ]
+    assert f"tests 1, 2: {FRESH}" in told(*rows)
