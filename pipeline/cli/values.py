@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from argparse import ArgumentTypeError as Refused
 from collections.abc import Callable
@@ -13,6 +14,10 @@ from typing import Any
 from pipeline.paths import found_store, user_path
 
 # Modules that import NumPy are imported inside functions, as --help does not need them.
+
+
+_BETWEEN = re.compile(r",(?![^[\]]*\])")
+"""A comma between values, not one within a list."""
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
@@ -90,7 +95,7 @@ def settings(text: str) -> tuple[str, list[Any]]:
     Values are written as in a scene file, but text needs no quotes.
     """
     key, values = pair(text, like="friction.coefficient=0.08,0.12")
-    return key, [setting(f"{key}={value}")[1] for value in values.split(",")]
+    return key, [setting(f"{key}={value}")[1] for value in _BETWEEN.split(values)]
 
 
 def setting(text: str) -> tuple[str, Any]:

@@ -178,8 +178,9 @@ class StagesTable(Declared):
         "file": "a record is no stages; give stages, or the record alone",
     }
     stages: A[Any, Either(List(Each((LOAD, HELD))), table_of(EvenStages)),
-        "Loads that one specimen passes in turn, each held: even ones, or a list such as "
-        '`[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of the sweep are such stages.',
+        "Loads that one specimen passes in turn, each held: even ones, up to the highest load of "
+        'the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of the '
+        "sweep are such stages. The window is widened to 1.25 times the worn pin at the end.",
         Example({"first": "100 N", "step": "100 N", "hold": "60 s"})]
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
     reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None

@@ -155,7 +155,8 @@ def loading_of(
     a note on it is added to `faults`.
     """
     if isinstance(table, RampTable):
-        return tribo.Ramp(**vars(table)), None
+        given = {key: value for key, value in vars(table).items() if value is not None}
+        return tribo.Ramp(**given), None
     if isinstance(table, StagesTable):
         return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate), None
     path = contents.find(table, "loading", faults)

@@ -3,6 +3,7 @@
 import pytest
 
 import pipeline
+from pipeline.scene.resume import misfits
 from pipeline.scene.stored_text import parse_sweep, sweep_text
 from tests.helpers.scenes import SCENE
 from tribo import Stages
@@ -97,3 +98,11 @@ def test_an_uncertain_input_has_the_stages_and_the_window_of_the_test(load):
     assert case.scene.loading == own.simulated.scene.loading
     assert case.scene.pixels == own.simulated.scene.pixels != sweep.scene.pixels
     assert case.scene.wear.specific_wear_rate > own.simulated.scene.wear.specific_wear_rate
+
+
+def test_a_store_of_a_ramp_does_not_take_stages(load):
+    stored = parse_sweep(sweep_text(load(RAMP)), {})
+    words = "; ".join(misfits(stored, load(EVEN)))
+    assert "loading.stages" in words
+    assert "loading.hold" not in words
+    assert list(misfits(parse_sweep(sweep_text(load(EVEN)), {}), load(EVEN))) == []
