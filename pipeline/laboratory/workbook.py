@@ -25,9 +25,6 @@ def read_book(path: Path, wanted: str | None = None) -> list[Lines]:
     A formula without a stored value is read as text. Raises an `InputError` if the file is not a
     sound .xlsx file, has no such sheet, or is too large, or if openpyxl is not installed.
     """
-    if path.suffix.lower() not in (".xlsx", ".xlsm"):
-        what = f'has no sheet "{wanted}"' if wanted else "is no text"
-        raise InputError(f"{path} {what}; save the table as .xlsx or CSV")
     values, formulas = _open_book(path)
     names = [sheet.title for sheet in values.worksheets]
     if wanted is not None and wanted not in names:
@@ -61,7 +58,9 @@ def _open_book(path: Path) -> tuple[Any, Any]:
     except (OSError, InputError):
         raise
     except Exception as error:  # from the archive, its XML, or openpyxl
-        raise InputError(f"{path} is a damaged .xlsx file: {error}; save it again") from error
+        raise InputError(
+            f"{path} is a damaged .xlsx file, or another archive: {error}; save it again"
+        ) from error
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pipeline import extras
-from pipeline.paths import decoded, read_file, reason_of
+from pipeline.paths import decoded, kind_of, read_file, reason_of
 from pipeline.scene.decimals import GROUP
 from pipeline.scene.names import Heading, Names
 from pipeline.scene.units import is_unit, unit_of_table
@@ -84,9 +84,13 @@ def read_lines(path: Path, names: Names, sheet: str | None, most: int = MOST_ROW
     """
     try:
         content = read_file(path, MOST_BYTES_OF_TEXT)
-        if content.startswith((b"PK", b"\xd0\xcf\x11\xe0", b"%PDF")) or sheet:
+        if kind := kind_of(content):
+            raise InputError(f"{path} is {kind}; save the table as .xlsx or CSV")
+        if content.startswith(b"PK"):
             tables: list[Lines] = extras.module("workbook").read_book(path, sheet)
             return tables
+        if sheet:
+            raise InputError(f'{path} has no sheet "{sheet}", as it is a text; leave the sheet out')
         text, form = decoded(content)
         _require_few(path, lines := text.splitlines(), most)
         mark = find_separator(lines, names)
@@ -139,4 +143,16 @@ def find_headings(rows: Sequence[SheetRow], names: Names) -> tuple[int, int]:
         if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells) < _WIDEST
     )
     named, start = max(counts, default=(0, 0))
-    return named, -start
+    return (named, -start) if named else (0, _row_above_numbers(rows))
+
+
+def _row_above_numbers(rows: Sequence[SheetRow]) -> int:
+    """Index of the last row of words above the first numbers, as wide as these; else 0."""
+    widths = [len(row.cells) for row in rows[:_MOST_ABOVE]]
+    usual = max(widths, key=widths.count, default=0)
+    is_body = [
+        len(cells) == usual and 2 * sum(map(bool, map(NUMBER.fullmatch, cells))) > usual
+        for _, cells in rows[:_MOST_ABOVE]
+    ]
+    first = next((k for k in range(len(is_body)) if all(is_body[k : k + 5])), 0)
+    return next((k for k in range(first - 1, -1, -1) if widths[k] == usual), 0)

@@ -340,8 +340,8 @@ def test_speeds_of_rotation_are_read_in_headings_cells_and_given(tests, unit):
         ("", "", ["--given", f"rotation={turns} {unit}"]),
     ):
         text = f"load [N],{head}outcome\n400,{row}mild\n"
-        (test,) = tests(text, "--given", "track_radius=20 mm", *more)["tests"]
-        assert float(test["velocity"].split()[0]) == pytest.approx(1.5, rel=1e-6)
+        found = tests(text, "--given", "track_radius=20 mm", *more)
+        assert contacts(found) == [(400, pytest.approx(1.5, rel=1e-6), "mild")]
 
 
 def test_each_unknown_word_has_its_rows_and_no_outcome_is_proposed(tests):

@@ -262,8 +262,8 @@ REFUSALS = {
     "crop of y": (measured(np.eye(490), "crop = [0, 100]\n"), "from 0, 100 on extends beyond"),
     "crop": (measured(np.eye(490), "crop = [100, 0]\n"), "extends beyond the surface of 490"),
     # tables
-    "sheet": (table("log.csv", sheet="one"), 'log.csv has no sheet "one"; save the table as'),
-    "kind": (table("log.ods", b"PK"), "log.ods is no text; save the table as .xlsx or CSV"),
+    "sheet": (table("log.csv", sheet="one"), 'log.csv has no sheet "one", as it is a text'),
+    "kind": (table("log.xlsx", b"%PDF"), "log.xlsx is a PDF; save the table as .xlsx or CSV"),
     "no sheet": (book("Lag"), 'has no sheet "Lag"; give one of Log'),
     "no book": (table("log.xlsx", b"PKtext"), "is a damaged .xlsx file"),
     "far": (far_cell, "more than 1000000 cells"),

@@ -34,6 +34,8 @@ DUTIES = {
     "crlf": (HEADS + ROWS).replace("\n", "\r\n"),
     "blank lines": (HEADS + ROWS).replace("\n", "\n\n\n"),
     "semicolons": (HEADS + ROWS).replace(",", ";"),
+    "utf-16-be without a mark": (HEADS + ROWS).encode("utf-16-be"),
+    "Shift-JIS": ("試験," + HEADS + "ア,300,2\nイ,400,1.5\nウ,650,3\n").encode("cp932"),
     "bars": (HEADS + ROWS).replace(",", " | "),
     "decimal commas": "load [N];velocity [m/s]\n300,0;2,0\n400,0;1,5\n650;3\n",
     "decimal commas in quotes": 'load [N],velocity [m/s]\n"300,0","2,0"\n"400","1,5"\n"650","3"\n',
@@ -259,3 +261,17 @@ def test_columns_rows_and_units_are_chosen(tmp_path):
     read = OperatingPoints.read(tmp_path / "duty.csv", Choices(columns=columns, skip={"use": "n"}))
     assert read.places == ((1200.0, 1.5),)
     assert read.counted == "2 rows: 1 used, 1 left out: row 3 has use n"
+
+
+KINDS = {
+    b"\xd0\xcf\x11\xe0" + bytes(600): "protected with a password, or an old .xls",
+    b"\x1f\x8b\x08" + bytes(20): "a .gz archive", b'[{"load": 300}]': "JSON",
+    b"MATLAB 5.0 MAT-file": "a .mat file of MATLAB", bytes(range(256)) * 9: "binary",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("content", KINDS)
+def test_what_is_no_table_is_named_by_its_content(tmp_path, content):
+    (tmp_path / "duty.csv").write_bytes(content)
+    with pytest.raises(InputError, match=f"is {KINDS[content]}; save the table as"):
+        OperatingPoints.read(tmp_path / "duty.csv")
