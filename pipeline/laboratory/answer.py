@@ -21,6 +21,7 @@ from pipeline.laboratory.logs import Log, read_log
 from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table
 from pipeline.laboratory.records import read_trace
 from pipeline.laboratory.spoken import toml_of
+from pipeline.laboratory.staged import staged_runs
 from pipeline.laboratory.trace import Trace
 from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.document import as_toml
@@ -79,7 +80,9 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
             f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
             for place, problem in run_faults([Test(**row) for row in log.in_si])
         ]
-    toml = [*_log_toml(log, path, named)] if found and not faults else []
+    runs = staged_runs(log) if found and not faults else []
+    toml = [*_log_toml(log, path, named)] if found and not (faults or runs) else []
+    toml += [line for run in runs for line in ("[[tested]]", *_entries(run))]
     doubts = [*_unit_doubts(log.in_si)] if log.row_class is not Stages else []
     document = {
         "file": str(path), **_describe(log.sheet, log.export), "words": log.words, "tests": found,
@@ -88,7 +91,9 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
     text: list[str | pd.DataFrame] = [*_file_lines(path, log.sheet, log.export)]
     text += [*_column_frames(log.sheet, log.words), ""]
     if toml:
-        text += [f"{_count_tests(found)}; to paste into a scene beside the log:", "", *toml, ""]
+        counted_runs = counted(len(runs), "run", "runs") + " by stages, each with its past"
+        of_log = f"{_count_tests(found)}; to paste into a scene beside the log:"
+        text += [f"{counted_runs}; to paste into a scene:" if runs else of_log, "", *toml, ""]
         text += remarks("warning", *doubts)
     if faults:
         text += [f"{counted(len(faults), 'fault', 'faults')}:", *(f"  {one}" for one in faults)]
@@ -246,4 +251,9 @@ def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
     columns = log.renamed | (named["columns"] or {})
     named = {"words": log.words, **named, "columns": columns} | {"words": log.words}
     entries = {"file": path.name, **named}
-    yield from (f"{name} = {as_toml(value)}" for name, value in entries.items() if value)
+    yield from _entries({name: value for name, value in entries.items() if value})
+
+
+def _entries(table: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the lines of a table in a scene file."""
+    return (f"{name} = {as_toml(value)}" for name, value in table.items())

@@ -1,0 +1,61 @@
+"""Runs of a log whose rows are stages of one specimen, as tables of a scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from pipeline.laboratory.logs import Log
+from pipeline.scene.format import Test
+
+_STAGE = re.compile(r"\b(load |last)?(stages?|stufen?|steps?)\b", re.IGNORECASE)
+_NEEDED = ("run", "hold", "load", "velocity")
+_OF_STAGE = ("load", "velocity", "hold", "outcome", "number")  # entries that each stage has
+_SAME = 1e-6  # relative difference of equal loads or velocities
+
+
+def staged_runs(log: Log) -> list[dict[str, Any]]:
+    """Runs of a log by their stages; empty if it has no columns of run, stage and hold.
+
+    It is also empty unless the load alone, or the velocity alone, rises in each run, and wear was
+    severe in the last stage at most.
+    """
+    is_staged = any(_STAGE.search(heading.text) for heading in log.sheet.headings)
+    if log.row_class is not Test or not is_staged or not log.tests:
+        return []
+    runs = dict[str, list[int]]()
+    for place, row in enumerate(log.in_si):
+        if any(row.get(name) is None for name in _NEEDED):
+            return []
+        runs.setdefault(str(row["run"]), []).append(place)
+    pairs = (([log.in_si[k] for k in run], [log.tests[k] for k in run]) for run in runs.values())
+    found = [_run(*pair) for pair in pairs]
+    return found if all(found) else []
+
+
+def _run(in_si: Sequence[Mapping[str, Any]], tests: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """One run by its stages, from its rows in SI and as written; empty if they are none."""
+    varied = [
+        name
+        for name in ("load", "velocity")
+        if any(abs(a[name] - b[name]) > _SAME * abs(a[name]) for a, b in pairwise(in_si))
+    ]
+    outcomes = [row["outcome"] for row in in_si]
+    if len(varied) > 1 or "severe" in outcomes[:-1]:
+        return {}
+    name = next(iter(varied), "load")  # a run of one stage
+    if not all(a[name] < b[name] for a, b in pairwise(in_si)):
+        return {}
+    (other,) = {"load", "velocity"} - {name}
+    severe = outcomes[-1] == "severe"
+    mild = tests[:-1] if severe else tests
+    last = {key: value for key, value in tests[-1].items() if key not in _OF_STAGE}
+    return {
+        "stages": [[row[name], row["hold"]] for row in tests],
+        other: tests[-1][other],
+        **({"mild_up_to": mild[-1][name]} if mild else {}),
+        **({"severe_at": tests[-1][name]} if severe else {}),
+        **last,
+    }
