@@ -15,6 +15,7 @@ from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.decisive import attributes_by
+from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
@@ -129,7 +130,10 @@ def _plane_boundary(data: Results) -> xr.Dataset:
     whole, surface = "relative numerical error of the critical velocity", "its part by the surface"
     result["velocity_error"] = _variable("load", totals(errors), "1", whole)
     result["surface_error"] = _variable("load", errors[SURFACE], "1", surface)
-    low, middle, high = judge.tested_velocities(data.loads)
+    low, middle, high = (
+        inside_alone(judge.rises, "velocity", data.loads, one)[0]
+        for one in judge.tested_velocities(data.loads)
+    )
     for name, values, words in (
         ("tested_velocity", middle, "velocity at which severe wear is 50 % likely, with tests"),
         ("tested_velocity_low", low, "velocity at which severe wear is first 5 % likely"),
@@ -172,6 +176,9 @@ def _transitions(judge: Judge, axis: str, line: str) -> dict[str, Any]:
     """
     places = judge.rises.loads if line == "load" else judge.rises.velocities
     found = judge.rises.turns(axis, places)
+    critical, outside = inside_alone(judge.rises, axis, places, found.critical)
+    told = zip(found.texts(axis), outside, strict=True)
+    texts = [OUTSIDE_WORDS if there else text for text, there in told]
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
     turns = np.full((len(places), max(found.places.shape[1], _TURNS)), np.nan)
     turns[:, : found.places.shape[1]] = found.places
@@ -182,9 +189,9 @@ def _transitions(judge: Judge, axis: str, line: str) -> dict[str, Any]:
     }
     return {
         f"critical_{axis}": _variable(
-            line, found.critical, unit, f"{noun} at the transition to severe wear"
+            line, critical, unit, f"{noun} at the transition to severe wear"
         ),
-        f"words_at_{line}": _variable(line, [*found.texts(axis)], "1", "outcome in words"),
+        f"words_at_{line}": _variable(line, texts, "1", "outcome in words"),
         f"turns_at_{line}": _variable(
             [line, "turn"], turns[:, :_TURNS], unit, f"{noun} at which wear turns"
         ),

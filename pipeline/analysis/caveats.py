@@ -16,8 +16,12 @@ from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends, note_on_turns
+from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
+
+UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
+"""Caveat where Λ is stated for a ball or a crowned pin."""
 
 
 def caveats_of(data: Results) -> list[str]:
@@ -37,6 +41,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         *doubt_lines(sweep, answered=True),
         unmodelled_rise_words(conditions),
         note_on_ends(sweep),
+        UNKNOWN_FILM if sweep.scene.pin.length is None and find_lubrication(sweep) else None,
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
         exact,
         error_in_words(sweep) if critical else None,

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.analysis.film import OUTSIDE, is_outside
 from pipeline.analysis.inferred import Weighed, weigh
 from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.results import Results
@@ -124,13 +125,22 @@ class Judge:
         )
         return no_mild | self.open_sides[0], no_severe | self.open_sides[1], names
 
+    def outside(self, loads: Places, velocities: Places) -> Mask:
+        """True where a film carries more of the load than the model allows (k,)."""
+        return is_outside(self.rises, loads, velocities)
+
     def verdicts(self, loads: Places, velocities: Places) -> Array:
-        """Verdicts (k,) as texts: "mild", "severe" or "not decided"; empty where y is unknown."""
+        """Verdicts (k,) as texts: mild, severe, not decided, outside; empty if y is unknown."""
         low, middle, high = self.chances(loads, velocities)
         no_mild, no_severe, _ = self.forbidden(loads, velocities)
         return np.select(
-            [np.isnan(middle), (high <= DECIDED[0]) & ~no_mild, (low >= DECIDED[-1]) & ~no_severe],
-            ["", "mild", "severe"],
+            [
+                np.isnan(middle),
+                self.outside(loads, velocities),
+                (high <= DECIDED[0]) & ~no_mild,
+                (low >= DECIDED[-1]) & ~no_severe,
+            ],
+            ["", OUTSIDE, "mild", "severe"],
             NOT_DECIDED,
         )
 

@@ -6,9 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from pipeline.analysis.film import OUTSIDE, OUTSIDE_WORDS
 from pipeline.analysis.judge import NOT_DECIDED
 from pipeline.analysis.rise_error import RiseError
 from pipeline.constants import DECIDED, LEAST_STATED
+from pipeline.quantities import display
 from pipeline.sweep.shown import shown
 
 _CHANGE = "a change of conditions or of the scene (irg margin --until mild)"
@@ -57,6 +59,7 @@ class Margin:
     velocity_outcome: str  #: Why there is no critical velocity, or ranges of severe wear.
     load_outcome: str  #: Why there is no critical load, or ranges of severe wear.
     is_computed: bool  #: True if the sweep has computed this point, so nothing is interpolated.
+    is_outside: bool  #: True if an oil film carries more than a fifth of the load.
     is_continued: bool  #: True if the temperature is extrapolated beyond the computed points.
     patches: int  #: Number of patches of the specimen, over which the rise is a mean.
     not_mild: str = ""  #: Which tests forbid a mild verdict here, in words.
@@ -68,13 +71,17 @@ class Margin:
 
     @property
     def verdict(self) -> str:
-        """Verdict on a further laboratory run: ``"mild"``, ``"severe"`` or ``"not decided"``."""
+        """Verdict on a further run: mild, severe, not decided, or outside the model."""
+        if self.is_outside:
+            return OUTSIDE
         verdict = verdict_between(self.lowest, self.highest)
         return NOT_DECIDED if self.against else verdict
 
     @property
     def against(self) -> str:
         """Why the verdict by probability does not hold, in words; empty if it does."""
+        if self.is_outside:
+            return ""
         reasons = {"mild": self.not_mild, "severe": self.not_severe}
         return reasons.get(verdict_between(self.lowest, self.highest), "")
 
@@ -123,6 +130,9 @@ class Margin:
         within = ", numerical error not known" if self.error.total is None else within
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
+        if self.is_outside:
+            heat = f"the contact is at {display(self.decisive_temperature, '°C', 4)}"
+            return f"{OUTSIDE_WORDS[:1].upper()}{OUTSIDE_WORDS[1:]}; {heat}"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
         return f"{self.verdict.capitalize()}: {likely}, {where}{tests}"
 

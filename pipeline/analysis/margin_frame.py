@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -13,6 +14,7 @@ import pandas as pd
 from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
+from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
 from pipeline.analysis.results import Results, ResultsLike
@@ -225,9 +227,16 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
     }
     is_passed = (along["load"].first < loads) & (temperatures <= critical)
     parts = rise_errors(judge.rises, loads, velocities).T
+    outside = judge.outside(loads, velocities)
+    texts, critical_at = dict[str, list[str]](), dict[str, Array]()
+    for axis, at in (("velocity", loads), ("load", velocities)):
+        critical_at[axis], is_there = inside_alone(judge.rises, axis, at, along[axis].critical)
+        told = zip(along[axis].texts(axis), is_there, strict=True)
+        texts[axis] = [OUTSIDE_WORDS if there else text for text, there in told]
     is_at_edge = judge.rises.have_warning(loads, velocities, WarningKind.CONTACT_AT_EDGE)
     notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
-    tested, why = judge.tested_velocities(loads)[1], forbidding_words(judge)
+    tested = inside_alone(judge.rises, "velocity", loads, judge.tested_velocities(loads)[1])[0]
+    why = forbidding_words(judge)
     margins = (
         Margin(
             load=float(loads[k]),
@@ -235,9 +244,9 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             conditions=verdict_conditions(
                 conditions, float(velocities[k]), judge.source.told_tests
             ),
-            probability=float(likely[k]),
-            lowest=float(low[k]),
-            highest=float(high[k]),
+            probability=math.nan if outside[k] else float(likely[k]),
+            lowest=math.nan if outside[k] else float(low[k]),
+            highest=math.nan if outside[k] else float(high[k]),
             decisive_temperature=float(temperatures[k]),
             error=RiseError.of(parts[k]).times(
                 float(conditions.temperature_error(temperatures[k]))
@@ -245,11 +254,12 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             critical_temperature=critical,
             distance=critical - float(temperatures[k]),
             model_error=judge.evidence.text,
-            critical_velocity=float(along["velocity"].critical[k]),
+            critical_velocity=float(critical_at["velocity"][k]),
             tested_velocity=float(tested[k]),
-            critical_load=float(along["load"].critical[k]),
+            critical_load=float(critical_at["load"][k]),
             velocity_outcome=outcome,
             load_outcome=load_outcome,
+            is_outside=bool(outside[k]),
             is_computed=bool(here.is_computed[is_known][k]),
             is_continued=bool(here.is_continued[is_known][k]),
             patches=patches,
@@ -260,7 +270,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             entries={path: judge.source.rows[path].item() for path, _ in judge.source.name},
         )
         for k, (outcome, load_outcome) in enumerate(
-            zip(along["velocity"].texts("velocity"), along["load"].texts("load"), strict=True)
+            zip(texts["velocity"], texts["load"], strict=True)
         )
     )
     return [reason or next(margins) for reason in here.reasons]
@@ -300,7 +310,8 @@ def margin_frame(
             notes.insert(0, one.reason)
         else:
             values = [getattr(one.margin, name) for name in _COLUMNS]
-            notes += [*filter(None, [one.margin.against]), *one.margin.caveats]
+            film = OUTSIDE_WORDS * one.margin.is_outside
+            notes += [*filter(None, [film, one.margin.against]), *one.margin.caveats]
         rows.append((*one.place, *values, join_notes(notes)))
     answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
     return pd.concat([labels, _copied_columns(points, answers), answers], axis="columns")

@@ -39,6 +39,7 @@ from pipeline.store.schema import (
     AT_TESTS,
     COORDINATES,
     DONE,
+    FILM,
     MADE,
     PLANE,
     SAMPLING,
@@ -584,6 +585,7 @@ def results(ds: ResultsLike) -> Results:
     names = [
         *_MARKS,
         *SAMPLING,
+        *FILM,
         *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted))),
     ]
     columns = {}

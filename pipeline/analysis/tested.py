@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.dataset import Layout
+from pipeline.analysis.film import OUTSIDE_WORDS, is_test_outside
 from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.likelihood import Belief, Result, condition
 from pipeline.analysis.results import ABSENT, Results, TestResults
@@ -50,6 +51,7 @@ class Row:
     severe: float = math.nan
     mild: float = math.nan
     temperature: float = math.nan  # that the criterion compares, at the test's place [K]
+    is_outside: bool = False  #: True if a film carries too much, so that the test does not count.
     reason: str = ""  #: Why the test has no y; empty if it has one.
     place: int = 0  #: Number of the test in the scene, from 0.
 
@@ -82,7 +84,10 @@ class Evidence:
 
     @property
     def misfits(self) -> Iterator[str]:
-        """Yield a line for each result to which the others give less than 1 %."""
+        """Yield a line for each test outside the model, and each that the others find unlikely."""
+        for row in self.rows:
+            if row.is_outside:
+                yield f"{row.name} does not count: it is {OUTSIDE_WORDS}"
         for rows, share in zip(self.members, self.belief.expected, strict=True):
             if share < UNLIKELY:
                 names = " and ".join(row.name for row in rows)
@@ -122,7 +127,7 @@ def evidence_of(
     rows = tuple(_rows(data, oil)) if data.takes_tests else ()
     grouped = dict[str, list[Row]]()
     for row in rows:
-        if not row.reason:
+        if not (row.reason or row.is_outside):
             grouped.setdefault(row.specimen, []).append(row)
     members = tuple(map(tuple, grouped.values()))
     results = tuple(_moved_result(own, effects, way) for own in members)
@@ -183,7 +188,8 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
         temperature = float(own.contact_temperature(rises[-1]))
         severe = y[-1] if test.outcome != "mild" else math.nan
         mild = y[0] if test.outcome != "severe" else math.nan
-        yield Row(test, own, severe, mild, temperature, place=number)
+        beyond = any(is_test_outside(data, place, own) for place in points)
+        yield Row(test, own, severe, mild, temperature, place=number, is_outside=beyond)
 
 
 def _why_missing(held: TestResults, place: int) -> str:
@@ -222,7 +228,7 @@ def forbidden(
     friction = conditions.friction * conditions.friction_factor(velocities)
     for row in evidence.rows:
         own, test = row.conditions, row.test
-        if own is None or not is_alike(data, conditions, row):
+        if own is None or row.is_outside or not is_alike(data, conditions, row):
             continue
         places = test.places
         pairs = {"severe": places[-1], "mild": places[0]}

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.analysis.caveats import doubt_lines
+from pipeline.analysis.caveats import UNKNOWN_FILM, doubt_lines
 from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of
 from pipeline.cli import output
@@ -182,11 +182,8 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
     regimes = dict.fromkeys(lubrication_regime(value) for value in span)
     regime = " to ".join(regimes).replace(" lubrication to", " to")
     yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"
-    if span.high >= _FILM_CARRIES:
-        yield (
-            "",
-            "load carried by the film is not counted: −19 to +17 % in velocity (irg help physics)",
-        )
+    if sweep.scene.pin.length is None and span.high >= _FILM_CARRIES:
+        yield "", UNKNOWN_FILM
 
 
 def _text(span: Span, unit: str = "") -> str:

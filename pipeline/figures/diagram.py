@@ -16,6 +16,7 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.dataset import Layout, require_kind
+from pipeline.analysis.film import OUTSIDE
 from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
@@ -87,6 +88,8 @@ def _draw_scene(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         x, y = _refine_axis(data.velocities, 96), _refine_axis(data.loads, 48)
         plane = _plane(judge.rises, x, y)
         legend += _shade_verdicts(axes, judge, x, y, plane)
+        places = [axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")]
+        plane = np.where(np.reshape(judge.outside(*places), plane.shape), np.nan, plane)
         if zero_line(axes, x, y, plane, "boundary", **style.BOUNDARY):
             legend.append(Line2D([], [], label="computed transition", **style.BOUNDARY))
         legend += _lines_with_tests(axes, judge, x, y, plane)
@@ -158,7 +161,8 @@ def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) 
     places = tuple(axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     verdicts = np.reshape(judge.verdicts(*places), plane.shape)
     low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(places[0], places[1]))
-    is_known, (mild, _, severe) = np.isfinite(plane), DECIDED
+    outside = verdicts == OUTSIDE
+    is_known, (mild, _, severe) = np.isfinite(plane) & ~outside, DECIDED
     # Within a region its edge is where the probability passes; a test may cut it at a node.
     highest = np.where(verdicts == "mild", high, np.maximum(high, mild + _BESIDE))
     lowest = np.where(verdicts == "severe", low, np.minimum(low, severe - _BESIDE))
@@ -173,6 +177,12 @@ def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) 
             axes.contourf(x, y, values, levels, zorder=0, **look).set_gid(gid)  # below the grid
             if gid == NOT_DECIDED:
                 legend.append(Patch(label="next run not decided", **style.BAND))
+    if outside.any():
+        hatched = axes.contourf(
+            x, y, outside.astype(float), [0.5, 1.5], colors="none", hatches=["///"], zorder=0
+        )
+        hatched.set_gid(OUTSIDE)
+        legend.append(Patch(label="outside the model: oil film", fc="none", ec=GREY, hatch="///"))
     name_regions(axes, x, y, verdicts == "mild", verdicts == "severe")
     return legend
 

@@ -45,7 +45,8 @@ def _simulated(
     for point in points:
         scene = store.sweep.case(point.variant).scene
         try:
-            made = run_point(scene, stations, point, progress=report)
+            with_film = store.sweep.case(point.variant).has_film
+            made = run_point(scene, stations, point, progress=report, with_film=with_film)
         except TriboError as error:
             if point in needed:
                 raise

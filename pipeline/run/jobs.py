@@ -85,10 +85,11 @@ class Jobs:
 
     def _work(self, variant: Variant) -> bytes:
         """What a task carries of its case, pickled once for each scene."""
-        scene = self._sweep.case(variant).scene
+        case = self._sweep.case(variant)
+        scene = case.scene
         scene_hash = self._sweep.hash_scene(scene)
         if scene_hash not in self._works:
-            work = Work(scene, scene_hash, self._stations, self._with_fields)
+            work = Work(scene, scene_hash, self._stations, self._with_fields, case.has_film)
             self._works[scene_hash] = work.pickled()
         return self._works[scene_hash]
 

@@ -85,6 +85,7 @@ class Work:
     scene_hash: str
     stations: Stations
     with_fields: bool
+    with_film: bool
 
     def pickled(self) -> bytes:
         """Pickle the work together with the code of the user's laws, which no worker has."""
@@ -127,7 +128,9 @@ def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -
         try:
             given = _unpickled(work)
             scene_hash = given.scene_hash
-            result = run_point(given.scene, given.stations, point, _trunks)
+            result = run_point(
+                given.scene, given.stations, point, _trunks, with_film=given.with_film
+            )
             record = result.record(given.with_fields)
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")

@@ -13,7 +13,7 @@ from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 
-FORMAT = 17
+FORMAT = 18
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
@@ -91,6 +91,11 @@ SAMPLING = {
     "mean_rise_sampling": Variable(PLANE, "1", "relative deviation of the mean rise, likewise"),
 }
 """Variables of the contact at the end, estimated from this contact alone."""
+FILM = {
+    "film_inlet": Variable(PLANE, "m-1", "integral of the inlet, by which a film is judged"),
+    "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth worn contact"),
+}
+"""Variables of the contact at the end, by which answers judge the film of an oil."""
 BULK_COLUMNS = {
     "mean_bulk_response": Variable(_STEP, "1", "mean rise per kelvin by which the disk is warmer"),
     "bulk_rise_quantile": Variable(_AT_BULKS, "K", f"quantile of the rise above the pin {_RISE}"),
@@ -123,20 +128,22 @@ INPUTS = "inputs"
 """Variable with the input arrays of a scene, such as measured heights."""
 ABOUT, AT_ENDS, OF_TESTS = "about", "fields", "tests"
 """Zarr groups: texts and facts of the store, fields over x and y, and the points of tests."""
-VARIABLES = COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | SAMPLING | FIELDS | BULK_FIELDS
+VARIABLES = (
+    COORDINATES | MADE | RECORDS | COLUMNS | BULK_COLUMNS | SAMPLING | FILM | FIELDS | BULK_FIELDS
+)
 """All variables that a store may have."""
 STEPPED = COLUMNS | BULK_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
 """Fields, which are stored only as they are when the simulation of a point ends."""
-DATA = STEPPED | SAMPLING | AT_END
+DATA = STEPPED | SAMPLING | FILM | AT_END
 """All results of a simulation."""
 
 
 TEST_STEP = "test_step"
 """Dimension of the steps at points of tests in a dataset that also has the plane."""
 AT_TESTS = (
-    "status", "message", "warning_flags", "load", "velocity", SCENE_HASH,
+    "status", "message", "warning_flags", "load", "velocity", SCENE_HASH, *FILM,
     *dict.fromkeys(
         (*NEEDED, "max_rise", "rise_quantile", "mean_bulk_response", "bulk_rise_quantile")
     ),

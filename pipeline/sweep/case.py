@@ -41,3 +41,9 @@ class Case:
     model_scatter: float
     lubricant: Oil | None
     preset: str | None
+
+    @property
+    def has_film(self) -> bool:
+        """True if the film of an oil is judged: between line contacts, of an oil that is known."""
+        oil = self.lubricant
+        return bool(oil and oil.pressure_coefficients) and self.scene.pin.length is not None

@@ -36,6 +36,7 @@ from tribo.simulation import (
     ramp_key,
     stages_of,
 )
+from tribo.simulation.film import film_inlet
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
 
@@ -44,6 +45,7 @@ Moment = Mapping[str, float | Array]
 _MADE = ("time", "normal_load", "sliding_distance")  # not stored, since they follow from the scene
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 _NO_SAMPLING = {"rise_sampling": _NO_QUANTILES, "mean_rise_sampling": math.nan}
+_NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan}
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
@@ -63,6 +65,9 @@ class PointResult:
     least_load: float  #: Load from which on steps can decide [N].
     warnings: tuple[PointWarning, ...]  #: Reasons for caution about the result.
     wall_time: float  #: Duration of the computation, which may have begun on a cached ramp [s].
+    #: Integral of the inlet [1/m] and mean pressure [Pa], by which an oil's film is judged; NaN if
+    #: they were not asked for, and under a ball.
+    film: Mapping[str, Any] = field(default_factory=lambda: _NO_FILM)
 
     @property
     def fields(self) -> dict[str, Array]:
@@ -102,6 +107,7 @@ class PointResult:
             data={
                 **{name: v for name, v in self.columns.items() if name not in _MADE},
                 **self.sampling,
+                **self.film,
                 **{name: v.astype(np.float32) for name, v in fields.items()},
             },
             message="; ".join(map(str, self.warnings)),
@@ -177,12 +183,14 @@ def run_point(
     point: Point,
     trunks: Trunks | None = None,
     progress: Report = silent,
+    with_film: bool = False,
 ) -> PointResult:
     """Simulate a scene at a point, and record the results at its `stations`.
 
     `trunks` is a cache of load steps that were simulated for other points. This point continues
     from the cached steps, and its own steps are added to the cache. With None nothing is cached.
-    `progress` is called after each step.
+    `progress` is called after each step. `with_film` is True to also record the inlet of the worn
+    contact, by which the film of an oil is judged.
     """
     began = time.perf_counter()
     load, velocity, _ = point
@@ -194,7 +202,7 @@ def run_point(
         note = Note((fitted, velocity), lambda state: _increment_values(fitted, velocity, state))
         own = {one.index for one in kept if one.index in heat_steps or one.normal_load >= load}
     memo = trunks.last(contact_key(fitted, load, velocity, heat_steps))
-    found = memo.get((fitted, stations))
+    found = memo.get((fitted, stations, with_film))
     if found is None:  # no row with this heat came before
         states: list[State] = []
         if isinstance(fitted.loading, Stages):
@@ -207,8 +215,9 @@ def run_point(
             progress(Progress(done=contact.index, total=kept[-1].index))
         records = [*states[-1].course, *(record_at(fitted, state) for state in states)]
         columns = {key: np.array([record[key] for record in records]) for key in records[0]}
-        found = memo[fitted, stations] = columns, states[-1]
-    columns, state = found
+        film = _film_of(fitted, states[-1]) if with_film else _NO_FILM
+        found = memo[fitted, stations, with_film] = columns, states[-1], film
+    columns, state, film = found
     return PointResult(
         point=point,
         columns=columns,
@@ -217,7 +226,16 @@ def run_point(
         least_load=load_that_counts(scene, load),
         warnings=tuple(warnings(scene, state)),
         wall_time=time.perf_counter() - began,
+        film=film,
     )
+
+
+def _film_of(scene: Scene, state: State) -> Mapping[str, Any]:
+    """Values by which a film is judged, by variable; NaN if its contact has no solution."""
+    try:
+        return dict(zip(_NO_FILM, film_inlet(scene, state), strict=True))
+    except TriboError:
+        return _NO_FILM
 
 
 def _heated(scene: Scene, velocity: float, contact: State, is_sampled: bool = False) -> State:
