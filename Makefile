@@ -70,6 +70,7 @@ promises: .venv/test  ## judge presets and stated errors on random scenes, in an
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.patches
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants

@@ -11,7 +11,7 @@ import pytest
 from pipeline.constants import PRESET_BOUNDS
 from tests.helpers.campaigns import PAGE, ROOT, older
 from tests.mutants.changes import changes
-from tests.promises import front, patches, truth
+from tests.promises import front, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
 
@@ -93,3 +93,13 @@ def test_two_halves_of_eight_patches_are_as_near_as_they_state():
     for _, apart, ratio in patches.rows_of("line", patches=8, **small):
         assert apart <= 1
         assert patches.LEAST <= ratio <= patches.MOST
+
+
+# Uncertain inputs
+
+
+@pytest.mark.parametrize("kind", laboratories.KINDS)
+def test_intervals_of_the_shift_hold_it_and_verdicts_are_wrong_as_often_as_they_say(kind):
+    held, mild, severe = laboratories.judged(kind, 4, 100)
+    assert 0.82 <= held <= 0.97  # 100 laboratories: ± 3 points for one standard deviation
+    assert max(mild, severe) <= 0.07
