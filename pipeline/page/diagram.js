@@ -5,17 +5,19 @@ let diagram;
 
 /** Ends of an axis that contains the values, with a margin. @param {number[]} values */
 function ends(values) {
+  const { isLog } = view;
   const [low, high] = [Math.min(...values), Math.max(...values)];
+  if (isLog) return { low: low / (high / low || 2) ** 0.04, high: high * (high / low || 2) ** 0.04, isLog };
   const room = 0.04 * (high - low || low || 1);
-  return { low: low - room, high: high + room };
+  return { low: low - room, high: high + room, isLog };
 }
 
 /** Axes that hold all values. @param {number[]} velocities @param {number[]} loads @param {Place[]} tests */
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
-  const x = ends([...velocities, ...tests.map(({ velocity }) => velocity)]);
-  const y = ends([...loads, ...tests.map(({ load }) => load)]);
+  const x = { ...ends([...velocities, ...tests.map(({ velocity }) => velocity)]), ...view.x };
+  const y = { ...ends([...loads, ...tests.map(({ load }) => load)]), ...view.y };
   return axes(width, height, { ...x, label: "sliding velocity [m/s]" }, { ...y, label: "normal load [N]" });
 }
 

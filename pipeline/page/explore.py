@@ -34,7 +34,7 @@ _SCRIPTS = (
     "scene", "numbers", "field", "plot", "conditions", "margin", "operating",
     "points", "diagram", "tables",
 )  # fmt: skip
-_OWN_SCRIPTS = {Layout.PLANE: ("state", "page"), Layout.PLACES: ()}
+_OWN_SCRIPTS = {Layout.PLANE: ("state", "view", "page"), Layout.PLACES: ()}
 """Scripts for each kind of sweep, after the common scripts."""
 
 

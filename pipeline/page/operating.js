@@ -46,7 +46,8 @@ function marginRows() {
   const [kelvin, surface] = [error, content.surface_errors[node]].map((part) => rise * Math.expm1(part));
   return [
     ["wear", verdict], ["severe wear is likely by", `${likely}${within}`], ...rows,
-    ["its error", Number.isNaN(kelvin) ? "not known" : `± ${shown(kelvin, 2)} K, surface ${shown(surface, 2)} K`],
+    ["its error", Number.isNaN(kelvin) ? "not known"
+      : `± ${shown(kelvin, 2)} K, surface ${shown(surface, 2)} K`],
     ["distance to critical", `${shown(critical - deciding, 3)} K`],
     ["wear turns at this load", wayText("velocity", f, v, "m/s")],
     ["wear turns at this velocity", wayText("load", v, f, "N")],

@@ -3,7 +3,9 @@
 /** Show all parts that depend on the reader's choices. */
 function update() {
   document.body.classList.toggle("is-changed", Object.keys(changes()).length > 0);
+  element("whole").toggleAttribute("hidden", !("low" in view.x));
   drawDiagram();
+  showNow();
   showLegend();
   showTables();
   showMargin(marginRows());
@@ -18,10 +20,13 @@ function changes() {
 }
 
 Object.assign(chosen.conditions, takeScene(changes));
+readAddress();
 listenToConditions();
+listenToView();
 listenToOperatingPoint((load, velocity) => {
   Object.assign(chosen, { load, velocity });
   update();
 });
 update();
 new ResizeObserver(update).observe(element("diagram"));
+setInterval(keepAddress, 1000); // at each step of a slider browsers would refuse it

@@ -40,10 +40,27 @@ function ticks(low, high, count) {
   return Array.from({ length }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
-/** Linear map of a range of values to the range `from` to `to`. @param {{low: number, high: number}} range
- * @param {number} from @param {number} to @returns {(value: number) => number} */
-function scale({ low, high }, from, to) {
-  return (value) => from + ((value - low) / (high - low)) * (to - from);
+/** About round values between ends of a logarithmic axis. @param {number} low @param {number} high */
+function logTicks(low, high) {
+  const powers = Array.from({ length: 30 }, (_, k) => k - 15);
+  const found = powers.flatMap((power) => [1, 2, 3, 5, 7].map((part) => Number(`${part}e${power}`)));
+  const inside = found.filter((value) => value >= low && value <= high);
+  return inside.length > 2 ? inside : ticks(low, high, 4);
+}
+
+/** Map of a range of values to the range `from` to `to`.
+ * @param {{low: number, high: number, isLog?: boolean}} range @param {number} from @param {number} to
+ * @returns {(value: number) => number} */
+function scale({ low, high, isLog }, from, to) {
+  const place = (/** @type {number} */ value) => (isLog ? Math.log(value) : value);
+  return (value) => from + ((place(value) - place(low)) / (place(high) - place(low))) * (to - from);
+}
+
+/** The inverse of `scale`. @param {{low: number, high: number, isLog?: boolean}} range @param {number} from
+ * @param {number} to @returns {(place: number) => number} */
+function unscale({ low, high, isLog }, from, to) {
+  const part = scale({ low: from, high: to }, 0, 1);
+  return (place) => (isLog ? low * (high / low) ** part(place) : low + part(place) * (high - low));
 }
 
 /** A number as text with some significant digits. @param {number} value @param {number} [digits] */
@@ -61,11 +78,10 @@ function axes(width, height, x, y) {
   const frame = {
     left, right, top, bottom,
     x: scale(x, left, right), y: scale(y, bottom, top),
-    velocity: scale({ low: left, high: right }, x.low, x.high),
-    load: scale({ low: bottom, high: top }, y.low, y.high),
+    velocity: unscale(x, left, right), load: unscale(y, bottom, top),
   };
-  const across = ticks(x.low, x.high, (right - left) / 70);
-  const down = ticks(y.low, y.high, (bottom - top) / 40);
+  const across = x.isLog ? logTicks(x.low, x.high) : ticks(x.low, x.high, (right - left) / 70);
+  const down = y.isLog ? logTicks(y.low, y.high) : ticks(y.low, y.high, (bottom - top) / 40);
   const lines = [...across.map((value) => `M${frame.x(value)},${top}V${bottom}`),
     ...down.map((value) => `M${left},${frame.y(value)}H${right}`)];
   const dashes = [...across.map((value) => `M${frame.x(value)},${bottom}v4`),

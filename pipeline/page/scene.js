@@ -1,6 +1,6 @@
 /* Choice of the scene shown: a sweep over entries has one HTML template for each scene. */
 
-const sceneNumber = Number(location.hash.slice(1)) || 0;
+const sceneNumber = Number(location.hash.slice(1).split("&")[0]) || 0;
 const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);

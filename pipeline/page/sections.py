@@ -45,7 +45,7 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
     has_places = points is not None or data.kind is Layout.PLACES
     return {
         "answer": _section("Answer", _answer(data)),
-        "caveats": "".join(f"<li>{html.escape(line)}</li>" for line in caveats_of(data)),
+        "caveats": "".join(f"<li>{_plain(line)}</li>" for line in caveats_of(data)),
         "duties": _section("Operating points", _margins(data, points)) if has_places else "",
         "tests": _section("Tests", _tests(data)),
         "inputs": _section("Inputs", _inputs(data)),
@@ -74,7 +74,12 @@ def _html(part: str | pd.DataFrame) -> str:
     """A sentence or a table as HTML."""
     if isinstance(part, pd.DataFrame):
         return f'<div class="table wide">{html_of(part)}</div>'
-    return f"<p>{html.escape(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
+    return f"<p>{_plain(part[:1].upper() + part[1:].rstrip('.'))}.</p>"
+
+
+def _plain(line: str) -> str:
+    """A sentence as HTML, without the command that prints a page: a reader may not have it."""
+    return html.escape(re.sub(r" \(irg help [\w-]+\)", "", line))
 
 
 def _answer(data: Results) -> Iterator[str]:

@@ -73,3 +73,11 @@ def test_points_are_asked_for_on_their_own_surface():
     asked = np.array([*map(int, page["asked"])]).reshape(2, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
     assert page["surfaces"] == [0, 1]
+
+
+def test_a_reader_without_the_program_is_told_to_type_nothing(tmp_path):
+    pipeline.explore(synthetic.sweep(preset="draft"), tmp_path / "a.html")
+    text = (tmp_path / "a.html").read_text("utf-8")
+    shown = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", "", text, flags=re.DOTALL)
+    assert "may be off by up to 5 %" in shown
+    assert re.findall(r"\birg (?!transition)\w+", shown) == []

@@ -75,6 +75,8 @@ type Content = {
   plane: Float32Array;
   /** ln(1 + numerical error) by load and velocity. */
   errors: Float32Array;
+  /** The part of the error by the surface, likewise. */
+  surface_errors: Float32Array;
   state: string;
   /** Values of ln(limit), and the first place at which the rise passes each, with the outcome's code. */
   targets: number[];
@@ -126,4 +128,6 @@ type Frame = {
   velocity: (across: number) => number;
   load: (down: number) => number;
 };
-type Axis = { low: number; high: number; label: string };
+type Axis = { low: number; high: number; label: string; isLog?: boolean };
+type Zoomed = { low?: number; high?: number };
+type View = { isLog: boolean; x: Zoomed; y: Zoomed };
