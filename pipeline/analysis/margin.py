@@ -91,6 +91,11 @@ class Margin:
         return self.error.total
 
     @property
+    def surface_error(self) -> float | None:
+        """Part of `temperature_error` that more patches of the surface would reduce [K]."""
+        return self.error.surface
+
+    @property
     def velocity_factor(self) -> float:
         """Critical velocity at the point's load, divided by the velocity; NaN if unknown."""
         return self.critical_velocity / self.velocity

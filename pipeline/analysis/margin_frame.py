@@ -92,8 +92,8 @@ def margin(
         with a row for each point of each scene: load, velocity, the ``verdict`` on a further run,
         the ``probability`` that it is severe, the contact temperature that the criterion compares
         with the critical temperature (``decisive temperature [°C]``), its numerical ``temperature
-        error [K]``, and
-        its ``distance [K]`` below the critical temperature. For velocity and for load it also has
+        error [K]`` and the part of the surface in it, and its ``distance [K]`` below the critical
+        temperature. For velocity and for load it also has
         the lowest critical value, its ratio to the point's own value, and the outcome; and ``with
         tests [m/s]``, the velocity at which severe wear is 50 % likely. Points outside the computed
         ones have no values, and ``notes`` give the reason.
@@ -318,14 +318,15 @@ def margin_frame(
 
 
 _COLUMNS = column_heads(
-    "verdict", "probability", "decisive_temperature", "temperature_error", "distance",
+    "verdict", "probability", "decisive_temperature", "temperature_error", "surface_error",
+    "distance",
     "velocity_factor", "critical_velocity", "tested_velocity", "velocity_outcome",
     "load_factor", "critical_load", "load_outcome", "conditions",
 ) | {"tested_velocity": "with tests [m/s]"}  # fmt: skip
 """Column headings by the name of the attribute of `Margin`."""
 LONG = (
-    "temperature error [K]", "critical velocity [m/s]", "with tests [m/s]", "critical load [N]",
-    "velocity outcome", "load outcome", "conditions", "notes",
+    "temperature error [K]", "surface error [K]", "critical velocity [m/s]", "with tests [m/s]",
+    "critical load [N]", "velocity outcome", "load outcome", "conditions", "notes",
 )  # fmt: skip
 """Columns left out on a terminal or a page, which are too narrow."""
 

@@ -46,6 +46,8 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
         by = "by sweep.over or realizations"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
+        if {*old.axes} - {*new.axes} == {"realization"}:
+            yield "to go on with the patches of the store: irg run SCENE --patches N"
         return
     for name in (name for name in new.names if name in old.by_name):
         before, after = (one.take_case(name) for one in (stored, sweep))

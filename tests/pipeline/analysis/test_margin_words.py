@@ -72,7 +72,8 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     found = pipeline.margin(synthetic.sweep(), points)
     assert [*found] == [
         *("load [N]", "velocity [m/s]", "verdict", "probability", "decisive temperature [°C]"),
-        *("temperature error [K]", "distance [K]", "velocity factor", "critical velocity [m/s]"),
+        *("temperature error [K]", "surface error [K]", "distance [K]", "velocity factor"),
+        "critical velocity [m/s]",
         *("with tests [m/s]", "velocity outcome", "load factor", "critical load [N]"),
         *("load outcome", "conditions", "notes"),
     ]

@@ -69,3 +69,8 @@ def test_the_command_counts_patches_and_refuses_them_twice(tmp_path, irg):
     assert "12 of 18 points, the rest left out" in irg("status", out)
     twice = irg("run", scene, "--patches", "2", "--set", "sweep.realizations=3", code=2)
     assert "--patches gives sweep.realizations" in twice
+
+
+def test_a_plain_run_into_a_store_of_patches_names_the_option(beside):
+    with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --patches N"):
+        pipeline.run_sweep(tiny.sweep(velocities=VELOCITIES), beside, workers=1)
