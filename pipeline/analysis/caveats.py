@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 
 from pipeline.analysis.dataset import Layout
+from pipeline.analysis.made import note_on_made
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
@@ -36,6 +37,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     which = "without an [uncertainty]" if sweep.inputs else "such as the steel's conductivity"
     exact = f"inputs {which} are taken as exact (irg help model)"
     lines = [
+        note_on_made(scene),
         note_on_failed(scene),
         sweep.caveat,
         *doubt_lines(sweep, answered=True),

@@ -182,6 +182,9 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """
     if not isinstance(source, xr.Dataset):
         return _per_point(open_sweep(source))
+    axes = [str(dim) for dim in source.dims if dim in source.coords and dim not in source.indexes]
+    for dim in axes:  # interp drops indexes beside a coordinate that is no number
+        source = source.set_xindex(dim)
     table = scene_sweep(source).variants
     for name in PLANE:
         _require_axis(source, name)

@@ -45,6 +45,7 @@ from pipeline.store.schema import (
     SAMPLING,
     SCENE_ID,
     STEPPED,
+    VARIABLES,
     test_variable,
 )
 from pipeline.sweep.conditions import PATHS, Conditions, changed_conditions
@@ -155,6 +156,36 @@ def _test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
         columns={name: taken(name, math.nan) for name in columns if name not in PLANE},
         shares=np.array(found["cooler_share"].values) if held else np.empty(0),
     )
+
+
+def _with_both_axes(ds: xr.Dataset) -> xr.Dataset:
+    """Dataset with a load or velocity that was selected alone as an axis of size 1."""
+    for name, other in (PLANE, PLANE[::-1]):
+        if not ds[name].ndim and other in ds["status"].dims:
+            spread = {k: one.expand_dims(name) for k, one in ds.items() if other in one.dims}
+            return ds.drop_vars([name, *map(str, spread)]).assign(spread)
+    return ds
+
+
+def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
+    """Variable `name` of a dataset; `InputError` if it has lost an axis, or its numbers."""
+    given, axes = ds.variables[name], {*ds["status"].dims, *_INNER}
+    wanted = {*VARIABLES[name].dims} & {*ds.dims}
+    for words, dims in (("lost its axis", wanted - {*given.dims}), ("also", {*given.dims} - axes)):
+        if dims:
+            raise InputError(
+                f"{name} of the dataset has {words} {min(map(str, dims))}; take it as "
+                "pipeline.open_sweep gives it"
+            )
+    if given.dtype.kind in "fO" and name != "message":
+        try:
+            if name not in ("status", "asked"):
+                return given.astype(float)
+            numbers = given.astype(float)  # which interpolation may leave a little off
+            return numbers.round(6)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"{name} of the dataset is no number: {error}") from error
+    return given
 
 
 def _stored_tests(ds: xr.Dataset, slots: Sequence[Slot]) -> xr.Dataset:
@@ -446,6 +477,11 @@ class Results:
             return self.columns[name]
         return self.rest[name].transpose(*self.front, *PLANE, ..., missing_dims="ignore").values
 
+    @property
+    def variables(self) -> set[str]:
+        """Names of all variables of the dataset."""
+        return {*self.columns, *map(str, self.rest.variables)}
+
     def require(self, *names: str) -> None:
         """Raise an `InputError` if one of the variables `names` is missing."""
         if missing := [name for name in names if name not in self.columns]:
@@ -571,7 +607,7 @@ def results(ds: ResultsLike) -> Results:
     """
     if isinstance(ds, Results):
         return ds
-    ds = restore_step(dataset_of(ds), "status")
+    ds = _with_both_axes(restore_step(dataset_of(ds), "status"))
     if "rise_quantile" in ds and "cooler_share" not in ds.indexes:
         raise InputError("the dataset has no axis cooler_share; keep it, with all of its values")
     kind, status = sweep_kind(ds), ds["status"]
@@ -591,7 +627,7 @@ def results(ds: ResultsLike) -> Results:
     columns = {}
     for name in names:
         if name in ds.variables:
-            given = ds.variables[name]
+            given = _checked(ds, name)
             inner = {dim: given.sizes[dim] for dim in _INNER if dim in given.dims}
             one = xr.Variable(given.dims, np.array(given.values))
             columns[name] = one.set_dims(sizes | inner).values  # type: ignore[no-untyped-call]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+import zipfile
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
+from zarr.storage import ZipStore
 
 from pipeline.store.layout import blocks
 from pipeline.store.place import (
@@ -57,15 +60,29 @@ def open_store(path: PathLike) -> xr.Dataset:
 def _open_copy(place: StorePlace) -> xr.Dataset | None:
     """Open a copy of a sweep that xarray wrote as netCDF or Zarr; None for anything else."""
     with io_errors(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
-        if isinstance(place, Folder) and place.path.is_file():
+        if isinstance(place, Folder) and zipfile.is_zipfile(place.path):
+            copy = _open_zip(place.path)
+        elif isinstance(place, Folder) and place.path.is_file():
             copy = xr.open_dataset(place.path, chunks=None)
         elif place.read(f"{ABOUT}/{ROOT}") is None:
-            copy = xr.open_zarr(place.zarr(), zarr_format=3, consolidated=False, chunks=None)
+            form = 2 if place.read(ROOT) is None else 3
+            copy = xr.open_zarr(place.zarr(), zarr_format=form, consolidated=False, chunks=None)
         else:
             return None
         if "scene" in copy.attrs:
             return copy
     return None
+
+
+def _open_zip(path: Path) -> xr.Dataset:
+    """Open a zip file of a Zarr group, also if the group is a folder in the file."""
+    with zipfile.ZipFile(path) as archive:
+        names = (Path(name) for name in archive.namelist())
+        roots = [name for name in names if name.name in (ROOT, ".zgroup")]
+    group = min(roots, key=lambda name: len(name.parts)).parent.as_posix()
+    held = ZipStore(path, mode="r")
+    copy: xr.Dataset = xr.open_zarr(held, group=group, consolidated=False, chunks=None)
+    return copy
 
 
 class _Backend(BackendEntrypoint):

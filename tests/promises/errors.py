@@ -200,6 +200,7 @@ def plane_of(row, preset, share):
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
         is_left_out=np.zeros(rises.shape, bool),
+        is_made=np.zeros(rises.shape, bool),
         conditions=Conditions(1.0, 300.0, criterion=Criterion(share=float(share))),
         promised=PROMISED[preset],
         ends={},

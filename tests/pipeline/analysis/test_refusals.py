@@ -144,7 +144,13 @@ REFUSALS = {
     "mixed": (lambda: pipeline.boundary(joined([made(), made(loads=(700.0,), friction=0.2)])),
               "points at load 700 N are of another scene than its attributes describe, by"),
     "ids": (lambda: pipeline.boundary(unidentified()), "has lost its attribute scene_id"),
-    "one load": (lambda: pipeline.boundary(plane().isel(load=0)), "the dataset has a single load"),
+    "lost axis": (lambda: pipeline.boundary(
+                      plane().assign(status=plane()["status"].isel(load=0, drop=True))),
+                  "status of the dataset has lost its axis load"),
+    "text": (lambda: pipeline.boundary(
+                      plane().assign(rise_quantile=plane()["rise_quantile"].astype(object)
+                                     .where(False, "x"))), "rise_quantile of the dataset is no n"),
+    "long name": (lambda: writable_path("a" * 300 + ".csv", (".csv",)), "File name too long"),
     "one point": (lambda: pipeline.boundary(plane().isel(load=0, velocity=0)),
                   "the dataset has a single load"),
     "end cut off": (lambda: pipeline.end_of_point(plane().isel(step=[0])), "lacks step 0"),
