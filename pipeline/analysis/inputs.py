@@ -144,7 +144,8 @@ class Effects:
                 corrections = data.stored.tests[test].simulated.conditions.corrections
                 under = replace(self.conditions, corrections=corrections)
                 base = np.log([max(data.tests.rise(point, under), 1e-9) for point in points])
-                found[path, test] = float(np.mean(rises - base))
+                is_known = bool(np.isfinite(base).all())  # else the test says nothing yet
+                found[path, test] = float(np.mean(rises - base)) if is_known else 0.0
         return found
 
     @property

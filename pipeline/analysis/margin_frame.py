@@ -281,7 +281,7 @@ def forbidding_words(judge: Judge) -> tuple[str, str]:
     no_mild, no_severe = judge.open_sides
     why = waiting_words(judge.evidence)
     if lacking := judge.effects.waiting:
-        why = f"the uncertain {', '.join(lacking)} waits for its points: irg run SCENE"
+        why = f"the uncertain {', '.join(lacking)} lacks points: irg run SCENE --retry-failed"
     if not judge.weighed.is_bounded:
         why = "the tests bound the critical temperature from one side only"
     return why * no_mild, why * no_severe

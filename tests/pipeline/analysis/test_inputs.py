@@ -9,7 +9,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.scene.scenefile import load_scene
-from pipeline.store.schema import PENDING
+from pipeline.store.schema import DONE, PENDING
 from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
 
@@ -124,6 +124,16 @@ def test_while_the_points_of_an_input_wait_no_verdict_is_given():
     here = pipeline.margin(ds, 200.0, 0.5)
     assert here.verdict == "not decided"
     assert CONDUCTIVITY in here.against
+
+
+def test_a_test_that_waits_closes_its_own_side_alone_beside_an_uncertain_input():
+    test = Measurement(400.0, 1.0, outcome="severe")
+    ds = synthetic.sweep(measured=(), tested=(test,), uncertainty={CONDUCTIVITY: "20 %"})
+    first = [PENDING] + [DONE] * (ds.sizes["test_point"] - 1)
+    here = pipeline.margin(synthetic.with_tests(ds, status=first), 750.0, 3.5)
+    assert here.verdict == "severe"
+    assert "test 1" in here.not_mild
+    assert here.not_severe == ""
 
 
 def test_the_boundary_with_tests_is_where_half_of_the_runs_are_severe():
