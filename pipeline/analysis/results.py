@@ -8,14 +8,13 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.analysis.dataset import (
     Layout,
@@ -32,11 +31,11 @@ from pipeline.analysis.dataset import (
     sweep_kind,
 )
 from pipeline.analysis.likelihood import Prior
-from pipeline.store.place import PathLike, StoreError
-from pipeline.store.read import open_store, open_tests
+from pipeline.analysis.results_of_tests import TestResults, read_test_results
+from pipeline.store.place import PathLike
+from pipeline.store.read import open_store
 from pipeline.store.schema import (
     ASKED,
-    AT_TESTS,
     COORDINATES,
     DONE,
     FILM,
@@ -46,13 +45,11 @@ from pipeline.store.schema import (
     SCENE_ID,
     STEPPED,
     VARIABLES,
-    test_variable,
 )
 from pipeline.sweep.conditions import PATHS, Conditions, changed_conditions
 from pipeline.sweep.laws import StoredRule
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots
 from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
 from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.variants import VARIANT, Label, Variant
@@ -64,98 +61,6 @@ _INNER = ("step", "bulk_ratio", "cooler_share")
 _MARKS = ("status", "warning_flags", "asked", "message")
 _RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
-
-
-ABSENT = -1
-"""Status of the point of a test that the dataset does not have."""
-
-
-@dataclass(frozen=True, eq=False)
-class TestResults:
-    """Results at the points of a scene's tests, in the order of the tests.
-
-    A transition with a step has two points, the easier one first. Arrays have the axis of points
-    first.
-
-    Attributes
-    ----------
-    numbers : ndarray of int, shape (n,)
-        Number of the test of each point, from 0.
-    loads, velocities : ndarray, shape (n,)
-        Load [N] and velocity [m/s] of each point.
-    least_loads : ndarray, shape (n,)
-        Load from which on steps of each point can decide [N].
-    status : ndarray of int, shape (n,)
-        State of each point as in the store; `ABSENT` if the dataset does not have it.
-    messages : ndarray of str, shape (n,)
-        Warnings, or the reason for a failure.
-    columns : mapping
-        Variables by name, as `Results.columns` has them; NaN at points without a result.
-    shares : ndarray
-        Shares of the contact area that are cooler than the quantiles of the rise.
-    """
-
-    numbers: NDArray[np.int_]
-    loads: Array
-    velocities: Array
-    least_loads: Array
-    status: NDArray[np.int_]
-    messages: NDArray[np.object_]
-    columns: Mapping[str, Array] = field(repr=False)
-    shares: Array = field(repr=False)
-
-    def rise(self, place: int, conditions: Conditions) -> float:
-        """Temperature rise per unit friction coefficient at one of the points [K].
-
-        It is the rise at the worst step that the criterion of `conditions` compares with its limit;
-        NaN if the point is not done.
-        """
-        if self.status[place] != DONE:
-            return math.nan
-        columns: dict[str, Any] = {name: one[place] for name, one in self.columns.items()}
-        columns["quantile"] = self.shares
-        return float(worst_rises(columns, self.least_loads[place, None], conditions))
-
-
-def _test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
-    """Results of the tests of a sweep, from a dataset or the store that it was read from."""
-    slots = wanted_slots(sweep)
-    found = ds if test_variable("status") in ds.variables else _stored_tests(ds, slots)
-    held = {}
-    if test_variable("status") in found.variables:
-        own = {test_variable(name): name for name in AT_TESTS}
-        held = {own[str(k)]: one for k, one in found.variables.items() if k in own}
-    if any(one.dims[:1] != (TEST_POINT,) for one in held.values()):  # changed by the user
-        held = {}
-    rows = dict[tuple[Any, ...], list[int]]()
-    if held:
-        keys = (held[name].values.tolist() for name in (SCENE_HASH, "load", "velocity"))
-        for row, key in enumerate(zip(*keys, strict=True)):
-            rows.setdefault(key, []).append(row)
-    places = [rows[slot[:3]].pop(0) if rows.get(slot[:3]) else ABSENT for slot in slots]
-    is_here = np.array(places, int) != ABSENT
-
-    def least(slot: Slot) -> float:
-        return load_that_counts(sweep.own_points[slot.test].simulated.scene, slot.load)
-
-    def taken(name: str, usual: Any) -> Any:
-        if not held:
-            return np.full(len(slots), usual)
-        values = held[name].values[places]
-        values[~is_here] = usual
-        return values
-
-    columns = [name for name in held if held[name].dtype.kind == "f"]
-    return TestResults(
-        numbers=np.array([slot.test for slot in slots], int),
-        loads=np.array([slot.load for slot in slots], float),
-        velocities=np.array([slot.velocity for slot in slots], float),
-        least_loads=np.array([least(slot) for slot in slots], float),
-        status=taken("status", ABSENT).astype(int),
-        messages=taken("message", "").astype(object),
-        columns={name: taken(name, math.nan) for name in columns if name not in PLANE},
-        shares=np.array(found["cooler_share"].values) if held else np.empty(0),
-    )
 
 
 def _with_both_axes(ds: xr.Dataset) -> xr.Dataset:
@@ -186,15 +91,6 @@ def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
         except (TypeError, ValueError) as error:
             raise InputError(f"{name} of the dataset is no number: {error}") from error
     return given
-
-
-def _stored_tests(ds: xr.Dataset, slots: Sequence[Slot]) -> xr.Dataset:
-    """Results of tests from the store that a dataset was read from; empty without one."""
-    source = ds.encoding.get("source")
-    if source and slots:
-        with suppress(StoreError):
-            return open_tests(source)
-    return xr.Dataset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -643,7 +539,7 @@ def results(ds: ResultsLike) -> Results:
         cut=tuple(name for name in PLANE if not ds[name].ndim),
         columns=columns,
         shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
-        tests=_test_results(ds, stored),
+        tests=read_test_results(ds, stored),
         rest=ds.drop_vars([name for name in names if name in ds.data_vars]),
         store=status.encoding.get("store"),
         origin=Origin.of(ds),

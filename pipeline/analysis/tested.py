@@ -15,7 +15,8 @@ from pipeline.analysis.dataset import Layout
 from pipeline.analysis.film import OUTSIDE_WORDS, is_test_outside
 from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.likelihood import Belief, Result, condition
-from pipeline.analysis.results import ABSENT, Results, TestResults
+from pipeline.analysis.results import Results
+from pipeline.analysis.results_of_tests import ABSENT, TestResults
 from pipeline.analysis.specimen import specimen_at
 from pipeline.analysis.tables import frame_of, short
 from pipeline.constants import UNLIKELY

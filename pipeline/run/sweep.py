@@ -27,7 +27,7 @@ from pipeline.scene.units import require_count
 from pipeline.store.create import writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, Summary, summary_of
-from pipeline.store.root import find_sweep
+from pipeline.store.root_file import find_sweep
 from pipeline.store.schema import ASKED, FAILED, require_free_names
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store

@@ -28,15 +28,8 @@ from pipeline.store.place import (
     io_errors,
     place_of,
 )
-from pipeline.store.root import (
-    CONSOLIDATED,
-    Root,
-    TestLayout,
-    find_root,
-    read_metadata,
-    require_same_scene,
-    with_others,
-)
+from pipeline.store.root import CONSOLIDATED, Root, TestLayout, with_others
+from pipeline.store.root_file import find_root, read_metadata, require_same_scene
 from pipeline.store.schema import PENDING, is_coordinate, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store

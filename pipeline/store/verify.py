@@ -25,7 +25,7 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.progress import FailedPoint
-from pipeline.store.root import find_root, read_root, require_same_scene
+from pipeline.store.root_file import find_root, read_root, require_same_scene
 from pipeline.store.schema import DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Index, Store
 from pipeline.sweep.model import Point, Sweep

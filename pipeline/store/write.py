@@ -31,7 +31,8 @@ from pipeline.store.place import (
     place_of,
     read_errors,
 )
-from pipeline.store.root import Group, read_root
+from pipeline.store.root import Group
+from pipeline.store.root_file import read_root
 from pipeline.store.schema import (
     ASKED,
     DONE,

@@ -22,7 +22,7 @@ import numpy as np
 
 import pipeline
 from pipeline.store.files import PARTIAL
-from pipeline.store.root import find_sweep
+from pipeline.store.root_file import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point

@@ -9,7 +9,7 @@ import pytest
 import pipeline
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.place import place_of
-from pipeline.store.root import read_root
+from pipeline.store.root_file import read_root
 from pipeline.sweep.conditions import criterion_of
 from pipeline.sweep.laws import StoredRule
 from tests.helpers.entries import changed
