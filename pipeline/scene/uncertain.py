@@ -41,17 +41,17 @@ class InputReader:
         """Yield the uncertain inputs of a scene with these tests; faults are added to `faults`."""
         for path, text in (self.tests.parts.declared.uncertainty or {}).items():
             try:
-                yield self._input(path, text, tests)
+                entry = numeric_entry(path, self.tests.entries)
+                from_tests = text == FROM_TESTS and path == CRITICAL
+                spread = None if from_tests else _spread(path, text)
+                made = Input(
+                    path, text, entry.values[0], entry.unit, spread, is_kelvin=path in _KELVIN
+                )
+                if path not in AFTER and spread is not None:
+                    made = self._with_cases(made, entry.scaled(math.exp(spread)), tests)
+                yield made
             except (UnfitError, InputError) as problem:
                 faults.refuse(f'uncertainty."{path}"', str(problem))
-
-    def _input(self, path: str, text: str, tests: Sequence[Measurement]) -> Input:
-        entry = numeric_entry(path, self.tests.entries)
-        spread = None if text == FROM_TESTS and path == CRITICAL else _spread(path, text)
-        made = Input(path, text, entry.values[0], entry.unit, spread, is_kelvin=path in _KELVIN)
-        if path in AFTER or spread is None:
-            return made
-        return self._with_cases(made, entry.scaled(math.exp(spread)), tests)
 
     def _with_cases(self, made: Input, value: Any, tests: Sequence[Measurement]) -> Input:
         """The input with its cases; what a test states itself is exact for it."""

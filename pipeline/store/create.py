@@ -78,7 +78,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
             # remains must still describe the arrays.
             if before and "kind" not in before.found[CONSOLIDATED]:
                 place.put({ROOT: before.documents()[ROOT]})
-            if before and before.tests and not _keeps_tests(before, root):
+            if before and before.layout and root.layout and before.layout[1:] != root.layout[1:]:
                 _empty_tests(Store(place, before, lock), root)
             chunks, held = dict[str, bytes](), read_metadata(place) if root.found else {}
             for group in filter(None, (root, root.tests)):
@@ -109,12 +109,6 @@ def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
     if old and steps <= old.steps and judges_hold == old.judges_hold:
         return old._replace(slots=slots)
     return TestLayout(wanted_slots(sweep), steps, judges_hold)
-
-
-def _keeps_tests(before: Root, root: Root) -> bool:
-    """True if the points of tests stay where they are in a store that grows."""
-    old, new = before.layout, root.layout
-    return old is not None and new is not None and old[1:] == new[1:]
 
 
 def _empty_tests(store: Store, root: Root) -> None:

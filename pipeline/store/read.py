@@ -137,17 +137,14 @@ def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     if not (store.tests and store.tests.root.points):
         return {}
     ds = _dataset_of(store.tests)
-    order = sorted(np.flatnonzero(ds[TEST] != NO_TEST).tolist(), key=lambda k: _order(ds, k))
+    order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
+    order = order[ds[TEST].values[order] != NO_TEST]
     ds = ds.isel({TEST_POINT: order}).rename_dims(step=TEST_STEP).drop_vars("step")
     names = [name for name in AT_TESTS if name in ds.variables]
     found = {test_variable(name): ds[name].variable for name in names}
     message = found[test_variable("message")]
     message.values = message.values.astype(object)
     return {TEST: ds[TEST].variable, **found}
-
-
-def _order(ds: xr.Dataset, place: int) -> tuple[float, ...]:
-    return tuple(float(ds[name][place]) for name in (TEST, "load", "velocity"))
 
 
 def open_tests(path: PathLike) -> xr.Dataset:

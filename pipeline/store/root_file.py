@@ -153,14 +153,10 @@ def _fit_axes(root: Root) -> bool:
     """True if the axes are those of the variables; names of axes become names of files."""
     names, dims = root.variables.keys(), root.variables["status"].dims
     needed = {dim for one in root.variables.values() for dim in one.dims} - {DIM}
-    if root.layout and not all(slot.test in _numbers_of(root.sweep) for slot in root.layout.slots):
+    numbers = range(NO_TEST, len(root.sweep.own_points))
+    if root.layout and not all(slot.test in numbers for slot in root.layout.slots):
         return False
     return needed <= root.axes.keys() <= names and root.block.keys() == {*dims}
-
-
-def _numbers_of(sweep: Sweep) -> range:
-    """Numbers that the test of a slot may have."""
-    return range(NO_TEST, len(sweep.own_points))
 
 
 def read_metadata(place: StorePlace) -> dict[str, Document]:

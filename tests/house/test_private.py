@@ -8,7 +8,6 @@ _ALLOWED = {
     "cluster/cheap.py _AHEAD": "as many tasks are sent ahead as by a run",
     "cluster/scaling.py _count_steps": "steps of a ramp, by which times are divided",
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
-    "helpers/stores.py _digest": "a forged store has the digest that fits",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
     "pipeline/store/test_s3.py _send": "requests are counted where they leave",

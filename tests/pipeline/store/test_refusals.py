@@ -161,7 +161,8 @@ REFUSALS = {
 
 ELSEWHERE = {
     "files._require_no_link OSError": "rows of links, which tell it as a StoreError",
-    "root.require_same_scene StoreMismatchError": "test_create.py, in several lines",
+    "files.open_file OSError": "test_lock.py",
+    "root_file.require_same_scene StoreMismatchError": "test_create.py, in several lines",
     "write._require_lock StoreError": "test_lock.py",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
