@@ -39,7 +39,7 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "load", "velocity"),  # as stated at the top of these files
-    [("pin_on_disk", 200.0, 0.24), ("mtm", 75.0, 1.1), ("srv", 800.0, 0.06)],
+    [("pin_on_disk", 200.0, 0.24), ("mtm", 75.0, 1.1), ("srv", 200.0, 0.16)],
 )
 def test_scenes_of_usual_rigs_cross_the_boundary_where_they_say(name, load, velocity):
     scene = pipeline.load_scene(name)
