@@ -141,6 +141,7 @@ class _TaskTimes:
         increments, own, shown = self._steps[key]
         new = max(0, increments - has.get(task.ramp, 0))
         has[task.ramp] = max(increments, has.get(task.ramp, 0))
+        shown = shown if own else round(shown * new / increments)  # of stages, the new ones
         warms = bool(scene.friction_heat and velocity)
         steps = new + own
         heats_on_way = new * warms * (scene.remembers_heat or self.is_course)
@@ -208,12 +209,12 @@ def _count_steps(
 
     The first is the number of steps that are shared with higher loads. The second is the number of
     all other steps, and the third counts those of them at which a temperature is always computed.
-    All steps of stages are shared, and each stage has two temperatures of its own.
+    All steps of stages are shared.
     """
     requested = stations.heat_steps(scene, load)
     steps = list(scene.stations(load, requested, velocity))
     if isinstance(scene.loading, Stages):
-        return len(steps), 0, 2
+        return len(steps), 0, sum(step.is_shown for step in steps)
     shared = sum(
         step.on_trunk and step.normal_load < load and step.index not in requested for step in steps
     )
