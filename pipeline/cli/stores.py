@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pipeline
 from pipeline.analysis.dataset import entry_dims
-from pipeline.analysis.tables import frame_of, short
+from pipeline.analysis.tables import frame_of, records, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working, wrapped
 from pipeline.store.place import REMEDY, ROOT, StoreError
@@ -110,10 +110,14 @@ def verify(options: argparse.Namespace) -> Result:
             text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
             rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
+    counts = {
+        kind: {"done": one.done, "damaged": len(one.damaged)} for kind, one in kinds.items() if one
+    }
+    document = {**counts, "damaged": records([frame]), "shared": [*map(str, check.shared)]}
     if check.is_clean:
-        return Result(text=text, warned=pipeline.warned(options.store), frames=[frame])
+        return Result(document, text, pipeline.warned(options.store), [frame])
     text.append(REMEDY)
-    return Result(text=text, frames=[frame], code=SOME_FAILED)
+    return Result(document, text, frames=[frame], code=SOME_FAILED)
 
 
 def diff(options: argparse.Namespace) -> Result:

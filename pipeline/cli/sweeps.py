@@ -7,6 +7,7 @@ import math
 import shlex
 from collections.abc import Iterator
 from contextlib import nullcontext
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 import pipeline
 from pipeline.analysis.caveats import UNKNOWN_FILM, doubt_lines
 from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
-from pipeline.analysis.tables import frame_of
+from pipeline.analysis.tables import frame_of, records
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, counted, tell
@@ -98,17 +99,25 @@ def check(options: argparse.Namespace) -> Result:
             f"the scene needs {needed}, and this machine has {display(machine, 'GB', '.0f')}; give "
             "fewer window.pixels, or a coarser fidelity"
         )
+    cost = pipeline.estimate(sweep, workers=options.workers)
     rows = [
         *_meaning_rows(sweep, facts, needed),
         *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
         *((one.grade, one.text) for one in _notes_on(sweep)),
         *((one.grade, one.text) for one in sweep.doubts),
-        *_cost_rows(sweep, pipeline.estimate(sweep, workers=options.workers)),
+        *_cost_rows(sweep, cost),
     ]
     frame = frame_of(_HEADS, rows)
     shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
     on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
-    return Result(text=[sweep.title, "", shown, *on_sources], frames=[frame])
+    document = {
+        "title": sweep.title,
+        "preset": sweep.preset,
+        "contact": asdict(facts),  # in SI
+        "cost": {**asdict(cost), "worker_bytes": memory},
+        "statements": records([frame]),
+    }
+    return Result(document, [sweep.title, "", shown, *on_sources], frames=[frame])
 
 
 _HEADS = "subject", "meaning"

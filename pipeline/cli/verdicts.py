@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Sequence
+from dataclasses import astuple
 
 import pandas as pd
 
@@ -24,7 +25,7 @@ from pipeline.analysis.margin_frame import (
 )
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
-from pipeline.analysis.tables import lines_of, notes_of, short, some_rows
+from pipeline.analysis.tables import frame_of, lines_of, notes_of, short, some_rows
 from pipeline.analysis.tested import test_parts, tests_frame
 from pipeline.analysis.until import Until, changes_frame
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
@@ -59,7 +60,7 @@ def margin(options: argparse.Namespace) -> Result:
             lines, caveats = _few_lines(lines, table, [*rests, *caveats])
         else:
             lines += ["", short(table, LONG), "", *rests]
-    frames = [table]
+    frames = [table.join(_details(found))]
     if options.budget:
         budget = budget_at(_one_judge(data, found, "--budget"), *found[0].place)
         frames.append(budget.frame)
@@ -76,6 +77,24 @@ def margin(options: argparse.Namespace) -> Result:
     lines += words.case_lines(data)
     lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=frames)
+
+
+def _details(found: Sequence[Asked]) -> pd.DataFrame:
+    """Numbers behind each verdict that a terminal has no room for; for --json and files."""
+    rows = [
+        (one.margin.lowest, one.margin.highest, *astuple(one.margin.error), one.margin.model_error)
+        if one.margin
+        else (None,) * 7
+        for one in found
+    ]
+    return frame_of(_DETAILS, rows)
+
+
+_DETAILS = (
+    "lowest probability", "highest probability", "error by interpolation [K]",
+    "error by the preset [K]", "error by warned points [K]", "error by the surface [K]",
+    "model error",
+)  # fmt: skip
 
 
 def _few_lines(

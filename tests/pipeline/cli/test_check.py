@@ -41,7 +41,7 @@ along = [{ load = "300 N", velocity = "1 m/s" }, { load = "600 N", velocity = "2
 def test_a_check_says_what_a_film_lacks_and_that_rows_have_their_own_places(check, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(SMALL.replace("[sweep]", OIL))
-    rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)}
+    rows = {row["subject"]: row["meaning"] for row in check("--json", scene=path)["statements"]}
     assert rows["oil"].endswith("film is not known without pressure_viscosity_coefficient")
     assert rows["points"].startswith("2: 2 rows, each at its own load and velocity; ")
 
@@ -63,6 +63,6 @@ def test_a_check_has_at_most_20_lines_of_100_letters_and_the_same_rows_as_a_docu
     lines = check().splitlines()
     assert len(lines) <= 20
     assert max(map(len, lines)) <= 100
-    rows = {row["subject"]: row["meaning"] for row in check("--json")}
+    rows = {row["subject"]: row["meaning"] for row in check("--json")["statements"]}
     assert rows["warning"] == f"pin.length: {note_on_ends(pipeline.load_scene(SCENE))}"
     assert {"contact", "window", "surface", "motion", "wear", "heat", "points", "time"} < {*rows}

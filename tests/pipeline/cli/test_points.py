@@ -97,6 +97,12 @@ def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, 
     hot = pipeline.at(store, critical_temperature="100 degC")
     margin = pipeline.margin(hot, 400.0, 1.2)
     assert record["distance [K]"] == margin.distance
+    assert (record["lowest probability"], record["highest probability"]) == (
+        margin.lowest,
+        margin.highest,
+    )
+    assert record["error by the preset [K]"] == margin.error.preset
+    assert record["model error"] == margin.model_error
     points.write_text("oil,pin,load [N],velocity [m/s]\nFVA 3,a,400,1.2\n")
     assert "columns not used: oil, pin" in irg("margin", "out.zarr", "--points", points)
     for head in ("pin.radius [mm]", "hold [s]", "wear.specific_wear_rate"):

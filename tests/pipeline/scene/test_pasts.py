@@ -15,7 +15,7 @@ def told(tmp_path, irg):
         scene = tmp_path / "scene.toml"
         begin = 'extends = "first_try"\nwithout = ["measured"]\n'
         scene.write_text(begin + "".join(f"[[tested]]\n{one}" for one in tests))
-        return [row["meaning"] for row in irg("check", scene, "--json")]
+        return [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
 
     return ask
 

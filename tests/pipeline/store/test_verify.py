@@ -214,7 +214,9 @@ def test_what_cannot_be_read_now_is_named_and_nothing_is_changed(copy, irg, name
 
 def test_the_command_names_what_is_damaged(copy, irg):
     values(copy, "rise")[1, 1] = 0.0
-    (record,) = irg("verify", copy, "--json", code=1)
+    document = irg("verify", copy, "--json", code=1)
+    assert document["points"]["damaged"] == 1
+    (record,) = document["damaged"]
     place = {"load [N]": 250.0, "velocity [m/s]": 1.0, "place": "250 N, 1 m/s"}
     assert record == place | {"message": OTHER}
     said = irg("verify", copy, code=1)
