@@ -48,7 +48,7 @@ def answered(source):
     data = pipeline.results(source)
     held = data.tests
     tests = [data.sweep.tests[number] for number in held.numbers]
-    rises = [held.rise(k, test.case.conditions) for k, test in enumerate(tests)]
+    rises = [held.rise(k, test.simulated.conditions) for k, test in enumerate(tests)]
     return [*zip(held.loads.tolist(), held.velocities.tolist(), rises, strict=True)]
 
 
