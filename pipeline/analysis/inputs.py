@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.analysis.results import Results
-from pipeline.sweep.conditions import PATHS, Conditions
+from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.inputs import CRITICAL, Input, InputPoints
 from pipeline.sweep.measurement import Measurement
 from tribo.types import Array
@@ -186,7 +186,7 @@ def effects_of(
     unless they are to be exact; a critical temperature that is to come from tests alone is then
     certain. With `infers` it is uncertain in any case.
     """
-    names = {PATHS[name] for name in given} | data.judged.keys()
+    names = {FIELDS[name] for name in given} | data.judged.keys()
     inputs: Sequence[Input] = [
         one
         for one in data.stored.inputs

@@ -82,14 +82,14 @@ class Judge:
     def judged_by(self, own: Mapping[str, float]) -> Judge:
         """The judge under conditions of one operating point in place of the scene's.
 
-        Friction and bulk temperature move the place alone; a critical temperature moves the tests,
-        too.
+        Friction and bulk temperature move the place alone; a critical temperature and a failing
+        share move the tests, too.
         """
         given = [name for name, value in own.items() if value is not None]
         if not given:
             return self
         rises = self.rises.judged_by(own)
-        if "critical_temperature" in given or self.source.is_exact:
+        if {"critical_temperature", "failing_share"} & {*given} or self.source.is_exact:
             return _judge(self.source, rises, given)
         return replace(self, rises=rises)
 

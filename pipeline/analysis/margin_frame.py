@@ -76,10 +76,10 @@ def margin(
         Normal load on the whole pin [N], or text such as ``"500 N"``, within the sweep's loads.
         Instead of load and velocity it may be a table of operating points: a .csv or .xlsx file
         with columns ``load [N]`` and ``velocity [m/s]``, or with other units; or columns by
-        heading, such as a data frame. Columns ``friction``, ``bulk_temperature`` and
-        ``critical_temperature`` are conditions of a row. Further columns are copied to the result,
-        with "(given)" added to a heading that the result already has. Leave load and velocity out
-        if the sweep's rows have their own.
+        heading, such as a data frame. Columns ``friction``, ``bulk_temperature``,
+        ``critical_temperature`` and ``failing_share`` are conditions of a row. Further columns are
+        copied to the result, with "(given)" added to a heading that the result already has. Leave
+        load and velocity out if the sweep's rows have their own.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within the sweep's velocities.
     **conditions
@@ -182,16 +182,15 @@ def _asked(judge: Judge, points: Sequence[tuple[Place, Mapping[str, float]]]) ->
     found, alike = dict[int, Asked](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(points):
         alike.setdefault((*own.items(),), []).append(number)
-    judges, oil_names = dict[Any, Judge](), ("critical_temperature",)
+    judges, oil_names = dict[Any, Judge](), ("critical_temperature", "failing_share")
     for conditions, numbers in alike.items():
         here, own = [points[number][0] for number in numbers], dict(conditions)
         try:
-            critical = own.get("critical_temperature")
-            if critical not in judges:  # tests are compared once for each
-                oil = {} if critical is None else {"critical_temperature": critical}
-                judges[critical] = judge.judged_by(oil)
+            oil = {name: value for name, value in own.items() if name in oil_names}
+            if (shared := (*oil.items(),)) not in judges:  # tests are compared once for each
+                judges[shared] = judge.judged_by(oil)
             others = {name: value for name, value in own.items() if name not in oil_names}
-            under = judges[critical].judged_by(others)
+            under = judges[shared].judged_by(others)
             met = [
                 [snap(x, *under.rises.ends[name]) for name, x in zip(PLANE, place, strict=True)]
                 for place in here

@@ -92,7 +92,8 @@ class Rises:
 
     def under(self, conditions: Conditions) -> Rises:
         """The same points under other conditions."""
-        if conditions.bulk_ratio == self.conditions.bulk_ratio:
+        alike = conditions.criterion == self.conditions.criterion
+        if alike and conditions.bulk_ratio == self.conditions.bulk_ratio:
             return replace(self, conditions=conditions)  # the same rises per unit friction
         found = specimen_at(self.source, conditions)
         return replace(self, plane=found.rises, surface=found.error, conditions=conditions)

@@ -6,11 +6,12 @@ import math
 from collections.abc import Collection, Iterable, Iterator
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.frames import ERRORS
 from pipeline.analysis.judge import judge_of
-from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
+from pipeline.analysis.margin import AT_EDGE, PASSED, Margin, percent
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
 from pipeline.analysis.results import Results
@@ -26,6 +27,12 @@ def condition_lines(conditions: Iterable[str]) -> list[str]:
     first, *others = dict.fromkeys(conditions) or [""]
     more = f"; {len(others)} more in the column conditions (-o, --json)"
     return [f"judged at {first}{more * bool(others)}"] * bool(first)
+
+
+def in_words(table: pd.DataFrame) -> pd.DataFrame:
+    """Copy of a table of margins for reading: probabilities are no finer than they are known."""
+    told = [None if pd.isna(one) else percent(one) for one in table["probability"]]
+    return table.assign(probability=told)
 
 
 def model_error_line(errors: Iterable[str]) -> str:

@@ -11,9 +11,11 @@ import xarray as xr
 
 import pipeline
 from pipeline.cli.output import tell
+from pipeline.paths import user_path
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.choices import Choices
 from pipeline.scene.over import notes_on_first_values
+from pipeline.scene.reference import FILES
 from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
@@ -21,6 +23,7 @@ from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
 
+_FILES = (*FILES, "sweep.along")
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
 _OF_TABLE = ("column", "given", "where", "skip", "decimal", "sheet")
@@ -51,8 +54,16 @@ def path_beside(store: Path | str, ending: str) -> Path:
 
 
 def settings_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Values set by --set, keyed by entry path; a prefix `fidelity.` of the path is removed."""
-    return {path.removeprefix("fidelity."): value for path, value in options.set}
+    """Values set by --set, keyed by entry path; a prefix `fidelity.` of the path is removed.
+
+    The path of a file is relative to the shell's folder, not to that of the scene.
+    """
+    files = {
+        path: str(Path.cwd() / user_path(value))
+        for path, value in options.set
+        if path in _FILES and isinstance(value, str)
+    }
+    return {path.removeprefix("fidelity."): files.get(path, value) for path, value in options.set}
 
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def margin(options: argparse.Namespace) -> Result:
         if points and not options.all:
             lines, caveats = _few_lines(lines, table, [*rests, *caveats])
         else:
-            lines += ["", short(table, LONG), "", *rests]
+            lines += ["", short(words.in_words(table), LONG), "", *rests]
     frames = [table.join(_details(found))]
     if options.budget:
         budget = budget_at(_one_judge(data, found, "--budget"), *found[0].place)
@@ -102,7 +102,8 @@ def _few_lines(
 ) -> tuple[list[str | pd.DataFrame], list[str]]:
     """Lines with at most 8 rows of a table, the worst first, and as many `rests` as fit in 14."""
     above, below = wrapped(lines), [one for one in wrapped(rests) if isinstance(one, str)]
-    worst = short(table, LONG).loc[table["distance [K]"].astype(float).sort_values().index]
+    order = table["distance [K]"].astype(float).sort_values().index
+    worst = short(words.in_words(table), LONG).loc[order]
     room = _MOST_LINES - len(above)
     few, most = worst.head(_MOST_ROWS), len(worst)
     while len(lines_of(few)) + (len(few) < most or bool(below)) > room and len(few) > 1:

@@ -18,7 +18,7 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.tested import test_parts
 from pipeline.analysis.warned_points import warned
-from pipeline.analysis.words import boundary_lines, condition_lines, next_run_line
+from pipeline.analysis.words import boundary_lines, condition_lines, in_words, next_run_line
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.reference import all_keys
 from pipeline.scene.written import scene_entries
@@ -97,7 +97,7 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
     """Yield the table of margins of operating points, and notes on its rows."""
     table = margin(data, points)
     yield from condition_lines(table["conditions"].dropna())
-    yield short(table, LONG)
+    yield short(in_words(table), LONG)
     yield from notes_of(table, caveats_of(data))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     if table["velocity factor"].notna().any():

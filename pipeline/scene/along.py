@@ -20,6 +20,7 @@ from pipeline.scene.document import Document
 from pipeline.scene.extensions import Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
+from pipeline.scene.kinds import Share
 from pipeline.scene.lines import Lines, SheetRow
 from pipeline.scene.names import UNITS, Heading
 from pipeline.scene.option_words import Written
@@ -27,7 +28,7 @@ from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Sheet
 from pipeline.scene.table_reader import read_sheet
 from pipeline.scene.units import as_entry
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVE, entry_at, flat
@@ -42,11 +43,12 @@ class _ConditionsTable(Declared):
     friction: A[float | None, FRICTION] = None
     bulk_temperature: A[float | None, BULK] = None
     critical_temperature: A[float | None, CRITICAL] = None
+    failing_share: A[float | None, Share(at_least=0, below=1)] = None
 
 
 _PLACE = Table({name: table_of(_ConditionsTable).keys[name] for name in ("load", "velocity")})
 _UNITS = {name: UNITS[name] for name in table_of(_ConditionsTable).keys}
-CONDITIONS = {name: PATHS[name] for name in _UNITS if name not in _PLACE.keys}
+CONDITIONS = {name: FIELDS[name] for name in _UNITS if name not in _PLACE.keys}
 """Conditions that each row may set, and their entries in a scene."""
 _TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
 """Beginnings of the key paths of entries, such as ``pin.``."""
@@ -117,7 +119,16 @@ class OperatingPoints:
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        return cls(places, others, conditions, tuple(sheet.remarks), sheet.counted)
+        remarks = *_taken_as(sheet), *sheet.remarks
+        return cls(places, others, conditions, remarks, sheet.counted)
+
+
+def _taken_as(sheet: Sheet) -> Iterator[str]:
+    """Yield a note for an oil temperature that is taken as the bulk temperature."""
+    if "bulk_temperature" in sheet.places:
+        text = sheet.heading("bulk_temperature").text
+        if sheet.heading("bulk_temperature").name != "bulk_temperature":
+            yield f"column {quoted(text)} is taken as the bulk temperature of both bodies"
 
 
 def columns_of(columns: Any) -> dict[str, list[Any]]:

@@ -10,16 +10,16 @@ from typing import NamedTuple
 from pipeline.quantities import units_in_si
 from pipeline.scene.faults import quoted
 from pipeline.scene.units import is_unit, unit_of_table
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import FIELDS
 
 UNITS = units_in_si(
     "load", "velocity", "friction", "bulk_temperature", "hold", "time", "friction_force",
-    "critical_temperature",
+    "critical_temperature", "failing_share",
 )  # fmt: skip
 """SI units of quantities by name; empty for a plain number."""
 _EXACT = {
     "normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature",
-    **{path: name for name, path in PATHS.items() if name in UNITS},
+    **{path: name for name, path in FIELDS.items() if name in UNITS},
 }  # fmt: skip
 BESIDE = "friction.", "temperature."
 """Beginnings of the paths of entries, by which a heading names its quantity exactly."""

@@ -9,6 +9,8 @@ from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from pipeline.sweep.measurement import Measurement
 
+USUAL_SHARE = 0.1
+"""Failing share that verdicts leave unsaid."""
 _SAME = 1e-6  # relative rounding difference of equal frictions
 
 
@@ -49,9 +51,15 @@ def _test_frictions(conditions: Conditions, tests: Iterable[Measurement]) -> str
 def verdict_conditions(
     conditions: Conditions, velocity: float | None = None, tests: Iterable[Measurement] = ()
 ) -> str:
-    """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`."""
+    """Friction, bulk and critical temperature that a verdict holds for, as `heating_words`.
+
+    The failing share follows if it is not a tenth.
+    """
     critical = display(known_critical_temperature(conditions), "°C", 5)  # from tests
-    return f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
+    said = f"{heating_words(conditions, velocity, tests)}, critical temperature {critical}"
+    name, share = conditions.criterion.name, conditions.criterion.share
+    is_usual = name != "share" or share == USUAL_SHARE
+    return said if is_usual else f"{said}, failing share {100 * share:.4g} %"
 
 
 def unmodelled_rise_words(conditions: Conditions) -> str:

@@ -111,11 +111,11 @@ def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Co
 def row_conditions(conditions: Conditions, row: Mapping[str, Any]) -> Conditions:
     """Conditions with some values replaced by those in a row of a table.
 
-    A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies [K] and a
-    ``critical_temperature`` [K].
+    A row may have the measured ``friction``, a ``bulk_temperature`` of both bodies [K], a
+    ``critical_temperature`` [K] and a ``failing_share``.
     """
     names = ("bulk_temperature", "critical_temperature")
-    own = changes_of(**{name: row.get(name) for name in names})
+    own = changes_of(**{name: row.get(name) for name in names}, share=row.get("failing_share"))
     return changed_conditions(conditions, own).replace_friction(row.get("friction"))
 
 

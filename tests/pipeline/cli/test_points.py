@@ -204,3 +204,34 @@ def test_a_long_table_has_fourteen_lines_the_worst_points_and_hours_by_verdict(
     first = next(line for line in lines if line.split()[0].isdigit() and "points" not in line)
     assert f"{worst['load [N]']:g}" in first.split()
     assert len(irg("margin", "out.zarr", "--points", points, "--all").splitlines()) > 24
+
+
+def test_a_failing_share_of_a_row_is_judged_and_a_probability_said_in_words(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text("load [N],velocity [m/s],failing share [%]\n400,1.2,10\n400,2.2,1\n")
+    said = irg("margin", "out.zarr", "--points", points)
+    assert "less than 1 %" in said
+    assert "columns not used" not in said
+    first, second = irg("margin", "out.zarr", "--points", points, "--json")
+    usual = pipeline.margin(store, 400.0, 1.2)
+    assert (first["distance [K]"], first["probability"]) == (usual.distance, usual.probability)
+    few = pipeline.margin(pipeline.at(store, share=0.01), 400.0, 2.2)
+    assert (second["distance [K]"], second["probability"]) == (few.distance, few.probability)
+    assert second["conditions"].endswith("critical temperature 145 °C, failing share 1 %")
+
+
+def test_an_oil_temperature_that_is_taken_as_the_bulk_is_noted(store, tmp_path, irg):
+    points = tmp_path / "duty.csv"
+    points.write_text("load [N],velocity [m/s],oil temperature [degC]\n400,1.2,60\n")
+    said = irg("margin", "out.zarr", "--points", points)
+    assert 'column "oil temperature [degC]" is taken as the bulk temperature of both bodies' in said
+
+
+def test_a_path_typed_in_a_shell_is_relative_to_the_shell(tmp_path, irg, monkeypatch):
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "rows.csv").write_text("load [N],velocity [m/s]\n400,1.2\n500,1.4\n")
+    scene = tmp_path / "scenes" / "own.toml"
+    scene.write_text('extends = "first_try"\nwithout = ["sweep.loads", "sweep.velocities"]\n')
+    monkeypatch.chdir(tmp_path)
+    said = irg("check", "scenes/own.toml", "--set", "sweep.along=rows.csv")
+    assert "points   2: 2 rows" in said
