@@ -21,6 +21,7 @@ from pipeline.store.layout import bytes_of_a_point, chunk_sizes, grown_axes
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     ROOT,
+    Bucket,
     Folder,
     PathLike,
     StoreError,
@@ -51,6 +52,8 @@ def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> I
     written.
     """
     place = place_of(path)
+    if isinstance(place, Bucket) and not place.address.startswith("s3://"):
+        raise StoreError(f"{place} can only be read; write to a folder, or to an s3:// address")
     find_root(place)  # raises if this is no store, before a lock is put there
     with locked(place, progress) as lock:
         if isinstance(place, Folder):

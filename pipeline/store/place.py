@@ -198,11 +198,13 @@ StorePlace = Folder | Bucket | Memory
 def place_of(path: PathLike | None) -> StorePlace:
     """`Folder` or `Bucket` of a store, from its path or address; `Memory` without one.
 
+    An address ``file://PATH`` is a folder.
+
     Raises a `StoreError` for the root of a file system.
     """
     if path is None:
         return Memory()
-    address = os.fspath(path)
+    address = os.fspath(path).removeprefix("file://")
     if "://" in address:
         return Bucket(address.rstrip("/"))
     folder = Path(os.path.realpath(user_path(address).absolute()))

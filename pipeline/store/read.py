@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import zipfile
 from contextlib import suppress
 from pathlib import Path
@@ -29,6 +28,8 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import (
     ABOUT,
+    AT_END,
+    AT_ENDS,
     AT_TESTS,
     DONE,
     INPUTS,
@@ -79,7 +80,7 @@ def _open_zip(path: Path) -> xr.Dataset:
     with zipfile.ZipFile(path) as archive:
         names = (Path(name) for name in archive.namelist())
         roots = [name for name in names if name.name in (ROOT, ".zgroup")]
-    group = min(roots, key=lambda name: len(name.parts)).parent.as_posix()
+    group = min(roots, key=lambda name: len(name.parts)).parent.as_posix().strip(".")
     held = ZipStore(path, mode="r")
     copy: xr.Dataset = xr.open_zarr(held, group=group, consolidated=False, chunks=None)
     return copy
@@ -104,16 +105,22 @@ def _dataset_of(store: Store) -> xr.Dataset:
     done = store.flags == DONE
     with io_errors(store.place):
         keys = store.place.keys()
-    for name in itertools.filterfalse(is_coordinate, store.arrays):
+    # A copy may lack the fields, which are most of a store.
+    lacks = set() if any(key.startswith(f"{AT_ENDS}/") for key in keys) else {*AT_END, "x", "y"}
+    for name in store.arrays.keys() - lacks:
+        if is_coordinate(name):
+            continue
         chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
         if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
             raise StoreError(damaged(store.place, name))
     root = store.root
     present = root.coordinates()
-    coords = {*present, "own_grid"} - {INPUTS}
+    coords = {*present, "own_grid"} - {INPUTS, *lacks}
     present |= {"status": store.flags, "asked": store.asked}
     variables = {}
     for name, variable in root.variables.items():
+        if name in lacks:
+            continue
         values = present.get(name)
         if values is None:
             values = indexing.LazilyIndexedArray(_Masked(store, name))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from contextlib import suppress
+from pathlib import PurePath
 from typing import Any
 
 from pipeline.paths import path_hint
@@ -64,8 +65,26 @@ def find_root(place: StorePlace) -> Root | None:
         return _parse(place, content)
     is_file = isinstance(place, Folder) and place.path.is_file()
     if is_file or not all(map(_is_left_over, keys)):
-        raise StoreError(f"{place} is no store, or has lost its {ROOT}; {_ELSEWHERE}")
+        raise StoreError(f"{place} is no store: {_what_it_is(place, keys)}")
     return None
+
+
+def _what_it_is(place: StorePlace, keys: set[str]) -> str:
+    """What a path leads to that is no store, and what to do."""
+    if not keys:
+        suffix = PurePath(str(place)).suffix
+        if suffix == ".toml":
+            return "it is a scene; compute it by irg run, and give the store that this makes"
+        if suffix in (".zip", ".nc"):
+            return f"it is a file {suffix}, {_COPY.removeprefix('that of ')}"
+        return "it is a file; give the folder that irg run has made"
+    if f"{ABOUT}/{ROOT}" in keys:
+        return f"it has lost its {ROOT}; {_ELSEWHERE}"
+    if inner := sorted(key for key in keys if key.endswith(f"/{ABOUT}/{ROOT}")):
+        return f"it is a folder of stores; give one of them, such as {inner[0].split('/')[0]}"
+    if keys & {".zgroup", ".zarray"}:
+        return f"it is Zarr of format 2: if xarray wrote it, {_COPY.removeprefix('that of ')}"
+    return "it is a folder with other files; give the folder that irg run has made, or a new one"
 
 
 def _is_left_over(key: str) -> bool:
@@ -84,6 +103,8 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         if not document.get(CONSOLIDATED):
             document[CONSOLIDATED] = {"metadata": read_metadata(place)}
         metadata = document[CONSOLIDATED]["metadata"]
+        if ABOUT not in metadata and "scene" not in document["attributes"]:
+            fault = "that of another program; give a store that irg run has made"
         if "scene" in document["attributes"] and ABOUT not in metadata:
             fault = _COPY
         found = metadata[ABOUT]["attributes"]
@@ -94,7 +115,10 @@ def _parse(place: StorePlace, content: bytes) -> Root:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
     if version != FORMAT:
-        fault = f"of another version of this program: of format {version}, and not {FORMAT}"
+        fault = (
+            f"of another version of this program: of format {version}, and not {FORMAT}; run the "
+            "scene into another store, or read it by the version that made it"
+        )
     # From here on only errors that speak of the store: a fault of this program is not damage.
     if facts:
         try:
@@ -112,7 +136,8 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 return root
         except (SweepTextError, DamagedError) as error:
             fault = f"{fault} ({error})"
-    raise StoreError(f"{place}: its {ROOT} is {fault}; {_ELSEWHERE}")
+    is_damaged = "damaged" in fault
+    raise StoreError(f"{place}: its {ROOT} is {fault}" + f"; {_ELSEWHERE}" * is_damaged)
 
 
 def _layout_of(facts: Any) -> TestLayout | None:

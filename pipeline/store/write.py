@@ -24,9 +24,11 @@ from pipeline.store.lock import Lock
 from pipeline.store.place import (
     LOCK,
     Bucket,
+    DamagedError,
     PathLike,
     StoreError,
     StorePlace,
+    damaged,
     io_errors,
     place_of,
     read_errors,
@@ -78,9 +80,20 @@ class Store:
             np.zeros(shape, np.int8) if is_damaged else self.read(name, ...)
             for name in ("status", "asked")
         )
+        if not (is_damaged or self.flags.all() or isinstance(place, Bucket)):  # few requests
+            self._require_statuses()
 
         tests = root.tests
         self.tests = Store(place, tests, lock, is_damaged) if tests else None
+
+    def _require_statuses(self) -> None:
+        """Raise a `DamagedError` if a chunk of statuses is lost; it is written before `asked`."""
+        is_empty = np.ones(self.flags.shape, bool)
+        for chunk, block in blocks(is_empty, self.block):
+            if not self.flags[block].any() and self.asked[block].any():
+                with io_errors(self.place):
+                    if not self.place.has(self.key("status", chunk)):
+                        raise DamagedError(damaged(self.place, "status"))
 
     # Indices of points
 

@@ -2,10 +2,12 @@
 
 import errno
 import os
+import shutil
 import stat
 import subprocess
 import sys
 
+import fsspec
 import numpy as np
 import pytest
 import xarray as xr
@@ -13,6 +15,7 @@ import zarr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import pipeline
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.stored_text import parse_sweep
@@ -328,9 +331,9 @@ def of_another_format(path):
     ("make", "complaint"),
     [
         (a_file, "is no store"),
-        (a_folder, "is no store, or has lost its zarr.json"),
+        (a_folder, "is no store: it is a folder with other files"),
         (a_folder_named_like_a_variable, "is no store"),
-        (a_group_of_somebody_else, "damaged, or not that of a sweep"),
+        (a_group_of_somebody_else, "zarr.json is that of another program"),
         (without_root, "has lost its zarr.json; restore it from a backup, or run the scene into"),
         (of_another_format, "of another version of this program: of format 99, and not"),
     ],
@@ -359,12 +362,42 @@ def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
     assert {folder.stat().st_ino for folder in (tmp_path, tmp_path / "new")} <= set(synced)
 
 
-def test_a_store_may_lie_at_any_address_of_fsspec():
+def test_a_store_is_written_at_a_file_address_and_only_read_at_other_addresses(tmp_path):
+    commit(f"file://{tmp_path}/tiny.zarr", SWEEP, [POINT])
+    assert summary(tmp_path / "tiny.zarr").done == 1
     address = f"memory://{os.getpid()}/tiny.zarr"
-    commit(address, SWEEP, [POINT])
+    memory = fsspec.filesystem("memory")
+    memory.put(str(tmp_path / "tiny.zarr"), f"/{os.getpid()}/tiny.zarr", recursive=True)
     assert summary(address).done == 1
-    commit(address, LARGER, [ADDED])
-    assert (summary(address).done, summary(address).earlier) == (1, 1)
     assert verify_store(address).is_clean
+    with pytest.raises(StoreError, match="can only be read; write to a folder, or to an s3:// ad"):
+        commit(address, LARGER, [ADDED])
     with open_sweep(address) as ds, xr.open_zarr(address, chunks=None) as plain:
         np.testing.assert_array_equal(ds["status"], plain["status"])
+
+
+def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
+    right = pipeline.boundary(copy)["critical_velocity"].values
+    shutil.rmtree(copy / "fields")
+    np.testing.assert_array_equal(pipeline.boundary(copy)["critical_velocity"].values, right)
+    shutil.rmtree(copy / "status")
+    for ask in (pipeline.boundary, summary):
+        with pytest.raises(StoreError, match="status cannot be read; irg verify names"):
+            ask(copy)
+
+
+def test_what_lies_at_a_path_is_named_as_what_it_is(copy, tmp_path, irg):
+    (tmp_path / "a.toml").write_text("")
+    other, old = tmp_path / "other.zarr", tmp_path / "old.zarr"
+    zarr.open_group(other, mode="w")
+    zarr.open_group(old, mode="w", zarr_format=2)
+    said = {
+        tmp_path / "a.toml": "it is a scene; compute it by irg run",
+        copy.parent: "it is a folder of stores; give one of them, such as tiny.zarr",
+        other: "of another program; give a store that irg run has made",
+        old: "it is Zarr of format 2",
+    }
+    for path, words in said.items():
+        message = irg("boundary", path, code=2)
+        assert words in message
+        assert "backup" not in message

@@ -44,6 +44,11 @@ def put(name, content):
     return lambda path: (path / name).write_bytes(content)
 
 
+def relink(path):
+    (path / LOCK).unlink(missing_ok=True)
+    (path / LOCK).hardlink_to(path / ROOT)
+
+
 def forged(change):
     """Function that gives a store a root with other values and the right hash."""
 
@@ -125,9 +130,12 @@ REFUSALS = {
     "below": (below_file, "cannot be written: File exists"),
     "nothing": (lambda: summary("a.zarr"), "there is no store at "),
     "file": (file, "mine is no store"),
-    "folder": (folder, "mine is no store, or has lost"),
-    "foreign": (foreign, "damaged, or not that of a sweep"),
+    "folder": (folder, "mine is no store: it is a folder with other files"),
+    "foreign": (foreign, "zarr.json is that of another program"),
+    "address": (lambda: commit("memory://a.zarr", SWEEP, ()), "memory://a.zarr can only be read"),
     # locks
+    "hard link": (changed(lambda path: relink(path), go_on),
+                  "cannot be written: it is a hard link, so it has another name"),
     "in use": (in_use, f"in use by process {os.getpid()}"),
     "elsewhere": (changed(put(LOCK, b"process 7 on node7\n"), go_on),
                   "on node7; if that has ended, delete"),
@@ -147,10 +155,12 @@ REFUSALS = {
                "zarr.json is damaged, or not"),
     "labels": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
                "zarr.json is damaged, or not"),
-    "lost": (changed(lambda path: (path / ROOT).unlink()), "or has lost its zarr.json"),
+    "lost": (changed(lambda path: (path / ROOT).unlink()), "it has lost its zarr.json; restore it"),
     "copy": (by_xarray, "zarr.json is that of a copy by xarray, which can be read"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
+    "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),
+                 "status cannot be read; irg verify names what is damaged"),
     "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
     "beside": (with_another_variable, "mine, an array added by a user, would not grow with it"),
     "grown": (grown, "these points: load can only grow at its upper end; write a new store"),
@@ -160,8 +170,8 @@ REFUSALS = {
 }  # fmt: skip
 
 ELSEWHERE = {
+    "files.open_file OSError": "row of the hard link, which tells it as a StoreError",
     "files._require_no_link OSError": "rows of links, which tell it as a StoreError",
-    "files.open_file OSError": "test_lock.py",
     "root_file.require_same_scene StoreMismatchError": "test_create.py, in several lines",
     "write._require_lock StoreError": "test_lock.py",
 }
