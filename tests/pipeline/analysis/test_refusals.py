@@ -3,7 +3,6 @@
 from functools import cache
 from pathlib import Path
 
-import pytest
 import xarray as xr
 
 import pipeline
@@ -66,12 +65,6 @@ def at(**values):
 
 def margin(*place, **values):
     return lambda: pipeline.margin(synthetic.sweep(**values), *place)
-
-
-def nothing():
-    with pytest.raises(AttributeError) as caught:
-        _ = plane().irg.nothing
-    return caught.value
 
 
 def coded():
@@ -163,7 +156,6 @@ REFUSALS = {
     "no plane": (lambda: pipeline.boundary(places()), "so there is no plane"),
     "pins": (lambda: pipeline.diff(pins(), plane()), "the sweep has several values of pin"),
     "places": (lambda: pipeline.diff(places(), plane()), "so there is no plane of them"),
-    "answer": (nothing, "a sweep has no nothing; it has at, boundary"),
     "renamed": (lambda: pipeline.boundary(plane().rename(load="F")), "the dataset has no load;"),
     "emptied": (lambda: pipeline.boundary(plane().isel(velocity=[])), "has no velocity left"),
     "no number": (lambda: pipeline.boundary(plane().assign_coords(load=[*range(11), float("nan")])),
@@ -187,6 +179,13 @@ REFUSALS = {
 }  # fmt: skip
 
 
+ELSEWHERE = {
+    "margin_frame.margin InputError": "test_at.py",
+    "until._entry InputError": "test_budget.py",
+}
+"""Refusals that are not in the table: where they are tested."""
+
+
 refusals, test_what_is_refused_is_named, test_the_table_has_every_refusal = refusal_tests(
-    "analysis", REFUSALS
+    "analysis", REFUSALS, ELSEWHERE
 )
