@@ -17,6 +17,11 @@ def _sides(text: str) -> tuple[float, float]:
     return read(first), read(second if comma else first)
 
 
+def _cutoff(text: str) -> float:
+    """Read a cutoff [m]; 0 for "none"."""
+    return 0.0 if text == "none" else values.quantity("0.8 mm")(text)
+
+
 def _word_meaning(text: str) -> tuple[str, str]:
     """Read ``WORD=OUTCOME``: what a word in a log means; an empty word stands for empty cells."""
     name, _, outcome = map(str.strip, text.partition("="))
@@ -27,8 +32,8 @@ def _word_meaning(text: str) -> tuple[str, str]:
 
 _SCAN = (
     Option(
-        "scan", metavar="SCAN", type=user_path,
-        help="heights: .npy, text, or the file of an instrument",
+        "scan", metavar="SCAN", type=user_path, nargs="?",
+        help="map or profiles of heights: .npy, text, or the file of an instrument",
     ),
     Option(
         "--height-unit", metavar="UNIT",
@@ -39,6 +44,17 @@ _SCAN = (
         help='sides of a pixel, where the file gives none, like "0.8 um" or "0.8 um,0.9 um"',
     ),
     o.flag("--transpose", "exchange x and y of the file"),
+    Option(
+        "--length-unit", metavar="UNIT",
+        help='unit of the places of a profile, such as "mm", where the file gives none',
+    ),
+    Option(
+        "--cutoff", metavar="LENGTH", type=_cutoff,
+        help='nesting index of a profile, like "0.8 mm"; default: by ISO 21920-3 from its Ra; none '
+        "leaves it unfiltered",
+    ),
+    o.quantity("--ra", "RA", "0.2 um", "Ra of a data sheet, with --rsm and without a file"),
+    o.quantity("--rsm", "RSM", "60 um", "RSm of a data sheet"),
 )  # fmt: skip
 _TESTS = (
     Option(
@@ -67,8 +83,8 @@ _TESTS = (
 COMMANDS = (
     Command(
         "surface", "pipeline.laboratory.answer:surface",
-        "describe a scan: roughness, lay, correlation lengths; print a table for random surfaces "
-        "like it",
+        "describe a scan or profiles: roughness, lay, correlation lengths; print a table for "
+        "random surfaces like it",
         'scan.npy --height-unit um --pixel-size "0.8 um"', _SCAN,
     ),
     Command(

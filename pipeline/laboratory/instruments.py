@@ -15,19 +15,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from pipeline.paths import read_file
+from pipeline.paths import kind_of, read_file
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 from tribo.types import Array
 
 _SAVE = "save the heights as .x3p, .npy or text"
-_UNSURE = {
-    ".tmd": "readers of this format differ by a factor of 1000 in its heights",
-    **dict.fromkeys(
-        (".tif", ".tiff", ".png", ".jpg", ".jpeg", ".bmp", ".gif"),
-        "an image, whose grey values are no heights of a known unit",
-    ),
-}
+_UNSURE_TMD = "readers of this format differ by a factor of 1000 in its heights"
+_IMAGE = "an image, whose grey values are no heights of a known unit"
 _HEADER = 512  # bytes of a .sur header; byte 334 gives the sizes of the next blocks
 _VALUES = {"b": "?", "c": "u1", "i": "<i4", "q": "<i8", "d": "<f8"}
 """NumPy types of Gwyddion's components, by their letter; a capital letter is an array."""
@@ -44,6 +39,8 @@ class RawScan(NamedTuple):
     pixel: tuple[float, float] | None = None  # sides [m]
     unit: float | None = None  # one unit of the heights [m]
     steps: tuple[float, float] | None = None  # sides of a pixel in an unknown unit
+    places: Array | None = None  # of the heights of profiles (n, n_profile), shape (n,)
+    place_unit: float | None = None  # one unit of the places [m]
 
 
 def read_instrument(path: Path) -> RawScan:
@@ -52,10 +49,14 @@ def read_instrument(path: Path) -> RawScan:
     Raises an `InputError` with the reason if the content cannot be read, and an `OSError` if the
     file cannot be opened.
     """
-    suffix = path.suffix.lower()
-    if suffix in _UNSURE:
-        raise InputError(f"{path}: {_UNSURE[suffix]}; {_SAVE}")
-    own = {".x3p": _read_x3p, ".gwy": _read_gwy}.get(suffix)
+    content = read_file(path)
+    if content.startswith(b"Binary TrueMap"):
+        raise InputError(f"{path}: {_UNSURE_TMD}; {_SAVE}")
+    if (kind := kind_of(content)) == "an image":
+        raise InputError(f"{path}: {_IMAGE}; {_SAVE}")
+    suffix = path.suffix.lower() or kind or "a file without an ending"
+    own = _read_gwy if content.startswith(b"GWYP") else None
+    own = _read_x3p if zipfile.is_zipfile(path) and b"main.xml" in content else own
     try:
         return own(path) if own else _read_by_library(path)
     except (InputError, OSError):
@@ -71,9 +72,7 @@ def _read_x3p(path: Path) -> RawScan:
     """Read a surface of ISO 25178-72 (.x3p): a matrix in a binary member, or a list in XML."""
     with zipfile.ZipFile(path) as archive:
         names = archive.namelist()
-        main = next((name for name in names if name.rpartition("/")[2] == "main.xml"), None)
-        if main is None:
-            raise InputError(f"{path}: an archive without main.xml, which an .x3p has")
+        main = next(name for name in names if name.rpartition("/")[2] == "main.xml")
         root = ElementTree.fromstring(archive.read(main))
         x_axis, y_axis, z_axis = (root.find(f".//{{*}}{name}") for name in ("CX", "CY", "CZ"))
         sizes = [_text(root, name) for name in ("SizeX", "SizeY", "SizeZ")]
@@ -117,8 +116,6 @@ def _text(element: Any, name: str, usual: str = "") -> str:
 def _read_gwy(path: Path) -> RawScan:
     """Read a Gwyddion file: the first channel with a length unit, else the first without a unit."""
     content = read_file(path)
-    if not content.startswith(b"GWYP"):
-        raise InputError(f"{path}: does not begin as Gwyddion writes; {_SAVE}")
     _, held, _ = _gwy_object(content, 4)
     fields = [
         held[name][1] for name in sorted(held)
@@ -176,16 +173,17 @@ def _gwy_object(content: bytes, place: int) -> tuple[str, dict[str, Any], int]:
 
 def _read_by_library(path: Path) -> RawScan:
     """Read a surface in any format that the library SurfaceTopography knows."""
+    content = read_file(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # its warnings do not concern the user
         try:
             formats: Any = importlib.import_module("SurfaceTopography.IO")
         except ImportError as error:
             raise InputError(
-                f"{path}: SurfaceTopography may know its format: get that with "
+                f"{path}: {kind_of(content) or 'a text'}; SurfaceTopography may know its format: "
+                "get that with "
                 f'"pip install SurfaceTopography", or {_SAVE}'
             ) from error
-        content = read_file(path)
         source: Any = str(path)
         if content.startswith(b"DSCOMPRESSED"):
             source = io.BytesIO(_unpacked_sur(content))
@@ -196,8 +194,13 @@ def _read_by_library(path: Path) -> RawScan:
         if reader.default_channel.physical_sizes is None:
             raise InputError(f"{path}: states no sizes; {_SAVE}")
         topography = reader.topography()
-    if topography.dim != 2 or not topography.is_uniform:
-        raise InputError(f"{path}: a profile, or unevenly spaced; give a map of heights")
+    if topography.dim == 1:
+        size = float(topography.to_unit("m").physical_sizes[0]) if topography.unit else None
+        length = size and size / float(topography.physical_sizes[0])
+        line = np.asarray(topography.heights(), dtype=float)[:, None]
+        return RawScan(line, unit=length, places=topography.positions(), place_unit=length)
+    if not topography.is_uniform:
+        raise InputError(f"{path}: unevenly spaced; give an even map of heights")
     masked: Any = np.ma.masked_invalid(np.ma.array(topography.heights(), dtype=float))
     heights: Array = np.ma.filled(masked, np.nan)
     if topography.unit is None:

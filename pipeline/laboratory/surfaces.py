@@ -6,6 +6,7 @@ import os
 import tokenize
 import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,12 @@ import numpy as np
 from pipeline.laboratory.instruments import RawScan, read_instrument
 from pipeline.laboratory.text_scan import TEXT, read_text
 from pipeline.laboratory.workbook import unpacked_size
-from pipeline.paths import open_regular, reason_of, user_path
+from pipeline.paths import kind_of, open_regular, read_file, reason_of, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from pipeline.sweep.areal import remove_form
 from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from tribo import InputError
-from tribo.surface import average_roughness, rms_height
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # largest file, unpacked
@@ -71,18 +71,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     or the optional packages for its format are not installed.
     """
     path = user_path(path)
-    suffix = path.suffix.lower()
-    try:
-        os.close(open_regular(path))  # a FIFO would be waited for
-        _require_size(path)
-        if suffix in TEXT:
-            raw = read_text(path)
-        elif suffix == ".npy":
-            raw = RawScan(_read_array(path))
-        else:
-            raw = read_instrument(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
+    raw = read_raw(path)
     unit = raw.unit if height_unit is None else height_unit
     if not unit or unit < 0:
         lacks = "" if raw.pixel else "; and pixel_size, if it is not given"
@@ -95,9 +84,31 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     heights[np.isinf(heights)] = np.nan
     notes += [f"{infinite} infinite heights are taken for holes"] if infinite else []
     notes += _remove_outliers(heights, unit)
-    if min(heights.shape) < 2:
-        _refuse_profile(path, heights[np.isfinite(heights)])
+    if raw.places is not None or min(heights.shape) < 2:
+        _refuse_profile(path, heights)
     return MeasuredSurface(np.ascontiguousarray(heights), raw.pixel, tuple(notes), raw.steps)
+
+
+def read_raw(path: Path) -> RawScan:
+    """Read heights as in a file, whose content tells its format; errors as in `read_surface`."""
+    try:
+        os.close(open_regular(path))  # a FIFO would be waited for
+        _require_size(path)
+        content = read_file(path)
+        if content.startswith(b"\x93NUMPY"):
+            return _read_array(path)
+        if kind_of(content) or content.startswith(b"PK"):
+            return read_instrument(path)
+        if path.suffix.lower() in TEXT:
+            return read_text(path)
+        try:  # a text of an instrument, or one with an ending of its own
+            return read_instrument(path)
+        except InputError:
+            with suppress(InputError):
+                return read_text(path)
+            raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
 
 
 def _require_size(path: Path) -> None:
@@ -116,8 +127,8 @@ def _require_size(path: Path) -> None:
         )
 
 
-def _read_array(path: Path) -> Array:
-    """Read heights (nx, ny) from a .npy file whose array has the shape (ny, nx).
+def _read_array(path: Path) -> RawScan:
+    """Read heights (nx, ny) from a .npy file whose array has the shape (ny, nx), or a profile (n,).
 
     Heights are in the file's unit, which such a file does not state.
     """
@@ -126,13 +137,15 @@ def _read_array(path: Path) -> Array:
             array = np.lib.format.read_array(file, allow_pickle=False)
     except (ValueError, EOFError, tokenize.TokenError, MemoryError) as error:
         raise InputError(f"{path}: not a plain array of numbers: {error}") from error
+    if array.ndim == 1 and array.size > 1 and array.dtype.kind in "fiu":
+        line = array.astype(np.float64)[:, None]
+        return RawScan(line, places=np.arange(array.size, dtype=float))
     if array.ndim != 2 or array.size == 0 or array.dtype.kind not in "fiu":
         raise InputError(
             f"{path}: an array of shape {array.shape} and type {array.dtype}; needed are "
             "two-dimensional real numbers, a row for each y"
         )
-    heights: Array = array.T.astype(np.float64)
-    return heights
+    return RawScan(array.T.astype(np.float64))
 
 
 def _remove_outliers(heights: Array, unit: float) -> list[str]:
@@ -155,16 +168,12 @@ def _remove_outliers(heights: Array, unit: float) -> list[str]:
 
 
 def _refuse_profile(path: Path, heights: Array) -> None:
-    """Raise an `InputError`: `heights` [m] are a profile, not a map.
-
-    The message has Ra and Rq of the profile about a fitted straight line.
-    """
-    place = np.arange(len(heights))
-    level = heights - np.polyval(np.polyfit(place, heights, 1), place)
-    ra, rq = (display(one(level), "µm", 3) for one in (average_roughness, rms_height))
+    """Raise an `InputError`: `heights` [m] are of profiles, and not a map."""
+    level = np.stack([line - np.nanmean(line) for line in np.atleast_2d(heights.T)])
+    ra = display(float(np.nanmean(np.abs(level))), "µm", 3)
     raise InputError(
-        f"{path}: a profile of {len(heights)} heights, Ra {ra}, Rq {rq}; a surface needs a map of "
-        "heights"
+        f"{path}: a profile of {max(heights.shape)} heights, Ra {ra} unfiltered; a surface needs a "
+        f"map of heights. Its roughness is printed by: irg surface {path}"
     )
 
 

@@ -46,6 +46,7 @@ _SENTINEL = re.compile(r"no[ _]?data(?:[ _]value)?[\s:=]+(-?\d+\.?\d*(?:e[+-]?\d
 _HEAD = re.compile(r"\b([xyz])\b\s*[\[(/]\s*([^\])/\s;,\t]+)", re.IGNORECASE)
 _AFTER_COMMA = re.compile(r",0\d")  # must be decimals: no whole number begins with 0
 _LEAST_PLACES = 9  # rows from which a table of three columns is taken for x, y and z
+_MOST_PROFILES, _LONGER = 12, 20  # columns of profiles, and rows over columns
 _SAMPLE = 30  # lines used to find the separator
 _TOLERANCE = 1e-3  # largest relative deviation of places from a regular grid
 
@@ -66,12 +67,14 @@ def read_text(path: Path) -> RawScan:
     sizes, units = _header_sizes(head)
     unit = sizes.get("unit", units.get("z"))
     is_long = table.shape[0] >= _LEAST_PLACES or path.suffix.lower() == ".xyz"
-    if table.shape[1] == 3 and is_long:
+    if table.shape[1] == 3 and is_long and not (_are_profiles(table) and np.ptp(table[:, 1])):
         return _grid_heights(path, table, units, unit)
     if blocks > 1:
         raise InputError(f"{path}: {blocks} tables, separated by blank lines; give a file for each")
-    if table.shape[1] == 1 or (table.shape[1] == 2 and math.isfinite(_step(table[:, 0]))):
-        return RawScan(np.ascontiguousarray(table[:, -1:]), unit=unit)
+    if table.shape[1] == 1:
+        return RawScan(table, unit=unit, places=np.arange(len(table), dtype=float))
+    if _are_profiles(table):
+        return RawScan(table[:, 1:], unit=unit, places=table[:, 0], place_unit=units.get("x"))
     is_sized = {"width", "height"} <= sizes.keys()
     table, steps = (table, None) if is_sized else _strip_axes(table, above)
     heights = np.ascontiguousarray(table.T)
@@ -83,6 +86,14 @@ def read_text(path: Path) -> RawScan:
     elif {"x step", "y step"} <= sizes.keys():
         pixel = sizes["x step"], sizes["y step"]
     return RawScan(heights, pixel, unit, steps)
+
+
+def _are_profiles(table: Array) -> bool:
+    """True for places along a line and the heights there, of a few profiles at most."""
+    count, columns = table.shape
+    steps = np.diff(table[:, 0])
+    is_line = bool((steps > 0).all() or (steps < 0).all())
+    return columns == 2 or (is_line and columns <= _MOST_PROFILES and count > _LONGER * columns)
 
 
 def _step(line: Array) -> float:
@@ -222,11 +233,12 @@ def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float
     z in metres, or None. If x or y is constant, the result is a profile, (n, 1).
     """
     axes, places = [], []
-    for column in table.T[:2]:
+    for axis, column in enumerate(table.T[:2]):
         values = np.unique(column[np.isfinite(column)])
         apart = np.diff(values)
         if not apart.size:
-            return RawScan(np.ascontiguousarray(table[:, 2:]), unit=unit)
+            other, length = 1 - axis, units.get("xy"[1 - axis])
+            return RawScan(table[:, 2:], unit=unit, places=table[:, other], place_unit=length)
         step = float(np.median(apart[apart > _TOLERANCE * apart.max()]))
         place = (column - values[0]) / step
         if np.nanmax(np.abs(place - np.round(place))) > 100 * _TOLERANCE:

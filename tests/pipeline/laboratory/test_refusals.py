@@ -174,6 +174,16 @@ def endless():
     return read_surface("a.csv", 1.0)
 
 
+def surface_command(text, *options):
+    """Function that runs ``irg surface`` on a text, or without a file."""
+
+    def build():
+        Path("p.txt").write_text(text)
+        return command("surface", *["p.txt"] * bool(text), *options)
+
+    return build
+
+
 def log_command(text, *options):
     def build():
         Path("log.csv").write_text(text)
@@ -205,7 +215,8 @@ def many(rows, head="time [s],COF"):
 GRIDDED = "".join(f"{x} {y} {x * y % 3}\n" for x in range(4) for y in range(4))
 SIZED = "# Width: 4.00 µm\n# Height: 4.00 µm\n# Value units: µm\n" + "1 2 3 4\n" * 4
 HOLED = np.where(np.arange(480) % 3, 1.0, np.nan) * np.ones(SQUARE)
-FLAT = FakeTopography(np.ones((4, 4)), dim=1)
+FLAT = FakeTopography(np.ones((4, 4)))
+FLAT.is_uniform = False
 REFUSALS = {
     # text
     "unequal": (scan("1 2 3\n4 5\n"), "all rows must be of equal length"),
@@ -223,12 +234,18 @@ REFUSALS = {
     "endless": (endless, "2.0 GiB; at most 1 GiB are read"),
     # plain arrays
     "no length": (array(np.eye(20), unit=0.0), "give height_unit"),
-    "npz": (plain(saved(np.savez, heights=np.ones((2, 2)))), "not a plain array"),
+    "npz": (plain(saved(np.savez, heights=np.ones((2, 2)))), "a.npy: "),
     "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
     "npy large": (vast, "74.5 GiB"),
     # files of instruments
-    "image": (scan(b"", None, "a.tif"), "an image, whose grey"),
-    "profile": (instrument(FLAT), "a profile, or unevenly spaced"),
+    "no scan": (surface_command("", "--ra", "1 um"), "give a SCAN, or --ra and --rsm"),
+    "no profile": (surface_command("1 2 3\n4 5 6\n7 8 9\n", "--cutoff", "none"), "is a map, and"),
+    "profile units": (surface_command("0.1 5\n0.2 6\n"), 'give --height-unit "um" and --length'),
+    "short profile": (surface_command("0.1 5\n0.2 6\n", "--height-unit", "um", "--length-unit",
+                                      "mm"), "a profile of 2 heights; give 8 or more"),
+    "coarse": (surface_command("", "--ra", "1 um", "--rsm", "1 um"), "give smaller pixels"),
+    "image": (scan(b"II*\0", None, "a.tif"), "an image, whose grey"),
+    "profile": (instrument(FLAT), "unevenly spaced; give an even map"),
     "sizeless": (instrument(None, sizes=None), "states no sizes; save the heights as"),
     "broken": (instrument(RuntimeError("bad header\nmore")), "cannot be read as .opd: bad header"),
     "no library": (no_library, "pip install SurfaceTopography"),
@@ -236,14 +253,14 @@ REFUSALS = {
     "packed": (bomb("a.x3p", 200_000_000, read_surface), "unpacks to 200 MB, "),
     "bomb": (bomb("a.x3p", 2**31, read_surface), "2.0 GiB; at most 1 GiB are"),
     "packed bomb": (packed_bomb, "unpacks to more than 1 GiB"),
-    "no main": (bomb("a.x3p", 2**10, read_surface), "an archive without main.xml"),
+    "no main": (bomb("a.x3p", 2**10, read_surface), "damaged .x3p file"),
     "x3p profile": (scan(x3p(SMALL, PIXEL, edit=("SUR</F", "PRF</F")), None, "a.x3p"),
                     "a profile (FeatureType PRF)"),
     "x3p layers": (scan(x3p(SMALL, PIXEL, edit=("eZ>1", "eZ>2")), None, "a.x3p"), "2 layers; g"),
     "x3p short": (scan(x3p(SMALL, PIXEL, edit=("eY>8", "eY>9")), None, "a.x3p"), "64 heights "),
     "x3p places": (scan(x3p(SMALL, PIXEL, edit=("Type>I<", "Type>A<")), None, "a.x3p"),
                    "heights are not on a regular grid"),
-    "gwy": (scan(b"x", None, "a.gwy"), "does not begin as Gwyddion writes"),
+    "gwy": (scan(b"x", None, "a.gwy"), "damaged .gwy file"),
     "gwy phase": (scan(gwy([("p", SMALL, "deg")], PIXEL), None, "a.gwy"), "no channel of heights"),
     # statistics
     "no pixels": (array(np.eye(20), None), "no size of a pixel; give pixel_size"),

@@ -148,3 +148,64 @@ def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, i
     assert (facts.ra, facts.rq) == pytest.approx((rough["ra"], rough["rq"]), rel=1e-9)
     with pytest.raises(SceneFileError, match=r"the pixels of disk\.roughness\.file are"):
         load_scene("first_try", overrides=surface | {"window.pixel_size": ["1 um", "0.5 um"]})
+
+
+def sine(amplitude, period, length, step):
+    """Places and heights [µm] of a sine on a slope."""
+    x = np.arange(0, length, step)
+    return x, amplitude * np.sin(2 * np.pi * x / period) + 0.01 * x
+
+
+def test_a_profile_has_the_roughness_of_its_formula(tmp_path, irg):
+    x, z = sine(1.0, 60.0, 4000.0, 0.5)
+    path = tmp_path / "profile.txt"
+    np.savetxt(path, np.stack([x / 1e3, z], axis=1), "%.5f", header="X [mm]  Z [um]", comments="")
+    found = irg("surface", path, "--json")
+    assert found["cutoff"] == 0.8e-3
+    # The filter leaves 1 − 2^(−(λc/λ)²) of a sine, nearly all here.
+    assert found["ra"] == pytest.approx(2e-6 / np.pi, rel=0.01)
+    assert found["rq"] == pytest.approx(1e-6 / np.sqrt(2), rel=0.01)
+    assert found["rz"] == pytest.approx(2e-6, rel=0.02)
+    assert found["rsm"] == pytest.approx(60e-6, rel=0.01)
+    half = irg("surface", path, "--json", "--cutoff", "0.06 mm")
+    assert half["rq"] == pytest.approx(0.5e-6 / np.sqrt(2), rel=0.02)  # 50 % at the cutoff
+
+
+@pytest.mark.parametrize(("ra", "cutoff"), [(0.015, 0.08), (0.08, 0.25), (1.5, 0.8), (5.0, 2.5)])
+def test_the_cutoff_is_that_of_the_profile_s_own_ra(tmp_path, irg, ra, cutoff):
+    x, z = sine(ra * np.pi / 2, 30.0, 12500.0 * cutoff / 2.5, 0.5)
+    np.savetxt(tmp_path / "p.csv", np.stack([x, z], axis=1), "%.5f", delimiter=",")
+    units = "--height-unit", "um", "--length-unit", "um"
+    assert irg("surface", tmp_path / "p.csv", *units, "--json")["cutoff"] == cutoff * 1e-3
+
+
+def test_rounded_places_several_profiles_and_few_sections_are_told(tmp_path, irg):
+    x, z = sine(1.0, 60.0, 1700.0, 1 / 3)
+    table = np.stack([np.round(x, 1), z, 2 * z], axis=1)
+    np.savetxt(tmp_path / "p.txt", table, "%.4f")
+    units = "--height-unit", "um", "--length-unit", "um"
+    said = irg("surface", tmp_path / "p.txt", *units)
+    assert f"2 profiles of {len(x)} heights" in said
+    assert "2 of 5 sections: the profile is short" in said
+    assert "unfiltered; measure 4 mm" in irg(
+        "surface", tmp_path / "p.txt", "--height-unit", "um",
+        "--length-unit", "nm",
+    )  # fmt: skip
+
+
+def test_a_data_sheet_makes_random_surfaces_with_its_rsm(tmp_path, irg):
+    found = irg("surface", "--ra", "0.2 um", "--rsm", "60 um", "--json")
+    table = tomllib.loads(found["toml"])["disk"]["roughness"]
+    assert (table["ra"], table["hurst_exponent"]) == ("0.2 um", 0.8)
+    length = to_si(table["correlation_length"], "1 um")
+    heights = self_affine(Grid((512, 512), (0.95e-6, 0.95e-6)), 0.2e-6, 0.8, (length, length), 9)
+    x = 0.95e-6 * np.arange(512)
+    path = tmp_path / "lines.txt"
+    np.savetxt(path, np.column_stack([x, heights[:, ::50]])[:, :11] * 1e6, "%.6f")
+    units = "--height-unit", "um", "--length-unit", "um"
+    again = irg("surface", path, *units, "--cutoff", "none", "--json")
+    assert again["rsm"] == pytest.approx(60e-6, rel=0.25)  # eleven lines of some eight elements
+    (tmp_path / "a.toml").write_text(
+        f'extends = "first_try"\nwithout = ["disk.roughness"]\n{found["toml"]}'
+    )
+    assert load_scene(tmp_path / "a.toml").scene.roughness.ra == 0.2e-6
