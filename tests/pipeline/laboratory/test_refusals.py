@@ -243,7 +243,7 @@ REFUSALS = {
     "profile units": (surface_command("0.1 5\n0.2 6\n"), 'give --height-unit "um" and --length'),
     "short profile": (surface_command("0.1 5\n0.2 6\n", "--height-unit", "um", "--length-unit",
                                       "mm"), "a profile of 2 heights; give 8 or more"),
-    "coarse": (surface_command("", "--ra", "1 um", "--rsm", "1 um"), "give smaller pixels"),
+    "coarse": (surface_command("", "--ra", "1 um", "--rsm", "1 um", "-q"), "give smaller pixels"),
     "image": (scan(b"II*\0", None, "a.tif"), "an image, whose grey"),
     "profile": (instrument(FLAT), "unevenly spaced; give an even map"),
     "sizeless": (instrument(None, sizes=None), "states no sizes; save the heights as"),
