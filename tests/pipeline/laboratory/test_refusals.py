@@ -238,6 +238,10 @@ REFUSALS = {
     "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
     "npy large": (vast, "74.5 GiB"),
     # files of instruments
+    "npy cut": (scan(b"\x93NUMPY\x01", None, "a.npy"), "not a plain array"),
+    "tmd": (scan(b"Binary TrueMap Data File v2.0\r\n", None, "a.tmd"), "by a factor of 1000"),
+    "place twice": (surface_command("1 5\n" * 9, "--height-unit", "um", "--length-unit", "mm"),
+                    "two heights at one place"),
     "no scan": (surface_command("", "--ra", "1 um"), "give a SCAN, or --ra and --rsm"),
     "no profile": (surface_command("1 2 3\n4 5 6\n7 8 9\n", "--cutoff", "none"), "is a map, and"),
     "profile units": (surface_command("0.1 5\n0.2 6\n"), 'give --height-unit "um" and --length'),
