@@ -23,6 +23,7 @@ CUTOFFS = (0.02e-6, 0.08e-3), (0.1e-6, 0.25e-3), (2e-6, 0.8e-3), (10e-6, 2.5e-3)
 """Highest Ra [m], and the nesting index λc [m] up to it (ISO 21920-3)."""
 SECTIONS = 5
 _ALPHA = math.sqrt(math.log(2) / math.pi)  # of the Gaussian filter, ISO 16610-21
+_FEWEST = 8  # heights of a profile
 _HEIGHT = 0.1  # least height of a profile element, over Rz
 _ROUNDED = 0.75  # deviation of rounded places from even ones, at most, in steps
 _HURST, _SURFACES = 0.8, 4  # of random surfaces like a data sheet's
@@ -113,8 +114,8 @@ def profile_statistics(
 def _even(places: Array, heights: Array) -> tuple[float, Array, list[str]]:
     """Step [m] and heights at even places, above a fitted straight line; and notes."""
     notes = list[str]()
-    if len(places) < 8:
-        raise InputError(f"a profile of {len(places)} heights; give 8 or more")
+    if (count := int(np.isfinite(heights).sum(axis=0).min())) < _FEWEST:
+        raise InputError(f"a profile of {count} heights; give {_FEWEST} or more")
     order = np.argsort(places, kind="stable")
     places, heights = places[order], heights[order].astype(float)
     if (np.diff(places) <= 0).any():
@@ -130,8 +131,6 @@ def _even(places: Array, heights: Array) -> tuple[float, Array, list[str]]:
     lines = []
     for line in heights.T:
         known = np.isfinite(line)
-        if known.sum() < 8:
-            raise InputError(f"a profile of {known.sum()} heights; give 8 or more")
         at = places if is_uneven else even
         filled = np.interp(even, at[known], line[known])
         lines.append(filled - np.polyval(np.polyfit(even, filled, 1), even))
