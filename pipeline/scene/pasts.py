@@ -31,7 +31,10 @@ def _difference(own: Loading, plane: Loading) -> str:
     if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
         return "" if own == plane else "another record of the load than the plane's"
     if isinstance(own, Stages) and isinstance(plane, Stages):
-        return "" if own == plane else "other stages than the plane's: longer ones wear and cool it"
+        is_begun_alike = own.shares_stages(plane)
+        return (
+            "" if is_begun_alike else "other stages than the plane's: longer ones wear and cool it"
+        )
     if isinstance(own, Stages):
         return "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"
     if isinstance(plane, Stages):

@@ -79,6 +79,19 @@ class Stages:
         levels, unit = (self.velocities, "m/s") if self.velocities else (self.loads, "N")
         return f"{', '.join(f'{level:g}' for level in levels)} {unit}"
 
+    def shares_stages(self, other: Stages) -> bool:
+        """True if these stages are the first of the `other` ones, or the other way round.
+
+        Examples
+        --------
+        >>> stages = Stages(loads=(100.0, 200.0), holds=(60.0, 60.0), rate=150.0)
+        >>> stages.shares_stages(Stages(loads=(100.0,), holds=(60.0,), rate=150.0))
+        True
+        """
+        count = min(len(self.holds), len(other.holds))
+        pasts = [(one.rate, one._levels(count)) for one in (self, other)]
+        return pasts[0] == pasts[1]
+
     def count(self, normal_load: float, velocity: float | None = None) -> int:
         """Number of stages up to the one at a load [N]; of stages of velocity at a velocity [m/s].
 

@@ -43,3 +43,15 @@ def test_a_specimen_of_several_places_without_stages_is_doubted(told):
         PLACE.replace("400", "300").replace("severe", "mild") + 'run = "a"\n',
     ]
     assert f"tests 1, 2: {FRESH}" in told(*rows)
+
+
+def test_more_stages_of_the_same_kind_are_no_other_past(tmp_path, irg):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'extends = "srv"\n[sweep]\nloads = ["200 N"]\n[[tested]]\nvelocity = "0.1 m/s"\n'
+        'mild_up_to = "300 N"\n[[tested]]\nvelocity = "0.1 m/s"\nmild_up_to = "200 N"\n'
+        'stages = { first = "100 N", step = "100 N", hold = "30 s" }\n'
+    )
+    said = [row["meaning"] for row in irg("check", scene, "--json")["statements"]]
+    told = "test 2: other stages than the plane's: longer ones wear and cool it"
+    assert [line for line in said if "stages than" in line] == [told]
