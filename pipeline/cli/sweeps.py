@@ -6,16 +6,18 @@ import argparse
 import math
 import shlex
 from collections.abc import Iterator
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.caveats import UNKNOWN_FILM, doubt_lines
 from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
 from pipeline.analysis.tables import frame_of, records
+from pipeline.analysis.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, counted, tell
@@ -65,10 +67,7 @@ def run(options: argparse.Namespace) -> Result:
     if failed:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
-        kind, store = sweep_kind(judged), shlex.quote(str(out))
-        answers = ["margin", "explore"] if kind is Layout.PLACES else ["boundary", "plot"]
-        answers = ["explore"] if stored.conditions.critical_temperature is None else answers
-        text.append("next: " + ", ".join(f"irg {answer} {store}" for answer in answers))
+        text += _ending(judged, shlex.quote(str(out)))
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),
@@ -80,6 +79,18 @@ def run(options: argparse.Namespace) -> Result:
         }  # fmt: skip
     code = output.SOME_FAILED if failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)
+
+
+def _ending(judged: xr.Dataset, store: str) -> list[str]:
+    """The boundary of a sweep that was run, and the commands that go on from its `store`."""
+    if scene_sweep(judged).conditions.critical_temperature is None:
+        return [f"next: irg explore {store}"]
+    if sweep_kind(judged) is Layout.PLACES:
+        return [f"next: irg margin {store}, irg explore {store}"]
+    found = list[str]()
+    with suppress(InputError):  # as where too few points are done; irg boundary says why
+        found = [next_run_line(pipeline.boundary(judged))]
+    return [*found, f"next: irg boundary {store}, irg plot {store}"]
 
 
 def _notes_on(sweep: Sweep) -> tuple[Remark, ...]:
