@@ -7,14 +7,17 @@ import re
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
+import numpy as np
 import pandas as pd
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout
+from pipeline.analysis.film import OUTSIDE_WORDS, is_outside
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin_frame import LONG, counts_in_words, margin
 from pipeline.analysis.results import Results
+from pipeline.analysis.rises import rises_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.tested import test_parts
 from pipeline.analysis.warned_points import warned
@@ -43,14 +46,27 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
     `points` are operating points whose margins are shown, or None.
     """
     has_places = points is not None or data.kind is Layout.PLACES
+    caveats = *_film_lines(data), *caveats_of(data)
     return {
         "answer": _section("Answer", _answer(data)),
-        "caveats": "".join(f"<li>{_plain(line)}</li>" for line in caveats_of(data)),
+        "caveats": "".join(f"<li>{_plain(line)}</li>" for line in caveats),
         "duties": _section("Operating points", _margins(data, points)) if has_places else "",
         "tests": _section("Tests", _tests(data)),
         "inputs": _section("Inputs", _inputs(data)),
         "origin": _section("Origin", _origin(data)),
     }
+
+
+def _film_lines(data: Results) -> Iterator[str]:
+    """Yield a line if a film carries too much at a point of the plane, which nodes do not show."""
+    if data.kind is not Layout.PLANE or data.conditions.critical_temperature is None:
+        return
+    rises = rises_of(data)
+    places = [axis.ravel() for axis in np.meshgrid(rises.loads, rises.velocities, indexing="ij")]
+    outside = is_outside(rises, *places)
+    if outside.any():
+        first = places[1][outside].min()
+        yield f"{OUTSIDE_WORDS}, from {first:.3g} m/s on; the page's verdicts do not hold there"
 
 
 def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:

@@ -114,3 +114,9 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: own)
     said = " ".join(irg("boundary", "out.zarr").split())
     assert f"(transition, 200 N, 3.75 m/s) does not count: it is o{SAID}" in said
+
+
+def test_the_page_says_from_where_its_verdicts_do_not_hold(store, tmp_path):
+    page = tmp_path / "a.html"
+    pipeline.explore(store, page)
+    assert f"o{SAID}, from 2 m/s on" in page.read_text(encoding="utf-8")
