@@ -118,8 +118,10 @@ def _even(places: Array, heights: Array) -> tuple[float, Array, list[str]]:
         raise InputError(f"a profile of {count} heights; give {_FEWEST} or more")
     order = np.argsort(places, kind="stable")
     places, heights = places[order], heights[order].astype(float)
-    if (np.diff(places) <= 0).any():
-        raise InputError("a profile has two heights at one place; give each place once")
+    if not (np.diff(places) > 0).all():  # of NaN, too
+        raise InputError(
+            "a profile has two heights at one place, or one without a place; give each place once"
+        )
     even = np.linspace(places[0], places[-1], len(places))
     step = float(even[1] - even[0])
     holes = int(np.isnan(heights).sum())

@@ -114,7 +114,10 @@ def read_raw(path: Path) -> RawScan:
 def _require_size(path: Path) -> None:
     """Raise an `InputError` for a file that takes too much memory, also once it is unpacked."""
     packed = path.stat().st_size
-    size = unpacked_size(path) if zipfile.is_zipfile(path) else packed
+    try:
+        size = unpacked_size(path) if zipfile.is_zipfile(path) else packed
+    except zipfile.BadZipFile as error:
+        raise InputError(f"{path} is a damaged archive: {error}; save it again") from error
     if size > _MOST_BYTES:
         raise InputError(
             f"{path}: {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are read. "

@@ -238,6 +238,8 @@ REFUSALS = {
     "npy text": (plain(saved(np.save, arr=np.array([["a"]]))), "real numbers"),
     "npy large": (vast, "74.5 GiB"),
     # files of instruments
+    "zip cut": (scan(b"PK\1\2" + bytes(60) + b"PK\5\6" + bytes(8) + b"\1\0\1\0" + bytes(10),
+                     None, "a.x3p"), "is a damaged archive"),
     "npy cut": (scan(b"\x93NUMPY\x01", None, "a.npy"), "not a plain array"),
     "tmd": (scan(b"Binary TrueMap Data File v2.0\r\n", None, "a.tmd"), "by a factor of 1000"),
     "place twice": (surface_command("1 5\n" * 9, "--height-unit", "um", "--length-unit", "mm"),
