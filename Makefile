@@ -99,18 +99,27 @@ bench-peers: .venv/test    ## measure the contact solver beside others, which it
 	    $(BIN)/python -m pip install --quiet $$peer || echo "not installed: $$peer"; done
 	$(MEASURE) --timeout 3600 tests/benchmarks/test_contact.py
 
-release:              ## sdist and wheel in results/dist, checked, and tried in an empty environment
-	rm -rf results/dist .venv-release
+INDEX = http://127.0.0.1:18795
+release:              ## sdist and wheel in results/dist, uploaded to an index here, and tried from there
+	rm -rf results/dist .venv-release .venv-tried
 	$(PYTHON) -m venv .venv-release
-	.venv-release/bin/python -m pip install --quiet 'hatchling>=1.27' 'hatch-fancy-pypi-readme>=24.1' 'twine>=6.1'
+	# twine and pkginfo are those of the publisher that release.yml pins.
+	.venv-release/bin/python -m pip install --quiet 'hatchling>=1.27' 'hatch-fancy-pypi-readme>=24.1' \
+	    twine==5.0.0 pkginfo==1.10.0 'pypiserver>=2.3'
 	.venv-release/bin/hatchling build -d results/dist
 	.venv-release/bin/twine check --strict results/dist/*
-	rm -rf .venv-release
-	$(PYTHON) -m venv .venv-release
-	.venv-release/bin/python -m pip install --quiet results/dist/*.whl
-	cd results/dist && ../../.venv-release/bin/irg run first_try -o first_try.zarr
-	cd results/dist && ../../.venv-release/bin/irg boundary first_try.zarr
-	rm -rf .venv-release results/dist/first_try.zarr
+	$(PYTHON) -m venv .venv-tried
+	mkdir .venv-release/index
+	.venv-release/bin/pypi-server run -p 18795 -i 127.0.0.1 -P . -a . .venv-release/index & \
+	    trap "kill $$!" EXIT; sleep 3; \
+	    .venv-release/bin/twine upload --repository-url $(INDEX) -u none -p none \
+	        --disable-progress-bar results/dist/* && \
+	    .venv-tried/bin/python -m pip install --quiet --extra-index-url $(INDEX)/simple irg-transition
+	mkdir .venv-tried/away
+	cd .venv-tried/away && ../bin/irg run first_try -o first_try.zarr
+	cd .venv-tried/away && ../bin/irg boundary first_try.zarr
+	cd .venv-tried/away && ../bin/irg help physics > page.md && ../bin/irg new --list
+	rm -rf .venv-release .venv-tried
 
 clean:                ## remove what was made, results included
-	rm -rf .venv .venv-lowest .venv-release results
+	rm -rf .venv .venv-lowest .venv-release .venv-tried results
