@@ -109,7 +109,7 @@ def rises(sweep, fidelity, loads, velocities):
     for column, velocity in enumerate(velocities):
         trunks = Trunks()
         for row, load in enumerate(loads):
-            point = run_point(sweep, Point(load, velocity), trunks)
+            point = run_point(sweep.base.scene, sweep.stations, Point(load, velocity), trunks)
             for share, conditions in zip(SHARES, kinds, strict=True):
                 found[str(share)][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})
