@@ -92,7 +92,7 @@ SAMPLING = {
 }
 """Variables of the contact at the end, estimated from this contact alone."""
 FILM = {
-    "film_inlet": Variable(PLANE, "m-1", "integral of the inlet, by which a film is judged"),
+    "film_inlet": Variable(PLANE, "1/m", "integral of the inlet, by which a film is judged"),
     "film_pressure": Variable(PLANE, "Pa", "mean pressure of the smooth worn contact"),
 }
 """Variables of the contact at the end, by which answers judge the film of an oil."""

@@ -148,7 +148,7 @@ SCENES = {
         f'"{key}" = {json.dumps([f"{5 + number / 100} {unit}" for number in range(149)])}\n'
         for key, unit in _VALUES.items()
     ),
-    "at most 100000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
+    "at most 10000 are allowed": 'loading.reference_load = "1 N"\nfidelity.increments = 1000',
     "2.5e+07 points are too many": "[sweep]\n"
     + "".join(
         f'{name} = {{ from = "1 {unit}", to = "7 {unit}", count = 5000 }}\n'

@@ -185,7 +185,8 @@ def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
         assert found == sorted(filter(None, by_bit))
         assert f"{count} point{' carries' if count == 1 else 's carry'}" in said
     checked, said, _ = ask("verify", kind)
-    assert checked == []
+    assert checked["points"] == {"done": counts[1], "damaged": 0}
+    assert (checked["damaged"], checked["shared"]) == ([], [])
     assert f"points: {counts[1]} done and intact, 0 damaged" in said
 
 

@@ -47,7 +47,7 @@ def film_inlet(scene: Scene, state: State) -> tuple[float, float]:
     --------
     >>> import tribo
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> tribo.film_inlet(scene, state)  # of a ball
+    >>> film_inlet(scene, state)  # of a ball
     (nan, nan)
     """
     scene = refined_scene(scene, state)
