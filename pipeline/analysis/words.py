@@ -112,9 +112,10 @@ def next_run_line(boundary: xr.Dataset) -> str:
         here = boundary.sel(load=load)
         names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
         low, middle, high = (here[name].item() for name in names)
-        ends = [f"{end:.3g}" if math.isfinite(end) else "beyond the sweep" for end in (low, high)]
         centre = f"{middle:.3g} m/s" if math.isfinite(middle) else "no velocity of the sweep"
-        said.append(f"{centre} at {load:g} N (5 to 95 %: {ends[0]} to {ends[1]} m/s)")
+        ends = {"5 %": low, "95 %": high}
+        told = ", ".join(f"{k}: {end:.3g} m/s" for k, end in ends.items() if math.isfinite(end))
+        said.append(f"{centre} at {load:g} N" + f" ({told})" * bool(told))
     return f"severe wear is 50 % likely at {'; '.join(said)}"
 
 
