@@ -65,7 +65,8 @@ def test_a_boundary_says_where_wear_turns_severe_on_tracks_that_earlier_turns_wa
     cold.sel(velocity=cold["velocity"] > last).drop_vars("message").to_netcdf(tmp_path / "cut.nc")
     said = " ".join(irg("boundary", tmp_path / "cut.nc").split())
     assert ", at every velocity computed at 750 N" in said
-    few = cold[["status", "normal_load", "rise_quantile", "warning_flags", "time", "message"]]
+    judged = ["rise_quantile", "rise_sampling", "mean_rise", "mean_rise_sampling"]
+    few = cold[["status", "normal_load", *judged, "warning_flags", "time", "message"]]
     for ds, friction in ((few, 0.1), (cold, 0.15)):  # for which that velocity is unknown
         rows = {"load": [400.0], "velocity": [1.4], "friction": [friction]}
         (notes,) = pipeline.margin(ds, rows)["notes"]
