@@ -122,6 +122,10 @@ def over(path, values, **others):
     return entry("sweep.over", {path: values}, **others)
 
 
+def uncertain(path, text, **others):
+    return entry("uncertainty", {path: text}, **others)
+
+
 FILES = {
     "load header": (load(b"0,0\n1,5\n"), "no column time [s], load [N] in"),
     "load inf": (load(b"time [s],load [N]\n0,0\n\n1,1e999\n"), "row 4: 1 s, inf N; both must be"),
@@ -136,6 +140,10 @@ FILES = {
     "oil thin": (entry("oil", {"density": "900 kg/m^3", "temperatures": ["40 degC", "100 degC"],
                                "kinematic_viscosity": ["30 mm^2/s", "0.1 mm^2/s"]}),
                  "at least 3.1e-07 m²/s"),
+    "points pdf": (points("%PDF-1.7\n"), "is a PDF; save the table as .xlsx or CSV"),
+    "points sheet": (file(lambda path: OperatingPoints.read(path, Choices(sheet="one")), "a.csv",
+                          b"load [N],velocity [m/s]\n3,1\n"),
+                     'has no sheet "one", as it is a text; leave the sheet out'),
     "points hold": (points("load [N],velocity [m/s],hold [s]\n3,1,1\n"), "cannot act after"),
 }  # fmt: skip
 
@@ -315,6 +323,25 @@ ENTRIES = {
                        "columns of unlike lengths"),
 }  # fmt: skip
 
+UNCERTAIN = {
+    "uncertain path": (uncertain("pin.radios", "5 %"),
+                       'is no entry of a scene (did you mean "pin.radius"?)'),
+    "uncertain choice": (uncertain("sweep.loads", "5 %"), "is a choice, not a measured quantity"),
+    "uncertain word": (uncertain("pin.shape", "5 %"), "is not a number; give a measured quantity"),
+    "uncertain seed": (uncertain("disk.roughness.seed", "5 %"), "is a whole number; give a meas"),
+    "uncertain nothing": (uncertain("disk.track_length", "5 %"),
+                          "has no value; give disk.track_length, too"),
+    "uncertain 0": (uncertain("loading.hold", "5 %"), "is 0, which has no logarithm; give a value"),
+    "uncertain kelvin": (uncertain("temperature.bulk", "8 %"),
+                         '"8 %" is no standard uncertainty; give kelvin, "8 K"'),
+    "uncertain factor": (uncertain("pin.radius", "factor 20"),
+                         '"factor 20" is out of range; give a factor above 1 and up to 10'),
+    "uncertain share": (uncertain("pin.radius", "200 %"),
+                        '"200 %" is no standard uncertainty; give "20 %", or "factor 2"'),
+    "uncertain case": (uncertain("materials.steel.poisson_ratio", "90 %"),
+                       "one standard uncertainty more is refused: 0.73788"),
+}  # fmt: skip
+
 TEXTS = {
     "odd key": (text("[pin]", '"a\\u2028b" = 1\n[pin]'), 'materials.steel."a\\u2028b": unknown'),
     "thousands": (text('["200 N"', '["1,200 N"'), "a point, and thousands without a mark"),
@@ -400,7 +427,7 @@ KEPT = {
     "law": (unkept, "other fields are numbers or text"),
 }
 
-REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **TEXTS}
+REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **UNCERTAIN, **TEXTS}
 
 ELSEWHERE = {}
 """Refusals that are not in the table: where they are tested, or why not."""
