@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.film import OUTSIDE_WORDS, is_outside
 from pipeline.analysis.inputs import effects_of
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.likelihood import condition
@@ -103,7 +104,9 @@ def _page_facts(data: Results) -> dict[str, Any]:
         "friction_band": sweep.friction_band,
         "range": {name: range_of(data, name) for name in ("load", "velocity")},
         "codes": {code.name: code for code in Outcome},
-        "outcomes": {axis: list(outcomes(axis).values()) for axis in ("velocity", "load")},
+        "outcomes": {
+            axis: [*outcomes(axis).values(), OUTSIDE_WORDS] for axis in ("velocity", "load")
+        },
         "loads": data.loads.tolist(),
         "velocities": data.velocities.tolist(),
         "quantiles": data.shares.tolist(),
@@ -191,7 +194,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     planes = np.log([np.reshape(one.rise(*places), shape) for one in each])
     errors, known = rise_errors(base, *places), planes[np.isfinite(planes)]
     ends = (known.min(), known.max()) if known.size else (0.0, 1.0)
-    targets = np.linspace(ends[0], ends[1], _TARGETS)
+    # Just beyond both ends, so that at the outermost limits wear surely does not change.
+    targets = np.linspace(ends[0] - _ROUNDING, ends[1] + _ROUNDING, _TARGETS)
     states = np.where(base.is_done(*places), COMPUTED, INTERPOLATED)
     states = np.where(base.is_continued(*places), EXTRAPOLATED, states)
     turns = {
@@ -209,6 +213,8 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "errors": packed_array(np.log1p(totals(errors)), "<f4"),
         "surface_errors": packed_array(np.log1p(errors[SURFACE]), "<f4"),
         "state": digit_string(states),
+        "outside_model": OUTSIDE_WORDS,
+        "film": digit_string(is_outside(base, *places)),
         "targets": targets.tolist(),
         "turns": {
             axis: {
@@ -345,6 +351,7 @@ def packed_array(values: Any, dtype: str) -> str:
 _PLACES = np.array([60, 30])  # wanted number of nodes along velocity and load
 _MOST = 400_000  # most values of a table: 2 MB of a page
 _TARGETS, _CRITICALS = 121, 41  # values of ln(limit) or y, and critical temperatures, of tables
+_ROUNDING = 1e-6  # of ln(limit)
 _WIDEST, _BEND = 6.0, 5.0  # farthest y of a table, and how much closer its values are about 0
 COMPUTED, INTERPOLATED, EXTRAPOLATED = 1, 2, 3
 """States of the rise at a node of the page's grid."""

@@ -66,7 +66,7 @@ function regions() {
   const nodes = load.map((_, k) => velocity.map((_place, j) => marginAt([k, j], conditions)));
   const grid = (/** @type {(lowest: number, highest: number, verdict: string) => number} */ value) =>
     nodes.map((row) => row.map(({ y, probabilities: [lowest, , highest], verdict }) =>
-      (Number.isNaN(y) ? NaN : value(lowest, highest, verdict))));
+      (Number.isNaN(y) || verdict === content.outside_model ? NaN : value(lowest, highest, verdict))));
   // A test may forbid a verdict at a node where the probability alone would give it.
   const within = (/** @type {number} */ way, /** @type {boolean} */ isSo) =>
     (isSo ? way : Math.min(way, -1e-6));

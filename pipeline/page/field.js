@@ -52,5 +52,9 @@ function turnAt(axis, at, conditions, level = 0) {
   const [main] = [...indices].sort((a, b) => b.weight - a.weight);
   const isOutside = target < targets[0] || target > targets[targets.length - 1];
   const found = sum(indices.map(({ index, weight }) => weight * Math.log(places[index])));
-  return { place: isOutside ? NaN : Math.exp(found), outcome: Number(codes[main.index]) };
+  const place = isOutside ? NaN : Math.exp(found);
+  const [load, velocity] = axis === "velocity" ? [at, place] : [place, at];
+  const isFilm = Number.isFinite(place) && content.film[indexOf(...nearestNode({ load, velocity }))] === "1";
+  if (isFilm) return { place: NaN, outcome: content.outcomes[axis].length - 1 };
+  return { place, outcome: Number(codes[main.index]) };
 }

@@ -58,7 +58,7 @@ def sections(data: Results, points: OperatingPoints | None) -> dict[str, str]:
 
 
 def _film_lines(data: Results) -> Iterator[str]:
-    """Yield a line if a film carries too much at a point of the plane, which nodes do not show."""
+    """Yield a line if a film carries too much at a point of the plane, with the lowest velocity."""
     if data.kind is not Layout.PLANE or data.conditions.critical_temperature is None:
         return
     rises = rises_of(data)
@@ -66,7 +66,7 @@ def _film_lines(data: Results) -> Iterator[str]:
     outside = is_outside(rises, *places)
     if outside.any():
         first = places[1][outside].min()
-        yield f"{OUTSIDE_WORDS}, from {first:.3g} m/s on; the page's verdicts do not hold there"
+        yield f"{OUTSIDE_WORDS}, from {first:.3g} m/s on, at the scene's own temperatures"
 
 
 def _section(heading: str, parts: Iterable[str | pd.DataFrame]) -> str:

@@ -9,6 +9,7 @@ import pytest
 
 import pipeline
 import tribo
+from pipeline.page.content import content
 from pipeline.store.schema import test_variable as variable_at_tests
 from tests.helpers import synthetic
 from tribo.simulation.film import film_excess, film_inlet
@@ -126,7 +127,14 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     assert f"(transition, 200 N, 3.75 m/s) does not count: it is o{SAID}" in said
 
 
-def test_the_page_says_from_where_its_verdicts_do_not_hold(store, tmp_path):
+def test_the_page_has_no_verdict_where_a_film_carries_too_much(store, tmp_path):
     page = tmp_path / "a.html"
     pipeline.explore(store, page)
     assert f"o{SAID}, from 2 m/s on" in page.read_text(encoding="utf-8")
+    held = content(pipeline.results(store))
+    nodes = np.array(list(held["film"]), int).reshape(len(held["fine"]["load"]), -1)
+    for k, load in enumerate(held["fine"]["load"]):
+        for j in (0, -1):
+            here = pipeline.margin(store, load, held["fine"]["velocity"][j])
+            assert nodes[k, j] == (here.verdict == "outside")
+    assert {*nodes.ravel()} == {0, 1}

@@ -78,6 +78,8 @@ type Content = {
   /** The part of the error by the surface, likewise. */
   surface_errors: Float32Array;
   state: string;
+  outside_model: string;
+  film: string;
   /** Values of ln(limit), and the first place at which the rise passes each, with the outcome's code. */
   targets: number[];
   turns: Record<AxisName, { places: Float32Array; codes: string }>;
