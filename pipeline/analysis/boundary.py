@@ -15,7 +15,7 @@ from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.decisive import attributes_by
-from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone
+from pipeline.analysis.film import inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
@@ -176,9 +176,7 @@ def _transitions(judge: Judge, axis: str, line: str) -> dict[str, Any]:
     """
     places = judge.rises.loads if line == "load" else judge.rises.velocities
     found = judge.rises.turns(axis, places)
-    critical, outside = inside_alone(judge.rises, axis, places, found.critical)
-    told = zip(found.texts(axis), outside, strict=True)
-    texts = [OUTSIDE_WORDS if there else text for text, there in told]
+    critical, texts = turns_inside(judge.rises, axis, places, found)
     noun, unit = "velocity" if axis == "velocity" else "normal load", UNITS[axis]
     turns = np.full((len(places), max(found.places.shape[1], _TURNS)), np.nan)
     turns[:, : found.places.shape[1]] = found.places

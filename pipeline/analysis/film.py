@@ -11,6 +11,7 @@ import functools
 import numpy as np
 
 from pipeline.analysis.curve import Curve
+from pipeline.analysis.outcomes import Turns
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import Places, Rises, places_of
 from pipeline.sweep.conditions import Conditions
@@ -45,6 +46,13 @@ def inside_alone(rises: Rises, axis: str, places: Array, found: Array) -> tuple[
     outside = np.zeros(found.shape, bool)
     outside[known] = is_outside(rises, *(one[known] for one in at))
     return np.where(outside, np.nan, found), outside
+
+
+def turns_inside(rises: Rises, axis: str, places: Array, turns: Turns) -> tuple[Array, list[str]]:
+    """Critical values as `inside_alone` gives them, and for each of them the outcome in words."""
+    found, outside = inside_alone(rises, axis, places, turns.critical)
+    told = zip(turns.texts(axis), outside, strict=True)
+    return found, [OUTSIDE_WORDS if there else text for text, there in told]
 
 
 def is_test_outside(data: Results, place: int, own: Conditions) -> bool:

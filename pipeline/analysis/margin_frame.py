@@ -14,7 +14,7 @@ import pandas as pd
 from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone
+from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
 from pipeline.analysis.results import Results, ResultsLike
@@ -227,11 +227,10 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
     is_passed = (along["load"].first < loads) & (temperatures <= critical)
     parts = rise_errors(judge.rises, loads, velocities).T
     outside = judge.outside(loads, velocities)
-    texts, critical_at = dict[str, list[str]](), dict[str, Array]()
-    for axis, at in (("velocity", loads), ("load", velocities)):
-        critical_at[axis], is_there = inside_alone(judge.rises, axis, at, along[axis].critical)
-        told = zip(along[axis].texts(axis), is_there, strict=True)
-        texts[axis] = [OUTSIDE_WORDS if there else text for text, there in told]
+    (critical_velocities, velocity_texts), (critical_loads, load_texts) = (
+        turns_inside(judge.rises, axis, at, along[axis])
+        for axis, at in (("velocity", loads), ("load", velocities))
+    )
     is_at_edge = judge.rises.have_warning(loads, velocities, WarningKind.CONTACT_AT_EDGE)
     notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
     tested = inside_alone(judge.rises, "velocity", loads, judge.tested_velocities(loads)[1])[0]
@@ -253,9 +252,9 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             critical_temperature=critical,
             distance=critical - float(temperatures[k]),
             model_error=judge.evidence.text,
-            critical_velocity=float(critical_at["velocity"][k]),
+            critical_velocity=float(critical_velocities[k]),
             tested_velocity=float(tested[k]),
-            critical_load=float(critical_at["load"][k]),
+            critical_load=float(critical_loads[k]),
             velocity_outcome=outcome,
             load_outcome=load_outcome,
             is_outside=bool(outside[k]),
@@ -268,9 +267,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             caveats=(PASSED,) * bool(is_passed[k]) + (AT_EDGE,) * bool(is_at_edge[k]) + notes,
             entries={path: judge.source.rows[path].item() for path, _ in judge.source.name},
         )
-        for k, (outcome, load_outcome) in enumerate(
-            zip(texts["velocity"], texts["load"], strict=True)
-        )
+        for k, (outcome, load_outcome) in enumerate(zip(velocity_texts, load_texts, strict=True))
     )
     return [reason or next(margins) for reason in here.reasons]
 

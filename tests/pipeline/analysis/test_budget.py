@@ -13,7 +13,13 @@ from pipeline.run.here import compute_here
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points
 from tests.helpers import synthetic
-from tests.pipeline.analysis.test_inputs import CONDUCTIVITY, WEAR, swept, transition
+from tests.pipeline.analysis.test_inputs import (
+    CONDUCTIVITY,
+    WEAR,
+    swept,
+    transition,
+    weighted_draws,
+)
 
 UNCERTAINTY = {CONDUCTIVITY: "20 %", WEAR: "factor 2", "friction.coefficient": "5 %"}
 MOVED = {CONDUCTIVITY: math.exp(-0.14), WEAR: math.exp(-0.07)}
@@ -37,15 +43,7 @@ def asked(monkeypatch, capsys):
 
 def moments(tests):
     """Shares of the variance, and what knowing an input takes, by weighted draws."""
-    rng, n = np.random.default_rng(1), 2_000_000
-    z = rng.normal(size=(n, 3))
-    bias = 0.05 * rng.normal(size=n) / np.sqrt(rng.gamma(2, 1 / 2, n))
-    scatter = 0.055 * np.sqrt(4 / rng.chisquare(4, n))
-    weight = np.zeros(n)
-    for y, a in tests:
-        weight += -0.5 * ((y + z @ a + bias) / scatter) ** 2 - np.log(scatter)
-    weight = np.exp(weight - weight.max())
-    weight /= weight.sum()
+    z, bias, scatter, weight = weighted_draws(3, tests, 2_000_000)
     parts = np.column_stack([z * A, bias])
     covariance = np.cov(parts.T, aweights=weight)
     own = weight @ scatter**2

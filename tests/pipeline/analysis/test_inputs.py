@@ -35,19 +35,28 @@ def chance(ds, y, load=500.0, **given):
     return pipeline.margin(ds, load, float(velocity), **given).probability
 
 
-def drawn(inputs, tests, y, effects):
-    """Probability by weighted draws: `inputs` standard deviations, `tests` pairs (y, effects)."""
-    rng, n = np.random.default_rng(1), 1_000_000
-    z = rng.normal(size=(n, len(inputs)))
+def weighted_draws(count, tests, n):
+    """Draws of `count` inputs, bias and scatter from the prior, and their weights by `tests`.
+
+    `tests` are pairs (y, effects) of transitions.
+    """
+    rng = np.random.default_rng(1)
+    z = rng.normal(size=(n, count))
     bias = 0.05 * rng.normal(size=n) / np.sqrt(rng.gamma(2, 1 / 2, n))
     scatter = 0.055 * np.sqrt(4 / rng.chisquare(4, n))
     weight = np.zeros(n)
-    for place, a in tests:
-        weight += -0.5 * ((place + z @ a + bias) / scatter) ** 2 - np.log(scatter)
+    for y, a in tests:
+        weight += -0.5 * ((y + z @ a + bias) / scatter) ** 2 - np.log(scatter)
     weight = np.exp(weight - weight.max())
+    return z, bias, scatter, weight / weight.sum()
+
+
+def drawn(inputs, tests, y, effects):
+    """Probability by weighted draws: `inputs` standard deviations, `tests` pairs (y, effects)."""
+    z, bias, scatter, weight = weighted_draws(len(inputs), tests, 1_000_000)
     total = (y + z @ effects + bias) / scatter
     severe = 0.5 * (1 + np.vectorize(math.erf)(total / math.sqrt(2)))
-    return float((weight * severe).sum() / weight.sum())
+    return float((weight * severe).sum())
 
 
 def test_inputs_widen_the_verdict_and_a_transition_narrows_it_as_weighted_draws_say():
