@@ -104,6 +104,11 @@ def test_a_boundary_outside_is_not_told_and_the_figure_hatches_there(store, irg,
     assert 0 < inside.size < found.sizes["load"]  # the film grows with velocity: low loads go
     assert inside["load"].min() > 400.0
     assert f"o{SAID}" in str(found["words_at_load"].sel(load=200.0).item())
+    # A velocity at which the whole line of loads is outside has no outcome, either.
+    fastest = float(found["velocity"][-1])
+    ends = found["load"].values[[0, -1]]
+    assert {pipeline.margin(store, float(load), fastest).verdict for load in ends} == {"outside"}
+    assert f"o{SAID}" in str(found["words_at_velocity"].sel(velocity=fastest).item())
     pipeline.plot(store, "diagram", tmp_path / "a.svg")
     drawn = (tmp_path / "a.svg").read_text()
     assert "outside the model: oil film" in drawn
