@@ -81,11 +81,8 @@ def weigh(data: Results, conditions: Conditions, effects: Effects) -> Weighed:
         at += step
         if abs(math.exp(at) - math.exp(at - step)) < _SETTLED:
             break
-    if is_alone and not evidence.results:
-        raise InputError(
-            f"the scene {data.sweep.name} has no test with a result, from which to find the "
-            "critical temperature; give it [[measured]] or [[tested]], and run it"
-        )
+    if is_alone:
+        _require_results(data, evidence)
     evidence = replace(evidence, belief=evidence.belief.moved(way, number))
     return Weighed(found, evidence, effects, way, sides)
 
@@ -179,11 +176,7 @@ def infer_critical_temperature(data: Results, conditions: Conditions) -> Inferre
     effects = effects_of(data, conditions, infers=True)
     found, number = weigh(data, conditions, effects), effects.critical or 0
     evidence, bulk, scale = found.evidence, effects.bulk, effects.scale
-    if not evidence.results:
-        raise InputError(
-            f"the scene {data.sweep.name} has no test with a result, from which to find the "
-            "critical temperature; give it [[measured]] or [[tested]], and run it"
-        )
+    _require_results(data, evidence)
     exact = replace(data.prior, bias=0.0)
     alone = condition(evidence.results, exact, len(effects.inputs))
     temperature = known_critical_temperature(found.conditions)
@@ -237,6 +230,15 @@ def inputs_frame(inputs: Sequence[Known]) -> pd.DataFrame:
     """Data frame of uncertain inputs, with a row for each."""
     heads = "uncertain input", "before the tests", "after the tests"
     return frame_of(heads, [(one.path, one.before, one.after) for one in inputs])
+
+
+def _require_results(data: Results, evidence: Evidence) -> None:
+    """Raise an `InputError` if no test has a result."""
+    if not evidence.results:
+        raise InputError(
+            f"the scene {data.sweep.name} has no test with a result, from which to find the "
+            "critical temperature; give it [[measured]] or [[tested]], and run it"
+        )
 
 
 def _sides(evidence: Evidence) -> tuple[bool, bool]:

@@ -22,8 +22,9 @@ def staged_runs(log: Log) -> list[dict[str, Any]]:
     It is also empty unless the load alone, or the velocity alone, rises in each run, and wear was
     severe in the last stage at most.
     """
-    is_staged = any(_STAGE.search(heading.text) for heading in log.sheet.headings)
-    if log.row_class is not Test or not is_staged or not log.tests:
+    heads = enumerate(log.sheet.headings)
+    stage = next((k for k, head in heads if _STAGE.search(head.text)), None)
+    if log.row_class is not Test or stage is None or not log.tests:
         return []
     runs = dict[str, list[int]]()
     for place, row in enumerate(log.in_si):
@@ -32,7 +33,11 @@ def staged_runs(log: Log) -> list[dict[str, Any]]:
         runs.setdefault(str(row["run"]), []).append(place)
     pairs = (([log.in_si[k] for k in run], [log.tests[k] for k in run]) for run in runs.values())
     found = [_run(*pair) for pair in pairs]
-    return found if all(found) else []
+    if not all(found):
+        return []
+    if stage not in log.sheet.places.values():
+        log.sheet.places["stage"] = stage
+    return found
 
 
 def _run(in_si: Sequence[Mapping[str, Any]], tests: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -180,7 +180,6 @@ REFUSALS = {
 
 
 ELSEWHERE = {
-    "inferred.infer_critical_temperature InputError": "as row `no test`, with uncertain inputs",
     "margin_frame.margin InputError": "test_at.py",
     "until._entry InputError": "test_budget.py",
     "until._log_rise InputError": "tells an error of a simulation, which nothing here provokes",

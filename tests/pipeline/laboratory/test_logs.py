@@ -4,6 +4,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.measurement import Measurement
+from tests.helpers.processes import python
 
 SCENE = """
 extends = "first_try"
@@ -351,3 +352,28 @@ def test_each_unknown_word_has_its_rows_and_no_outcome_is_proposed(tests):
         'rows 3 and 5, outcome: "odd"', 'row 4, outcome: "?"',
     ]  # fmt: skip
     assert '--word "odd=mild" or --word "odd=severe"' in faults[0]
+
+
+ALIKE = {
+    "two of each": "Normal load [N],Fz [N],Ball speed [m/s],Speed set [m/s],Sliding speed [m/s],"
+    "Oil temp [C],Bath temp [C],COF,Friction coefficient,Result,Pass\n"
+    "400,401,2,2.1,2.2,60,61,0.1,0.11,ok,yes\n500,501,2,2.1,2.2,60,61,0.1,0.11,scuffed,no\n",
+    "one letter each": "t;F;v;n;T;µ;i.O.\n0;400;2;100;60;0,1;ja\n1;500;2;100;60;0,1;nein\n",
+    "without units": "Kraft,Last,Drehzahl,Gleitgeschwindigkeit,Öltemperatur,Reibwert,Befund\n"
+    "400,401,100,2,60,0.1,gut\n500,501,100,2,60,0.1,Fresser\n",
+}
+
+
+def test_the_meaning_of_a_column_does_not_depend_on_the_hash_seed(tmp_path):
+    for number, log in enumerate(ALIKE.values()):
+        (tmp_path / f"{number}.csv").write_text(log)
+    command = (
+        "from pipeline.cli import main\n"
+        f"for number in range({len(ALIKE)}):\n    main(['tests', f'{{number}}.csv', '--json'])"
+    )
+    ended = [
+        python("-c", command, variables={"PYTHONHASHSEED": str(seed)}, cwd=tmp_path)
+        for seed in range(3)
+    ]
+    assert ended[0].stdout.count('"columns"') == len(ALIKE), ended[0].stderr
+    assert len({one.stdout for one in ended}) == 1

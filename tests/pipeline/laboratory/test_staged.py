@@ -39,6 +39,13 @@ def test_each_run_is_one_specimen_with_its_past(printed, tmp_path):
     assert tests[1].friction == 0.11
 
 
+def test_the_column_of_stages_counts_as_used(tmp_path, irg):
+    (tmp_path / "log.csv").write_text(RUNS)
+    told = irg("tests", tmp_path / "log.csv", "--json")
+    assert told["columns"]["stage"] == "stage"
+    assert not told["unused"]
+
+
 def test_stages_of_velocity_are_those_of_a_run_at_one_load(printed):
     rows = "A,1,400,1,60,0.1,mild\nA,2,400,2,60,0.1,severe\n"
     text = printed(HEAD + rows)
