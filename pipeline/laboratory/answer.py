@@ -16,7 +16,6 @@ from pipeline.analysis.tables import frame_of
 from pipeline.cli.given import table_choices_in
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.instruments import RawScan
 from pipeline.laboratory.logs import Log, read_log
 from pipeline.laboratory.profile import data_sheet_toml, profile_statistics, profiles_in
@@ -27,6 +26,7 @@ from pipeline.laboratory.staged import staged_runs
 from pipeline.laboratory.surfaces import read_raw
 from pipeline.laboratory.trace import Trace
 from pipeline.quantities import UNITS, shown_in
+from pipeline.scene.choices import Choices
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format import Stages, Test
@@ -94,9 +94,7 @@ def tests(options: argparse.Namespace) -> Result:
     A trace is a record of friction over time.
     """
     path = Path(options.log)
-    named = {name: x or None for name, x in table_choices_in(options).items()}
-    named |= {"words": dict(options.word) or None, "form": options.form}
-    choices = LogTable(file=path.name, **named)
+    choices = Choices(**table_choices_in(options))
     read = read_table(path, choices, options.form, OF_TRACE)
     if is_one_run(read.sheet) or (is_trace(read.sheet) and "outcome" not in read.sheet.places):
         return _trace_result(path, read, options)
@@ -106,14 +104,11 @@ def tests(options: argparse.Namespace) -> Result:
             raise InputError(
                 f"{path} is no record of friction over time, which {option} needs; leave it out"
             )
-    return _log_result(path, read_log(path, choices), named)
+    return _log_result(path, read_log(path, choices, options.form, dict(options.word)), options)
 
 
-def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
-    """Result of ``irg tests`` for a log file: columns, tests, faults, lines for a scene file.
-
-    `named` are the options that the user gave, by name.
-    """
+def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:
+    """Result of ``irg tests`` for a log file: columns, tests, faults, lines for a scene file."""
     found, faults = log.tests, log.sheet.faults
     if log.row_class is Test and not faults:  # faulty rows have no test
         faults += [
@@ -121,7 +116,7 @@ def _log_result(path: Path, log: Log, named: Mapping[str, Any]) -> Result:
             for place, problem in run_faults([Test(**row) for row in log.in_si])
         ]
     runs = staged_runs(log) if found and not faults else []
-    toml = [*_log_toml(log, path, named)] if found and not (faults or runs) else []
+    toml = [*_log_toml(log, path, options)] if found and not (faults or runs) else []
     toml += [line for run in runs for line in ("[[tested]]", *_entries(run))]
     doubts = [*_unit_doubts(log.in_si)] if log.row_class is not Stages else []
     document = {
@@ -282,15 +277,14 @@ def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFr
     yield frame_of(("column", "read as", "first cell"), rows)
 
 
-def _log_toml(log: Log, path: Path, named: Mapping[str, Any]) -> Iterator[str]:
-    """Yield lines for a scene file that name a log file, with the options needed to read it.
-
-    `named` are the options that the user gave, by name.
-    """
+def _log_toml(log: Log, path: Path, options: argparse.Namespace) -> Iterator[str]:
+    """Yield lines for a scene file that name a log file, with the options needed to read it."""
     yield f"[[{log.key}]]"
-    columns = log.renamed | (named["columns"] or {})
-    named = {"words": log.words, **named, "columns": columns} | {"words": log.words}
-    entries = {"file": path.name, **named}
+    choices = table_choices_in(options)
+    choices["columns"] = log.renamed | choices["columns"]
+    told = {name: value for name, value in choices.items() if value}
+    file = {"path": path.name, **told} if told else path.name
+    entries = {"file": file, "words": log.words, "form": options.form}
     yield from _entries({name: value for name, value in entries.items() if value})
 
 

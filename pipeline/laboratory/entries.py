@@ -8,6 +8,7 @@ from typing import Any
 from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.logs import read_log
 from pipeline.paths import user_path
+from pipeline.scene.choices import choices_of
 from pipeline.scene.declare import table_of
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
@@ -26,9 +27,8 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
         rows: list[Any] = []
         count = sum(isinstance(entry, dict) and "file" in entry for entry in listed)
         for number, entry in enumerate(listed):
-            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
-                found = _read_tests(entry, key, number, folder, faults)
-                rows += found if count == 1 else [_prefix_file(one, entry) for one in found]
+            if isinstance(entry, dict) and "file" in entry:
+                rows += _read_tests(entry, key, number, folder, faults, is_alone=count == 1)
             else:
                 rows.append(entry)
         # No row is left only if all are faulty, and that is reported already.
@@ -36,29 +36,23 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
     return document, None
 
 
-def _prefix_file(test: dict[str, Any], entry: dict[str, Any]) -> dict[str, Any]:
-    """Copy a test with the log file's name before its ``number`` and ``run``, if it has them.
-
-    So tests and runs of several logs, each counted from 1, have different names. `entry` is the
-    scene's table that names the file.
-    """
-    return test | {k: f"{entry['file']} {test[k]}" for k in ("number", "run") if k in test}
-
-
 def _read_tests(
-    entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults
+    entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults, is_alone: bool
 ) -> list[dict[str, Any]]:
     """Read the tests of a log file as tables of a scene; faults name row and column.
 
     `entry` is the table of the scene that names the file, at index `number` of the list `key`.
+    Unless the log is alone, its name stands before the ``number`` and ``run`` of its tests: several
+    logs may each count from 1.
     """
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(LogTable).read(entry, place, faults)
     if len(faults) > before:
         return []
-    place, path = f"{place}.file", folder / user_path(entry["file"])
+    file, choices = choices_of(read.file)
+    place, path = f"{place}.file", folder / user_path(file)
     with faults.at(place):
-        log = read_log(path, read, key)
+        log = read_log(path, choices, read.form, read.words, key)
         log.sheet.written = "scene"
         for problem in log.sheet.told_faults:
             faults.refuse(place, f"{path.name}, {problem}")
@@ -66,5 +60,8 @@ def _read_tests(
             faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")
         for note in log.notes:
             faults.note(place, note)
-        return log.tests
+        if is_alone:
+            return log.tests
+        labels = ("number", "run")
+        return [test | {k: f"{file} {test[k]}" for k in labels if k in test} for test in log.tests]
     return []

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated as A
 
-from pipeline.scene.choices import Choices
-from pipeline.scene.declare import ByPath, Example
+from pipeline.scene.choices import TableFile
+from pipeline.scene.declare import ByPath, Declared, Example
 from pipeline.scene.kinds import OneOf
 from pipeline.sweep.measurement import OUTCOMES
 from pipeline.sweep.tables import Entries
 
 
 # fmt: off
-class LogTable(Choices):
-    file: A[str,
+class LogTable(Declared):
+    file: A[str | TableFile,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
-        "the folder of the scene. `irg tests LOG` prints these lines."]
+        "the folder of the scene. Or a table that also says how to read it, such as `{ path = "
+        '"log.csv", decimal = "," }`. `irg tests LOG` prints these lines.', Example("log.csv")]
     words: A[dict[str, str] | None, ByPath(OneOf(OUTCOMES), "words of the log"),
         'Outcome that a word of the log means; "" is that of an empty cell.',
         Example({"Fresser": "severe"})] = None

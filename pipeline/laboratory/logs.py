@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.format import LogTable
 from pipeline.laboratory.reading import (
     OF_TRACE,
     Read,
@@ -19,6 +18,7 @@ from pipeline.laboratory.reading import (
     read_table,
 )
 from pipeline.laboratory.tables import vocabulary
+from pipeline.scene.choices import Choices
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import quoted, row_text
 from pipeline.scene.format import Stages, Test, TransitionTable
@@ -87,19 +87,23 @@ class Log:
         return [*filter(None, (self.sheet.counted, unused and f"columns not used: {unused}"))]
 
 
-def read_log(path: Path, choices: LogTable, key: str | None = None) -> Log:
+def read_log(
+    path: Path, choices: Choices, form: str | None = None, words: Mapping[str, str] | None = None,
+    key: str | None = None,
+) -> Log:  # fmt: skip
     """Read the tests of a log; faults are listed in the sheet of the result.
 
-    `choices` are those of the scene's table for a log. `key` is the scene's list that needs the
-    tests ("measured" or "tested"); if it is None, the columns of the log tell which list.
+    `form` is the name of the export that it is, and `words` has the outcomes that the user gives to
+    words. `key` is the scene's list that needs the tests ("measured" or "tested"); if it is None,
+    the columns of the log tell which list.
     """
-    read = read_table(path, choices, choices.form)
-    if is_one_run(read_table(path, choices, choices.form, OF_TRACE).sheet):
+    read = read_table(path, choices, form)
+    if is_one_run(read_table(path, choices, form, OF_TRACE).sheet):
         read.sheet.faults.append(
             "this is a record of friction over time: one run, no list of tests"
         )
         return Log(read.sheet, read.export, Test)
-    return log_of(read, choices.words or {}, key)
+    return log_of(read, words or {}, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:

@@ -9,6 +9,7 @@ import math
 import sys
 
 import tribo
+from pipeline.scene.choices import TableFile
 from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
 from pipeline.scene.format import FidelityTable
@@ -18,6 +19,7 @@ from pipeline.scene.units import typeset
 from pipeline.store import schema
 from tests.helpers.campaigns import table
 
+_HEADS = "key", "give", "default", "meaning"
 _VARIABLES = {
     "Coordinates": schema.COORDINATES | schema.MADE | schema.IDS,
     "Variables of each point": schema.RECORDS,
@@ -41,7 +43,20 @@ def scene():
             [f"`{key}`", _kind_cell(entry), _default_cell(section, entry, form), entry.meaning]
             for key, (entry, form) in keys.items()
         ]
-        parts += [_table(["key", "give", "default", "meaning"], rows)] if rows else []
+        parts += [_table(_HEADS, rows)] if rows else []
+    parts.append(
+        "## `{ path = … }`\n\nFile of a table with what is said of it, for a log, a load record or "
+        "`[sweep] along`.\n"
+    )
+    parts.append(
+        _table(
+            _HEADS,
+            [
+                [f"`{key}`", str(entry.kind), "needed" if entry.is_needed else "–", entry.meaning]
+                for key, entry in table_of(TableFile).listed.items()
+            ],
+        )
+    )
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
         for key in table_of(FidelityTable).listed

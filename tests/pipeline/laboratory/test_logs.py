@@ -24,8 +24,10 @@ file = "log.csv"
 def lab(tmp_path):
     (tmp_path / "lab.toml").write_text(SCENE, encoding="utf-8")
 
-    def load(log, more=""):
-        (tmp_path / "lab.toml").write_text(SCENE + more, encoding="utf-8")
+    def load(log, choices="", more=""):
+        file = f'file = {{ path = "log.csv"{choices} }}' if choices else 'file = "log.csv"'
+        scene = SCENE.replace('file = "log.csv"', file)
+        (tmp_path / "lab.toml").write_text(scene + more, encoding="utf-8")
         (tmp_path / "log.csv").write_bytes(log if isinstance(log, bytes) else log.encode())
         return pipeline.load_scene(tmp_path / "lab.toml")
 
@@ -180,19 +182,19 @@ def test_a_ratio_above_two_is_asked_whether_it_is_in_percent(tests):
 
 
 def test_columns_words_and_decimals_of_the_user_come_first(lab):
-    own = '\ncolumns = { load = "Soll [N]" }\nwords = { kaputt = "severe" }\ndecimal = ","\n'
+    own = ', columns = { load = "Soll [N]" }, decimal = ","'
     log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
-    tested = lab(log, own).tested
+    tested = lab(log, own, '\nwords = { kaputt = "severe" }\n').tested
     assert tested[1] == Measurement(400.0, 1.75, outcome="severe", number="row 2")
 
 
 def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab):
     heads = "load [N];velocity [m/s];outcome\n"
-    with pytest.raises(pipeline.SceneFileError, match=r"is 1250 or 1.250; say decimal = "):
+    with pytest.raises(pipeline.SceneFileError, match=r'or decimal = ",", in { path = "FILE" }'):
         lab(heads + "1.250;2;mild\n")
     assert lab(heads + "1.250;1,5;mild\n").tested[1].normal_load == 1250.0
     for mark, load in ((",", 1250.0), (".", 1.25)):
-        scene = lab(heads + "1.250;2;mild\n", f'\ndecimal = "{mark}"\n')
+        scene = lab(heads + "1.250;2;mild\n", f', decimal = "{mark}"')
         assert scene.tested[1].normal_load == load
 
 
@@ -320,9 +322,10 @@ def test_what_is_understood_of_a_log_is_printed(tmp_path, irg):
         ["Prüfer", "not used", "M"],
     ]
     tail = said[said.index("[[tested]]") :]
-    assert tail[:4] == [
-        "[[tested]]", 'file = "log.csv"', 'words = { ok = "mild", Fresser = "severe" }',
-        'columns = { load = "Last [N]", velocity = "v [m/s]", oil = "Öl", outcome = "Befund" }',
+    columns = '{ load = "Last [N]", velocity = "v [m/s]", oil = "Öl", outcome = "Befund" }'
+    assert tail[:3] == [
+        "[[tested]]", f'file = {{ path = "log.csv", columns = {columns} }}',
+        'words = { ok = "mild", Fresser = "severe" }',
     ]  # fmt: skip
 
 
