@@ -34,8 +34,9 @@ from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import FIELDS, PATHS, UNITS, Bulk, CriterionName
+from pipeline.sweep.conditions import DIMENSIONS, FIELDS, PATHS, UNITS, Bulk, CriterionName
 from pipeline.sweep.laws import name_of
+from pipeline.sweep.variants import dimension_of
 from tribo import InputError, Rule
 from tribo.types import Array
 
@@ -76,7 +77,7 @@ def at(
 
     All answers and figures of the returned dataset are for these values. Several values of a
     condition become a dimension, named by the path of the condition's entry, such as
-    ``friction.coefficient``.
+    ``friction_coefficient`` for ``friction.coefficient``.
 
     Parameters
     ----------
@@ -102,7 +103,8 @@ def at(
     exact : bool, optional
         True if the conditions given here are exact. Else they keep the uncertainty of the scene.
     **entries
-        Values by the path of an entry, in SI or as text with a unit. An entry with several values
+        Values by the path of an entry or by its dimension, such as ``pin_radius`` for
+        ``pin.radius``, in SI or as text with a unit. An entry with several values
         in the sweep (``[sweep] over``) is restricted to the given values, and ``realization`` to
         the surface with this seed. A condition is replaced, as by the arguments above.
 
@@ -123,7 +125,7 @@ def at(
     >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
     1.5
-    >>> several = pipeline.at("results/first_try.zarr", **{"friction.coefficient": (0.09, 0.103)})
+    >>> several = pipeline.at("results/first_try.zarr", friction=(0.09, 0.103))
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
     array([1.92, 1.5 ])
     """
@@ -136,6 +138,7 @@ def at(
         "criterion": criterion,
     }
     wanted = {PATHS[name]: value for name, value in given.items() if value is not None}
+    entries = {DIMENSIONS.get(dimension_of(name), name): one for name, one in entries.items()}
     if twice := wanted.keys() & entries.keys():
         path = min(twice)
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
@@ -150,12 +153,13 @@ def at(
     several = {path: values for path, values in wanted.items() if isinstance(values, list)}
     ds = _record_values(ds, {k: v for k, v in wanted.items() if k not in several})
     for path, values in reversed(several.items()):
-        if path not in _UNITS or (path in ds.coords and ds[path].ndim):  # a column of the rows
+        dim = dimension_of(path)
+        if path not in _UNITS or (dim in ds.coords and ds[dim].ndim):  # a column of the rows
             raise InputError(f"{path} takes one value at a time here; give one")
-        axis = (path, values, {"units": _UNITS[path], "long_name": path})
+        axis = (dim, values, {"units": _UNITS[path], "long_name": path})
         # Only the status gets the new dimension; other variables would be read just to be repeated.
-        status = ds["status"].expand_dims({path: values})
-        ds = ds.assign(status=status).assign_coords({path: axis})
+        status = ds["status"].expand_dims({dim: values})
+        ds = ds.assign(status=status).assign_coords({dim: axis})
     names = ds.drop_vars("step", errors="ignore").isel(step=[-1], missing_dims="ignore")
     for scene in results(names).scenes if wanted else ():
         _ = scene.plain_conditions  # raises if the sweep lacks what a condition needs
@@ -232,8 +236,8 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion
     attributes["at"] = json.dumps(both)
     # Drop labels of conditions that are replaced.
-    labels = [path for path in values if path in ds.coords and path in _NAMES]
-    return add_scene_ids(ds.drop_vars(labels).assign_attrs(attributes))
+    labels = [dimension_of(path) for path in values if path in _NAMES]
+    return add_scene_ids(ds.drop_vars(labels, errors="ignore").assign_attrs(attributes))
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
@@ -244,15 +248,14 @@ def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Datas
     """
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken, *{"realization"}.intersection(map(str, ds.dims))}
-    for path in values.keys() & columns:
-        several = isinstance(values[path], list | tuple | np.ndarray)
-        places = [
-            _value_index(ds[path], value) for value in (values[path] if several else [values[path]])
-        ]
-        if path in ds.dims:
-            ds = ds.isel({path: places if several else places[0]})
+    chosen = {dim: one for path, one in values.items() if (dim := dimension_of(path)) in columns}
+    for dim, given in chosen.items():
+        several = isinstance(given, list | tuple | np.ndarray)
+        places = [_value_index(ds[dim], value) for value in (given if several else [given])]
+        if dim in ds.dims:
+            ds = ds.isel({dim: places if several else places[0]})
     ds = ds.expand_dims([name for name in PLANE if not ds[name].ndim])  # if it is a table's row
-    return ds, {path: value for path, value in values.items() if path not in columns}
+    return ds, {path: one for path, one in values.items() if dimension_of(path) not in chosen}
 
 
 def _value_index(axis: xr.DataArray, value: float | str) -> int:

@@ -34,7 +34,7 @@ from pipeline.sweep.conditions import PATHS, UNITS, changes_of
 from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.variants import VARIANT, Label, Variant, Variants
+from pipeline.sweep.variants import VARIANT, Label, Variant, Variants, dimension_of
 from tribo import InputError, Rule
 
 RULES: dict[str, Rule] = {}
@@ -69,12 +69,12 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     """The sweep of a dataset, judged under the conditions `at`.
 
     `origin` has the text of the scene. `at` is JSON with values in SI by the path of their entry.
-    `variant` has a pair (path, value) for each varied entry, and selects one variant of the sweep.
-    If `variant` is empty, the whole sweep is returned.
+    `variant` has a pair (dimension, value) for each varied entry, and selects one variant of the
+    sweep. If `variant` is empty, the whole sweep is returned.
     """
     if variant:
         whole = judged_sweep(origin, at)
-        words = ", ".join(f"{path} {one}" for path, one in whole.variants.written(variant).items())
+        words = ", ".join(f"{name} {one}" for name, one in whole.variants.written(variant).items())
         return replace(whole.take(variant), title=f"{whole.title}, {words}")
     values, data = json.loads(at), origin.arrays
     if not values:
@@ -126,7 +126,7 @@ def _label(labels: Sequence[Label], value: Any) -> Label:
 
 
 _UNITS = {name: variable.units for name, variable in VARIABLES.items()} | {
-    path: UNITS.get(name) for name, path in PATHS.items()
+    dimension_of(path): UNITS.get(name) for name, path in PATHS.items()
 }
 """SI units of variables and of conditions."""
 
@@ -222,7 +222,7 @@ def _require_known_axes(ds: xr.Dataset, table: Variants) -> None:
             f"the dataset has a dimension {unknown[0]}, which its sweep does not have; select one "
             f"of its values, such as ds.isel({unknown[0]}=0)"
         )
-    for name in [one.name for one in table.chosen if one.name not in judged_values(ds)]:
+    for name in [one.name for one in table.chosen if one.key not in judged_values(ds)]:
         if name not in ds.coords or ds[name].dims not in ((), (name,)):
             raise InputError(
                 f"the dataset has lost its coordinate {name}, or has it along another dimension; "

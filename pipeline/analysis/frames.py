@@ -10,6 +10,7 @@ from pipeline.analysis.scenes import heads_of
 from pipeline.analysis.tables import frame_of
 from pipeline.quantities import column_heads
 from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.variants import dimension_of
 
 JUDGED = column_heads(
     "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
@@ -45,7 +46,8 @@ def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
     dims = [*entry_dims(rows), axis]
     crossings = xr.Dataset({head: data.drop_attrs() for head, data in values.items()})
     frame = crossings.to_dataframe(dims).reset_index()
-    judged = [one for one in ("friction", *JUDGED, "caveats") if FIELDS.get(one) not in dims]
+    names = ["friction", *JUDGED, "caveats"]
+    judged = [one for one in names if dimension_of(FIELDS.get(one, "")) not in dims]
     for one in judged:
         if one not in frame:
             frame[one] = boundaries.attrs.get(one)

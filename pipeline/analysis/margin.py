@@ -66,7 +66,7 @@ class Margin:
     not_severe: str = ""  #: Which tests forbid a severe verdict here, in words.
     tested: tuple[str, ...] = ()  #: Tests of the scene at or near the operating point, in words.
     caveats: tuple[str, ...] = ()  #: Limits of the verdict, one line each.
-    #: Values of entries that vary in the sweep, by path [SI].
+    #: Values of entries that vary in the sweep, by dimension [SI].
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property

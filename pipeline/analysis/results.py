@@ -46,7 +46,7 @@ from pipeline.store.schema import (
     STEPPED,
     VARIABLES,
 )
-from pipeline.sweep.conditions import PATHS, Conditions, changed_conditions
+from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
 from pipeline.sweep.laws import StoredRule
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
@@ -158,7 +158,7 @@ class Results:
     def judged_dims(self) -> list[str]:
         """Names of dimensions of conditions for which `pipeline.at` was given several values."""
         columns = {column.name for column in self.stored.variants.columns}
-        return [one for one in self.entry_dims if one in PATHS.values() and one not in columns]
+        return [one for one in self.entry_dims if one in DIMENSIONS and one not in columns]
 
     @property
     def labels(self) -> dict[str, Label]:
@@ -189,7 +189,7 @@ class Results:
 
     @property
     def entries(self) -> dict[str, Any]:
-        """Values of the varied entries by path, as in a scene file, if each has one value here.
+        """Values of the varied entries by dimension, as in a scene file, if each has one value.
 
         The result is empty if an entry has several values.
         """
@@ -224,8 +224,8 @@ class Results:
     def sweep(self) -> Sweep:
         """Sweep restricted to the values in `entries`, under the conditions of `pipeline.at`."""
         columns, labels = {column.name for column in self.stored.variants.columns}, self.labels
-        paths = [path for path in PATHS.values() if path in labels and path not in columns]
-        own = {path: labels[path] for path in paths}
+        judged = {*labels} - columns
+        own = {path: labels[name] for name, path in DIMENSIONS.items() if name in judged}
         return judged_sweep(self.origin, json.dumps({**self.judged, **own}), self.name)
 
     @functools.cached_property

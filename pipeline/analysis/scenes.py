@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.quantities import display, shown_in
-from pipeline.scene.reference import number_at
+from pipeline.scene.reference import number_at, path_of_dimension
 from pipeline.scene.units import typeset
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
@@ -67,7 +67,8 @@ def _usual_unit(axis: xr.DataArray) -> str:
     For an entry of the scene it is the unit of the example that documents the entry. For any other
     coordinate it is taken from `_OWN`, or is the SI unit if `_OWN` lacks it.
     """
-    unit, own = str(axis.attrs.get("units", "")), typeset(number_at(str(axis.name)).unit)
+    path, unit = path_of_dimension(str(axis.name)), str(axis.attrs.get("units", ""))
+    own = typeset(number_at(path).unit)
     return own if own and unit else _OWN.get(unit, unit)
 
 
@@ -90,5 +91,5 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
 
 
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
-    """Values of entries in words, such as "pin.radius 2 mm"."""
-    return ", ".join(f"{path} {value_text(ds[path], value)}" for path, value in values.items())
+    """Values of entries in words, such as "pin_radius 2 mm"."""
+    return ", ".join(f"{name} {value_text(ds[name], value)}" for name, value in values.items())

@@ -20,6 +20,7 @@ from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.variants import dimension_of
 from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
 
@@ -144,9 +145,9 @@ def dataset_in(
 ) -> xr.Dataset:
     """Dataset `ds`, by default of the command's store, under the conditions in the options.
 
-    Values of --at for entries in `foreign`, which only another store has, are left out.
+    Values of --at for dimensions in `foreign`, which only another store has, are left out.
     """
     ds = pipeline.open_sweep(options.store) if ds is None else ds
-    entries = {path: value for path, value in options.at if path not in foreign}
+    entries = {path: value for path, value in options.at if dimension_of(path) not in foreign}
     flags = values_in(options, "without_tests", "exact")
     return pipeline.at(ds, **conditions_in(options), **flags, **entries)

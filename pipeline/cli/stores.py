@@ -16,7 +16,7 @@ from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import Summary, summary_of
 from pipeline.store.write import opened
 from pipeline.sweep.accuracy import error_in_words
-from pipeline.sweep.conditions import PATHS
+from pipeline.sweep.conditions import DIMENSIONS
 
 _MOST_POINTS = 10  # points printed; a file has all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
@@ -123,7 +123,7 @@ def verify(options: argparse.Namespace) -> Result:
 def diff(options: argparse.Namespace) -> Result:
     """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
     held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
-    own = [{*entry_dims(ds), *PATHS.values()} for ds in held]
+    own = [{*entry_dims(ds), *DIMENSIONS} for ds in held]
     stores = [dataset_in(options, ds, b - a) for ds, a, b in zip(held, own, own[::-1], strict=True)]
     between = pipeline.diff(*stores)
     entries, crossings, points = between.entries, between.boundary, between.points

@@ -122,7 +122,7 @@ def _draw_scenes(axes: Axes, data: Results) -> tuple[list[Artist], str]:
         if not zero_line(axes, x, y, plane, f"boundary {name}", **look):
             name, look = f"{name}: no transition computed", {"ls": "none"}
         legend.append(Line2D([], [], label=name, **look))
-    entries = " and ".join(data.entry_dims).replace(".", " ").replace("_", " ")
+    entries = " and ".join(data.entry_dims).replace("_", " ")
     caption, conditions = f"transition by {entries}", {rises.conditions for rises in several}
     return legend, caption + (
         f"; {judged_by(conditions, data.told_tests)}" if len(conditions) == 1 else ""

@@ -33,7 +33,7 @@ from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVE, entry_at, flat
 from pipeline.sweep.tables import FRICTION as COEFFICIENT
-from pipeline.sweep.variants import PLACE_UNITS, Column, Row, numbered_rows
+from pipeline.sweep.variants import PLACE_UNITS, Column, Row, dimension_of, numbered_rows
 from tribo import InputError
 
 
@@ -225,14 +225,19 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
     found = {head: labels_of([row[head] for row in rows]) for head in heads}
     columns = [
-        Column(head, PLACE_UNITS.get(head, unit), meaning=f"{head} of the row")
+        Column(
+            dimension_of(head) if "." in head else head,
+            PLACE_UNITS.get(head, unit),
+            meaning=f"{head} of the row",
+            entry=head if "." in head else "",
+        )
         for head, (_, unit) in found.items()
     ]
     # A friction measured at one place replaces curves of friction.
     curves = {CURVE: None} if COEFFICIENT in found else {}
     table = (
         Row(
-            {head: labels[k] for head, (labels, _) in found.items()},
+            {column.name: found[column.key][0][k] for column in columns},
             curves | {path: value for path, value in row.items() if "." in path},
         )
         for k, row in enumerate(rows)

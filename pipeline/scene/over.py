@@ -23,7 +23,7 @@ from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.tables import changes, entry_at, flat, replace_values
-from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants
+from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants, dimension_of
 from tribo import InputError
 
 _LIKE = {"oil": "oil.like"}
@@ -59,8 +59,9 @@ def _extend(sweep: Sweep) -> Sweep:
         key, others = path, dict[str, None]()
         if path in _LIKE:  # a name of the library, which replaces the whole table
             key, others = _LIKE[path], {f"{path}.{one}": None for one in table_of(OilTable).keys}
-        column = Column(path, unit, meaning=f"{path} of the scene", entry=_LIKE.get(path, ""))
-        rows = [Row({path: label}, {**others, key: value}) for label, value in pairs]
+        name, entry = dimension_of(path), _LIKE.get(path, path)
+        column = Column(name, unit, meaning=f"{path} of the scene", entry=entry)
+        rows = [Row({name: label}, {**others, key: value}) for label, value in pairs]
         table *= Variants((column,), tuple(rows))
     made = with_rows(sweep, table, "sweep.over")
     bases = [digest(made.take(name).base) for name in made.variants.given]

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from pipeline.scene.declare import Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
+from pipeline.sweep.variants import dimension_of
 
 
 class Section(NamedTuple):
@@ -113,6 +114,11 @@ def number_in(kind: Kind) -> Quantity | Number | None:
             found = (number_in(one) for one in kind.kinds)
             return next((one for one in found if one), None)
     return None
+
+
+def path_of_dimension(name: str) -> str:
+    """Path of the entry whose dimension has this name; the name itself if there is none."""
+    return next((path for path, _ in all_keys() if dimension_of(path) == name), name)
 
 
 def number_at(path: str) -> Quantity | Number:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pipeline.quantities import units_in_si
 from pipeline.sweep.laws import StoredRule, name_of
+from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
 from tribo import Criterion, InputError, Rule
 
@@ -25,6 +26,8 @@ PATHS = {
     "unmodelled_rise": "model.rise",
 }
 """Entries of the scene file that act after the simulation, by the names of `changes_of`."""
+DIMENSIONS = {dimension_of(path): path for path in PATHS.values()}
+"""Those entries by the name of the dimension that several values make."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """Entries of the scene file that act after the simulation, by the names of `plain_values`."""
 _NUMBERS = (

@@ -27,6 +27,11 @@ Variant = tuple[tuple[str, Label], ...]
 SEED = "disk.roughness.seed"
 
 
+def dimension_of(path: str) -> str:
+    """Name of an entry's dimension, an identifier: "pin_radius" for "pin.radius"."""
+    return path.replace(".", "_")
+
+
 class Row(NamedTuple):
     """One variant of a scene: `labels` by column [SI], and `values` of entries that it replaces.
 

@@ -298,8 +298,8 @@ def placed_rows(*places):
 
 def two_pins():
     """Two variants of a sweep, with pin radii of 1 and 2 mm."""
-    held = (Row({"pin.radius": n * 1e-3}, {"pin.radius": f"{n} mm"}) for n in (1, 2))
-    return Variants((Column("pin.radius", "m"),), tuple(held))
+    held = (Row({"pin_radius": n * 1e-3}, {"pin.radius": f"{n} mm"}) for n in (1, 2))
+    return Variants((Column("pin_radius", "m", entry="pin.radius"),), tuple(held))
 
 
 _KEYS = {"wear": ("specific_wear_rate", "pattern")}

@@ -54,14 +54,14 @@ def test_several_values_are_rows_and_each_is_as_alone(sweep):
         sweep, friction=(0.09, 0.103), **{"temperature.bulk": ["25 degC", "60 degC"]}
     )
     crossings = pipeline.boundary(rows)["critical_velocity"]
-    assert crossings.dims == ("friction.coefficient", "temperature.bulk", "load")
+    assert crossings.dims == ("friction_coefficient", "temperature_bulk", "load")
     table = pipeline.margin(rows, {"load": [600.0], "velocity": [1.2]})
     with pytest.raises(tribo.InputError, match="the sweep has 4 scenes"):
         pipeline.margin(rows, 600.0, 1.2)
     for row in table.to_dict("records"):
-        friction, bulk = row["friction.coefficient"], row["temperature.bulk [°C]"] + 273.15
+        friction, bulk = row["friction_coefficient"], row["temperature_bulk [°C]"] + 273.15
         alone = pipeline.at(sweep, friction, bulk_temperature=bulk)
-        here = {"friction.coefficient": friction, "temperature.bulk": bulk}
+        here = {"friction_coefficient": friction, "temperature_bulk": bulk}
         np.testing.assert_array_equal(
             crossings.sel(here), pipeline.boundary(alone)["critical_velocity"]
         )

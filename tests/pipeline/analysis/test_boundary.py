@@ -96,7 +96,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     crossings = boundary(at(oiled, bulk_temperature=320.0, friction=[0.09, 0.1]))
     of = find_lubrication(pipeline.results(oiled).sweep).film_parameter
     for friction in (0.09, 0.1):
-        part = crossings.sel({"friction.coefficient": friction})
+        part = crossings.sel(friction_coefficient=friction)
         expected = of(part["load"], part["critical_velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
         expected = of(part["critical_load"], part["velocity"], 320.0)

@@ -56,7 +56,7 @@ def pins():
 
 def frictions():
     ds = plane()
-    return ds.assign_coords({"friction.coefficient": ("load", 0.1 + 0 * ds["load"].values)})
+    return ds.assign_coords({"friction_coefficient": ("load", 0.1 + 0 * ds["load"].values)})
 
 
 def at(**values):

@@ -142,7 +142,7 @@ def test_each_friction_has_its_verdict_in_at_most_fourteen_lines(store, irg):
     assert len(alone) <= 14
     assert max(map(len, alone)) <= 100
     both = irg("margin", "out.zarr", *place, "--friction", "0.05", "--friction", "0.2")
-    assert {"friction.coefficient 0.05:", "friction.coefficient 0.2:"} <= {*both.splitlines()}
+    assert {"friction_coefficient 0.05:", "friction_coefficient 0.2:"} <= {*both.splitlines()}
 
 
 def test_a_verdict_states_its_friction_and_temperatures_and_the_frictions_of_tests(store, irg):

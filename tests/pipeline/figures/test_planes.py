@@ -117,7 +117,7 @@ def two_pins(factors=(1.0, 0.1), **told):
         )
         for factor in factors
     ]
-    labels = xr.DataArray([*radii], dims="pin.radius", name="pin.radius", attrs={"units": "m"})
+    labels = xr.DataArray([*radii], dims="pin_radius", name="pin_radius", attrs={"units": "m"})
     return xr.concat(parts, labels, combine_attrs="override")
 
 

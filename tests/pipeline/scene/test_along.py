@@ -39,6 +39,7 @@ def test_each_row_has_its_place_and_its_entries(tmp_path, along):
     first, second = (sweep.case(name) for name in sweep.variants.names)
     assert (first.scene.pin.radius, second.scene.pin.radius) == (3e-3, 4e-3)
     assert (first.conditions.friction, second.conditions.friction) == (0.1, 0.12)
+    assert sweep.variants.labels("pin_radius") == (3e-3, 4e-3)
 
 
 def test_a_rotation_is_a_velocity_where_a_column_has_the_radius(tmp_path):
