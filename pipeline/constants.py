@@ -8,7 +8,7 @@ from tribo import WarningKind
 
 # Errors of a rise
 
-PRESET_BOUNDS = {"draft": 0.05, "standard": 0.015, "fine": 0.005, "reference": 0.005}
+PRESET_BOUNDS = {"standard": 0.015, "fine": 0.005, "reference": 0.005}
 """Relative error of the critical velocity that each preset promises, see CHOOSING.md.
 
 Judged by `make promises`.
@@ -16,8 +16,8 @@ Judged by `make promises`.
 BOUNDS_OF_HIGHEST = {"standard": 0.05}
 """Error bounds that presets have where the highest temperature decides, if larger than usual.
 
-Rises of `standard` then err by up to 3.1 % at 99 % of 575 points of 20 scenes, instead of 0.8 %;
-rises of `draft` by 3.2 %. Judged by `python -m tests.promises.errors`.
+Rises of `standard` then err by up to 3.1 % at 99 % of 575 points of 20 scenes, instead of 0.8 %.
+Judged by `python -m tests.promises.errors`.
 """
 HIGHEST_SHARE = 0.05
 """Failing share below which the criterion's temperature counts as the highest.

@@ -89,7 +89,7 @@ def test_presets_keep_their_promises_on_a_scene_on_which_none_was_chosen(name):
 
 
 def test_two_halves_of_eight_patches_are_as_near_as_they_state():
-    small = {"sweep.loads": ["400 N", "600 N"], "fidelity.preset": "draft"}
+    small = {"sweep.loads": ["400 N", "600 N"], "fidelity.preset": "standard"}
     for _, apart, ratio in patches.rows_of("line", patches=8, **small):
         assert apart <= 1
         assert patches.LEAST <= ratio <= patches.MOST

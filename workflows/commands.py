@@ -9,7 +9,7 @@ COMMANDS = (
     Command(
         "paper", f"{__package__}.paper.answer:recompute",
         "recompute a figure or table of the paper, beside what it prints",
-        "table4 --surfaces 2 --preset draft",
+        "table4 --surfaces 2",
         (
             Option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
             o.LIST.but(help="list the figures and tables"),

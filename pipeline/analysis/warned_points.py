@@ -2,8 +2,7 @@
 
 Most warnings are stored by the run. Two are found here: steel would melt under the conditions, and
 the rise grows slowly with velocity. The relative error of a critical velocity is that of the rise
-over the exponent n of rise ∝ Vⁿ. Below n = 0.3 this error was 5 to 8 % with preset `standard`, and
-11 to 21 % with `draft`.
+over the exponent n of rise ∝ Vⁿ. Below n = 0.3 this error was 5 to 8 % with preset `standard`.
 """
 
 from __future__ import annotations

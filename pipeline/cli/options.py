@@ -95,7 +95,7 @@ FIGURE_OR_TABLE = output(
 SCENE = value("scene SCENE.toml", "scene file, or name of a shipped scene", user_path)
 PRESET = value(
     "--preset NAME", "preset of the numerical choices, in place of the scene's table [fidelity]: "
-    "draft, standard, fine or reference",
+    "standard, fine or reference",
 )  # fmt: skip
 SET = several(
     "--set KEY=VALUE",

@@ -23,6 +23,7 @@ from pipeline.scene.declare import (
     kind_of,
     table_of,
 )
+from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import (
     Kind,
     Number,
@@ -300,9 +301,15 @@ _CHOICES = {
     "heat_tolerance": "Relative residual of the heat partition at which its solver stops.",
 }  # fmt: skip
 
+class _Preset(OneOf):
+    def read(
+        self, value: object, place: str, faults: Faults, allowed: object = None
+    ) -> Any:
+        return super().read(value, place, faults, f"{self}, or irg run --accuracy 5%")
+
 class _FidelityTable(Declared):
-    preset: A[str, OneOf(tuple(tribo.PRESETS)),
-        'Preset, from "draft", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
+    preset: A[str, _Preset(tuple(tribo.PRESETS)),
+        'Preset, from "standard", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
 
 _HINTS = get_type_hints(tribo.Fidelity)
 FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {

@@ -45,7 +45,7 @@ def load_scene(
         Scene file, or name of a shipped scene. Files named in it are relative to the folder of the
         file that names them.
     preset : str, optional
-        Preset of the numerical choices: draft, standard, fine or reference. It replaces the scene's
+        Preset of the numerical choices: standard, fine or reference. It replaces the scene's
         whole table ``[fidelity]``, including single entries.
     overrides : mapping, optional
         Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
@@ -126,7 +126,7 @@ def _require_few_points(sweep: Sweep) -> None:
         )
 
 
-PresetName = Literal["draft", "standard", "fine", "reference"]
+PresetName = Literal["standard", "fine", "reference"]
 SceneLike = Sweep | str | PathLike[str]
 """A scene that was read, or its path or the name of a shipped one."""
 

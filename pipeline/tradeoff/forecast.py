@@ -28,7 +28,7 @@ from tribo.simulation.trunks import MOST_BYTES
 _SECONDS_TO_START = 1.0  # to start a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # to schedule and write a point
 _WORKER_BYTES = 115e6  # interpreter and libraries
-_PACKED = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try, draft
+_PACKED = 0.35  # compressed size of a field over its size, by zstd: 0.355 in first_try
 _STORE_BYTES = 0.36e6  # an empty store: some 30 arrays, each with a folder and two files
 _HALF_BLOCK = 2048  # bytes wasted in the last disk block of a file, on average
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time

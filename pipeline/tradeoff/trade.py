@@ -36,7 +36,7 @@ from pipeline.tradeoff.probe import (
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
-USUAL = ("draft", "standard", "fine")
+USUAL = ("standard", "fine")
 OWN = "the scene's own fidelity"
 _LOADS, _PLACES = 4, 6  # number of points for a single variant, and for several
 _HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
@@ -129,7 +129,7 @@ def trade(
     Examples
     --------
     >>> import pipeline
-    >>> print(pipeline.trade("first_try", presets=["draft"]))  # doctest: +SKIP
+    >>> print(pipeline.trade("first_try", presets=["standard"]))  # doctest: +SKIP
     """
     sweep = sweep_of(sweep)
     for name in presets:

@@ -23,8 +23,6 @@ MODES = {
     ),
     "standard": (),
     "standard, boundary alone": ("--boundary-only", "1%"),
-    "draft": ("--preset", "draft"),
-    "draft, boundary alone": ("--preset", "draft", "--boundary-only", "1%"),
 }
 
 

@@ -13,7 +13,7 @@ from tribo.simulation import Trunks
 
 
 @pytest.mark.benchmark(timer=time.process_time)
-@pytest.mark.parametrize("preset", ["draft", "standard"])
+@pytest.mark.parametrize("preset", ["standard", "fine"])
 @pytest.mark.parametrize("velocity", [0.75, 2.0, 4.0])
 def test_chain_of_loads(benchmark, preset, velocity):
     sweep = pipeline.load_scene(SCENE, preset)

@@ -31,7 +31,7 @@ def scene_of(points):
     """Scene of few loads and many velocities, on smooth bodies and 24 × 1 elements."""
     return pipeline.load_scene(
         "first_try",
-        "draft",
+        "standard",
         {
             "without": ["disk.roughness"],
             "window.pixels": [96, 4],

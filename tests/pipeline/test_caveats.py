@@ -45,7 +45,7 @@ def doors(irg, store, tmp_path):
 def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
     expected = pipeline.margin(store, 400.0, 2.0).caveats
     assert expected[0] == OWN
-    for part in ("sharp pin ends", "taken as exact", "preset draft"):
+    for part in ("sharp pin ends", "taken as exact", "preset standard"):
         assert sum(part in line for line in expected) == 1
     for lines, told, text in doors(irg, store, tmp_path):
         assert told == lines

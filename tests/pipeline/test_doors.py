@@ -183,7 +183,7 @@ def places_computed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("doors")
     scene, rows = folder / "small.toml", [(200.0, 2.0), (400.0, 5.0), (400.0, 1.0)]
     # The numerical error of a preset is known.
-    text = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
+    text = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
     scene.write_text(text + MEASURED)
     pd.DataFrame(rows, columns=HEADS).to_csv(folder / "rows.csv", index=False)
     axes = {"sweep.loads": ["200 N", "400 N"], "sweep.velocities": ["1 m/s", "2 m/s", "5 m/s"]}

@@ -54,7 +54,7 @@ def test_where_nearly_all_summits_yield_the_film_is_judged_by_their_contact_too(
 
 
 def test_a_ball_has_no_inlet_of_this_kind():
-    ball = pipeline.load_scene("ball_on_disk", preset="draft")
+    ball = pipeline.load_scene("ball_on_disk", preset="standard")
     *_, state = tribo.simulate(ball.scene, min(ball.loads), ball.velocities[0])
     assert np.isnan(film_inlet(ball.scene, state)).all()
 

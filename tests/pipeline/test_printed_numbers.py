@@ -16,6 +16,7 @@ from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tables import records
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
+from pipeline.constants import PRESET_BOUNDS
 from pipeline.scene.along import OperatingPoints, Place
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
@@ -23,7 +24,7 @@ from tests.helpers.scenes import MEASURED
 from tests.helpers.scenes import SCENE as SMALL
 from tests.pipeline.conftest import commit_all
 
-ERROR = 0.05  # relative error of velocities by the preset draft
+ERROR = PRESET_BOUNDS["standard"]
 AXES = (
     'loads = ["200 N", "400 N", "600 N"]\nvelocities = ["1 m/s", "2 m/s", "4 m/s"]\nfields = true'
 )
@@ -48,7 +49,7 @@ SCENE = functools.reduce(
     lambda text, change: text.replace(*change),
     (
         ("increments = 10", ""),
-        ("pixels_per_element = 1", 'preset = "draft"'),
+        ("pixels_per_element = 1", 'preset = "standard"'),
         ("[48, 16]", "[48, 24]"),
         ('"16 um"', '"24 um"'),
         ("6.6 GPa", "1 GPa"),  # so that enough elements touch to decide

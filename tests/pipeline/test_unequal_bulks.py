@@ -105,7 +105,7 @@ pixels = [48, 48]
 pixel_size = ["8 um", "9.5 um"]
 
 [fidelity]
-preset = "draft"
+preset = "standard"
 increments = 2
 
 [sweep]
@@ -147,7 +147,7 @@ def test_the_commands_take_both(scene, irg):
     first, *_ = irg("boundary", out, *option, "--json")
     bulks = first["bulk temperature [°C]"], first["disk temperature [°C]"]
     assert bulks == pytest.approx((40.0, 50.0))
-    place = ("--load", "600 N", "--velocity", "1 m/s", "--preset", "draft")  # of known error
+    place = ("--load", "600 N", "--velocity", "1 m/s", "--preset", "standard")  # of known error
     temperatures = []
     for options in ((), option, ("--bulk-temperature", "25 degC")):
         (row,) = irg("point", scene, *place, *options, "--json")

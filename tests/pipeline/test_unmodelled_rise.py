@@ -16,7 +16,7 @@ from tribo import Corrections, Friction
 RISE, ADDED = {"model.rise": "+6 %"}, 1.06
 LINE = "+6 % of the rise is added for what acts beside the model (irg help physics)"
 FEW = {
-    "fidelity.preset": "draft",
+    "fidelity.preset": "standard",
     "sweep.loads": ["400 N", "600 N"],
     "sweep.velocities": ["1 m/s", "4 m/s"],
 }
@@ -88,7 +88,7 @@ def test_each_answer_names_it_where_it_is_not_zero(irg, store, tmp_path):
     assert "25 °C, rise +6 %" in irg("boundary", store, *at)
     assert "rise −5 %" in irg("boundary", store, "--at", "model.rise=-5 %")
     (tmp_path / "own.toml").write_text('extends = "first_try"\n[model]\nrise = "+6 %"\n')
-    few = "--preset=draft", "--set=sweep.realizations=1", "--without-tests"
+    few = "--preset=standard", "--set=sweep.realizations=1", "--without-tests"
     assert LINE in irg("point", tmp_path / "own.toml", *place, *few)
     irg("explore", store, *at, "-o", tmp_path / "page.html")
     page = (tmp_path / "page.html").read_text(encoding="utf-8").split("<h2>Inputs")[0]
@@ -128,7 +128,7 @@ def test_a_critical_temperature_from_tests_contains_it(irg, tmp_path):
     ds = synthetic.sweep()
     plain, added = (pipeline.infer(ds, **own).temperature - 298.15 for own in ({}, RISE))
     assert added == pytest.approx(ADDED * plain, rel=0.01)  # the prior stays where it is
-    text = irg("infer", "first_try", "--preset=draft", "--set", "model.rise=+6 %")
+    text = irg("infer", "first_try", "--preset=standard", "--set", "model.rise=+6 %")
     assert LINE in text
 
 

@@ -1,8 +1,8 @@
 """Judge the stated errors of rises by `fine` at points of a plane and at places between them.
 
-Each scene is computed by `draft` and `standard` on a plane of 4 or 5 loads and 5 to 7 velocities,
-and by `fine` there and between; `fine` itself is judged by `reference`, where that is cheap. What
-was computed is kept in a file, a line for each scene, and the next run goes on from there.
+Each scene is computed by `standard` on a plane of 4 or 5 loads and 5 to 7 velocities, and by `fine`
+there and between; `fine` itself is judged by `reference`, where that is cheap. What was computed is
+kept in a file, a line for each scene, and the next run goes on from there.
 """
 
 import argparse
@@ -82,7 +82,7 @@ def shipped(seed):
     )
 
 
-PROMISED = {name: PRESET_BOUNDS[name] for name in ("draft", "standard", "fine")}
+PROMISED = {name: PRESET_BOUNDS[name] for name in ("standard", "fine")}
 
 FAMILIES = {"shipped": shipped, "cylinders": random_sweep, "wide": random_wide_sweep}
 EVERY = {"shipped": 1, "cylinders": 2, "wide": 3}  # one scene in so many, by their cost
@@ -136,10 +136,9 @@ def computed(family, number):
         row |= {"loads": loads, "velocities": velocities, "pixels": sweep.scene.pixels.shape}
         row |= {"all_loads": all_loads, "all_velocities": all_velocities}
         sweep = changed(sweep, loads=tuple(all_loads), velocities=tuple(all_velocities))
-        row["draft"] = rises(sweep, PRESETS["draft"], loads, velocities)
         row["standard"] = rises(sweep, PRESETS["standard"], loads, velocities)
         row["fine"] = rises(sweep, PRESETS["fine"], all_loads, all_velocities)
-        warm = (np.array(row["draft"]["flags"], int) & WarningKind.PRESENT_HEAT).any(axis=0)
+        warm = (np.array(row["standard"]["flags"], int) & WarningKind.PRESENT_HEAT).any(axis=0)
         few = [velocity for velocity, is_warm in zip(velocities, warm, strict=True) if is_warm][::3]
         row["few"] = few
         for heat in ("history", "elapsed"):
@@ -326,7 +325,7 @@ def fine_apart(row):
 
 def too_warm(row):
     """Excess of the rise with present heat only over that with history, at points warned of it."""
-    flags = np.array(row["draft"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
+    flags = np.array(row["standard"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
     excess = np.array(row["elapsed"]["0.1"]) / np.array(row["history"]["0.1"]) - 1
     return excess[flags & WarningKind.PRESENT_HEAT != 0]
 

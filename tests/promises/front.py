@@ -29,7 +29,7 @@ from tribo import PRESETS, TriboError, simulate, warnings
 from tribo.constants import SLOWEST
 from tribo.simulation import Trunks, forget_kernels
 
-PROMISED = "draft", "standard", "fine"
+PROMISED = "standard", "fine"
 NUMBERS = 16
 _QUANTILE, _WARNED = 0.99, 0.05
 _CHEAPER = 0.9

@@ -79,7 +79,7 @@ def true_boundary(sweep):
 
 def exponents(sweep, true):
     """Exponent d ln(rise)/d ln(velocity) at each place of a true boundary."""
-    return {place: exponent_at(sweep, PRESETS["draft"], place, true[place]) for place in true}
+    return {place: exponent_at(sweep, PRESETS["standard"], place, true[place]) for place in true}
 
 
 def boundaries(sweep, fidelity, true, slopes):

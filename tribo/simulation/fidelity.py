@@ -141,19 +141,6 @@ _CHOICES = {
 }
 
 PRESETS: dict[str, Fidelity] = {
-    "draft": Fidelity(
-        pixels_per_element=2,
-        averaging="sample",
-        history_coarsening=4,
-        elements_per_summit=0.75,
-        fewest_summits=40,
-        fewest_elements=40,
-        increments=4,
-        hold_increments=8,
-        imprint=25.0,
-        contact_tolerance=0.12,
-        heat_tolerance=1e-2,
-    ),
     "standard": Fidelity(
         pixels_per_element=2,
         averaging="sample",

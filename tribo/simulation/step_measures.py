@@ -31,8 +31,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     With larger elements, a rough surface touches on more of the window. In the system of Bosman &
     de Rooij, at 200 and 750 N on two surfaces, preset ``standard`` was compared with elements of
     one pixel. It has 14 to 17 % more contact, 12 to 14 % less mean pressure, and 27 to 31 % less
-    contact at the hardness. For ``draft`` the differences are 40 to 50 %, 29 to 34 % and 57 to
-    68 %. Width and highest pressure agree within 1.5 %.
+    contact at the hardness. Width and highest pressure agree within 1.5 %.
 
     Examples
     --------

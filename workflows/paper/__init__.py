@@ -72,7 +72,7 @@ def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Repor
 
     Examples
     --------
-    >>> print(reproduce("fig8", preset="draft").title)
+    >>> print(reproduce("fig8", preset="standard").title)
     a recorded load (synthetic) and its linear fit, 600 N at 1.5 m/s
     """
     if name in NOT_REPRODUCED:

@@ -74,7 +74,7 @@ def test_several_values_are_rows_and_each_is_as_alone(sweep):
 
 def test_what_acts_later_and_is_not_taken_is_refused_with_what_to_run(irg, tmp_path):
     store = tmp_path / "s.zarr"
-    sweep = pipeline.load_scene("first_try", overrides={"fidelity.preset": "draft", **FEW})
+    sweep = pipeline.load_scene("first_try", overrides={"fidelity.preset": "standard", **FEW})
     commit_all(store, sweep)
     said = irg("boundary", store, "--at", "pin.radius=1 mm", code=2)
     assert "; run the scene with pin.radius = 1 mm into another store" in said

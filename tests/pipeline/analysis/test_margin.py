@@ -119,7 +119,7 @@ def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, sid
 
 
 @pytest.mark.parametrize("steeper", [0.0, 0.2])
-@pytest.mark.parametrize("preset", ["draft", "fine"])
+@pytest.mark.parametrize("preset", ["standard", "fine"])
 def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(preset, steeper):
     def bent(load, velocity, quantile=1.0):
         return synthetic.rise(load, velocity, quantile) * (velocity / 2) ** steeper

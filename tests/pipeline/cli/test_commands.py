@@ -11,7 +11,7 @@ from pipeline.cli import main
 from tests.helpers.scenes import SCENE
 
 # The numerical error of a preset is known.
-DRAFT = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "draft"')
+STANDARD = SCENE.replace("pixels_per_element = 1\nincrements = 10", 'preset = "standard"')
 
 
 def run(*arguments):
@@ -21,7 +21,7 @@ def run(*arguments):
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cli")
-    (folder / "small.toml").write_text(DRAFT)
+    (folder / "small.toml").write_text(STANDARD)
     out = folder / "small.zarr"
     assert run("run", folder / "small.toml", "-o", out, "--workers", 1) == 0
     return folder
@@ -63,12 +63,12 @@ def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, 
     assert "3 points: 3 done" in said
     assert "6 more are done from an earlier run, which asked for them" in said
     (record,) = irg("status", copy, "--json")
-    assert (record["done"], record["pending"], record["preset"]) == (3, 0, "draft")
+    assert (record["done"], record["pending"], record["preset"]) == (3, 0, "standard")
 
 
 def test_point_in_words_and_as_a_table(scene, tmp_path, irg):
     out = tmp_path / "point.csv"
-    place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "draft")
+    place = ("--load", "600 N", "--velocity", "4 m/s", "--preset", "standard")
     said = irg("point", scene, *place, "--set", "caveat=of no rig", "-o", out)
     assert said.startswith("Severe: severe wear is ")
     assert "  numerical error     ± " in said

@@ -20,7 +20,7 @@ def running(tmp_path):
     scene, out = tmp_path / "many.toml", tmp_path / "many.zarr"
     scene.write_text(re.sub("^velocities = .*$", MANY, SCENE, flags=re.MULTILINE))
     command = [sys.executable, "-m", "pipeline", "run", scene, "-o", out, "--workers", "1"]
-    command += ["--preset", "draft"]
+    command += ["--preset", "standard"]
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, start_new_session=True,
         # Ctrl-C acts as in a terminal, even if this suite was started by nohup, which ignores it.

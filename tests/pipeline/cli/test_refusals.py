@@ -81,7 +81,7 @@ REFUSALS = {
     "no velocity": (irg("margin", "tiny.zarr", "--load", "250 N"), "give --velocity, too"),
     "two places": (irg("margin", "tiny.zarr", "--points", "a.csv", *PLACE),
                    "leave out --load, --velocity"),
-    "accuracy": (irg("run", "first_try", "--accuracy", "2%", "--preset", "draft"),
+    "accuracy": (irg("run", "first_try", "--accuracy", "2%", "--preset", "standard"),
                  "leave out --preset"),
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),

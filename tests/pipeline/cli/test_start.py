@@ -22,7 +22,7 @@ def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
         [
             Path(sys.executable).with_name("irg"),
             *("run", "scene.toml", "-o", "out.zarr", "--set", 'sweep.loads=["200 N"]'),
-            *("--workers", "1", "--preset", "draft", "--set", 'sweep.velocities=["1 m/s"]'),
+            *("--workers", "1", "--preset", "standard", "--set", 'sweep.velocities=["1 m/s"]'),
         ],
         cwd=tmp_path,
         capture_output=True,

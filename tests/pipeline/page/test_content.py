@@ -76,8 +76,8 @@ def test_points_are_asked_for_on_their_own_surface():
 
 
 def test_a_reader_without_the_program_is_told_to_type_nothing(tmp_path):
-    pipeline.explore(synthetic.sweep(preset="draft"), tmp_path / "a.html")
+    pipeline.explore(synthetic.sweep(preset="standard"), tmp_path / "a.html")
     text = (tmp_path / "a.html").read_text("utf-8")
     shown = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", "", text, flags=re.DOTALL)
-    assert "may be off by up to 5 %" in shown
+    assert "may be off by up to 1.5 %" in shown
     assert re.findall(r"\birg (?!transition)\w+", shown) == []

@@ -204,7 +204,7 @@ def test_every_crossing_is_found(turns):
 
 @pytest.mark.slow
 def test_of_the_shipped_diagram_few_points_give_the_boundary_and_the_agreement(tmp_path):
-    sweep = pipeline.load_scene("irg_transition", "draft", {"sweep.fields": False})
+    sweep = pipeline.load_scene("irg_transition", "standard", {"sweep.fields": False})
     outcome = pipeline.run_sweep(sweep, tmp_path / "small.zarr", boundary_only=0.01)
     assert (outcome.total, outcome.done <= 32) == (228, True)
     pipeline.run_sweep(sweep, tmp_path / "whole.zarr", source=tmp_path / "small.zarr")

@@ -127,7 +127,7 @@ def test_a_cluster_elsewhere_sees_no_store_and_computes_the_same(elsewhere, tmp_
         assert content(hidden / "tiny.zarr") == content(alone)
 
         (tmp_path / "small.toml").write_text(SCENE)
-        run = ("run", tmp_path / "small.toml", "--preset", "draft", "-o", hidden / "small.zarr")
+        run = ("run", tmp_path / "small.toml", "--preset", "standard", "-o", hidden / "small.zarr")
         run = (*run, "--scheduler-file")
         irg(*run, file)
         (tmp_path / "empty.json").write_text("{}")

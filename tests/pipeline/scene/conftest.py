@@ -11,7 +11,7 @@ WORKFLOWS = Path(__file__).parents[3] / "workflows"
 PAPER = (WORKFLOWS / "irg_transition.toml").read_text(encoding="utf-8")
 TEXT = "".join([
     PAPER[: PAPER.index("[fidelity]")].replace("[576, 480]", "[480, 480]"),
-    '[fidelity]\npreset = "draft"\n\n[sweep]\nloads = ["200 N", "400 N", "600 N", "750 N"]\n',
+    '[fidelity]\npreset = "standard"\n\n[sweep]\nloads = ["200 N", "400 N", "600 N", "750 N"]\n',
     'velocities = { from = "1 m/s", to = "4 m/s", step = "0.6 m/s" }\nfields = true\n\n',
     PAPER[PAPER.index("[[measured]]") :],
 ])  # fmt: skip

@@ -85,7 +85,7 @@ def test_entries_may_be_left_out(write):
 
 
 def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
-    write(base=TEXT.replace('preset = "draft"', "increments = 7"))
+    write(base=TEXT.replace('preset = "standard"', "increments = 7"))
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
     assert sweep.scene.fidelity == tribo.PRESETS["fine"]
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\naveraging = "sample"'))

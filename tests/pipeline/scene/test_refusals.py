@@ -232,6 +232,8 @@ ENTRIES = {
     "large": (entry("disk.roughness.seed", 2**63), "which is from 0 to 9.22337e+18"),
     "huge": (entry("model.bias", 1e-200), "is out of range, which is from"),
     "shape": (entry("pin.shape", "cylindr"), '"cylindr" is unknown (did you mean "cylinder"?)'),
+    "preset": (entry("fidelity.preset", "rough"),
+               '"fine" or "reference", or irg run --accuracy 5%'),
     "short pin": (entry("pin.length", "0.455 mm"), "0.455 mm is shorter than the window, 0.456 mm"),
     "material": (entry("disk.material", "stell"), 'disk.material: "stell" is neither'),
     "like": (entry("oil", "vg33"), '"vg33" is not in the library'),

@@ -116,11 +116,11 @@ def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
 
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
-    entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
-    assert read().preset == "draft"
+    entries = ('preset = "standard"', 'preset = "standard"\nincrements = 30\npartition = "uniform"')
+    assert read().preset == "standard"
     sweep = read(entries)
     steps = {"increments": 30, "hold_increments": 0, "imprint": 0.0}
-    assert sweep.scene.fidelity == replace(tribo.PRESETS["draft"], **steps, partition="uniform")
+    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **steps, partition="uniform")
     assert sweep.preset is None
     sweep = read(entries, preset="standard")
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
@@ -128,8 +128,8 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
     assert (sweep.preset, sweep.scene.fidelity.increments) == (None, 40)
     sweep = read(entries, overrides={"increments": 30, "imprint": 2.0})
     assert sweep.scene.fidelity.imprint == 2.0
-    same = tribo.PRESETS["draft"].contact_tolerance
-    assert read(overrides={"contact_tolerance": same}).preset == "draft"
+    same = tribo.PRESETS["standard"].contact_tolerance
+    assert read(overrides={"contact_tolerance": same}).preset == "standard"
 
 
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
@@ -143,7 +143,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     expected = read(
         ('"swept"', '"local"'),
         (LOADS, '["300 N", "500 N"]'),
-        ('"draft"', '"draft"\nincrements = 30\npartition = "uniform"'),
+        ('"standard"', '"standard"\nincrements = 30\npartition = "uniform"'),
     )
     assert changed == expected
     # A single numerical choice precedes the preset given in the same call.

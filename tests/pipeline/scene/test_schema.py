@@ -37,7 +37,7 @@ def test_each_shipped_scene_is_valid(name, check):
         (WHOLE, "[friction]", "[frction]"),
         (WHOLE, "hurst_exponent = 0.8", "hurst_exponent = 1.8"),
         (WHOLE, 'velocity = "1.25 m/s"', ""),
-        (SHORT, '"draft"', '"drat"'),
+        (SHORT, '"standard"', '"drat"'),
         (SHORT, "step =", "stp ="),
     ],
 )

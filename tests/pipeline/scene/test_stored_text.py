@@ -173,7 +173,7 @@ def test_sweeps_are_equal_if_their_entries_mean_the_same():
 
 def test_a_stored_sweep_made_coarser_keeps_no_promise_of_its_preset():
     stored = parse_sweep(sweep_text(pipeline.load_scene("first_try")), {})
-    assert stored.preset == "draft"
+    assert stored.preset == "standard"
     for path, value in (("pixels_per_element", 16), ("increments", 2), ("fewest_elements", 1)):
         assert stored.changed(f"fidelity.{path}", value).preset is None
     assert stored.changed("fidelity.preset", "fine").preset == "fine"

@@ -14,10 +14,9 @@ from tribo import PRESETS
 @pytest.mark.parametrize(
     ("preset", "changes", "error"),
     [
-        ("draft", {}, 0.05),
         ("standard", {}, 0.015),
         ("fine", {}, 0.005),
-        ("draft", {"increments": 6}, None),
+        ("standard", {"increments": 7}, None),
         ("standard", {"contact_tolerance": 1e-3}, None),
         ("standard", {"pixels_per_element": 1}, None),
         ("standard", {"partition": "uniform"}, None),

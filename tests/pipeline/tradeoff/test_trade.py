@@ -5,6 +5,7 @@ import csv
 import pytest
 
 import pipeline
+from pipeline.constants import PRESET_BOUNDS
 from pipeline.figures.studies import draw_trade
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.trade import trade
@@ -37,27 +38,25 @@ def named(table, name):
     return next(choice for choice in table.choices if choice.name == name)
 
 
-def test_presets_err_by_less_than_their_bounds_and_draft_the_most(measured):
-    presets = [named(measured, name) for name in ("draft", "standard", "fine", "reference")]
-    errors = [choice.velocity_error for choice in presets]
-    assert all(error < bound for error, bound in zip(errors[:3], (0.05, 0.015, 0.005), strict=True))
-    assert errors[0] == max(errors)
-    assert errors[3] == 0
+def test_presets_err_by_less_than_their_bounds(measured):
+    for name in PRESETS:
+        assert named(measured, name).velocity_error < PRESET_BOUNDS[name]
+    assert named(measured, "reference").velocity_error == 0
 
 
 def test_a_choice_that_does_not_converge_is_named_and_left_out(monkeypatch):
     def probe(sweep, fidelity, *arguments, **options):
-        if fidelity.increments == PRESETS["draft"].increments:
+        if fidelity.increments == PRESETS["standard"].increments:
             raise ConvergenceError("the contact did not converge", None)
         return tried(sweep, fidelity, *arguments, **options)
 
     tried = tradeoff.probe
     monkeypatch.setattr(tradeoff, "probe", probe)
-    table = trade(SMALL, presets=("draft", "standard"))
-    assert table.not_converged == ("draft: the contact did not converge",)
-    assert {"standard", "reference"} < {choice.name for choice in table.choices}
-    assert "draft" not in {choice.name for choice in table.choices}
-    assert "draft: the contact did not converge" in str(table)
+    table = trade(SMALL, presets=("standard", "fine"))
+    assert table.not_converged == ("standard: the contact did not converge",)
+    assert {"fine", "reference"} < {choice.name for choice in table.choices}
+    assert "standard" not in {choice.name for choice in table.choices}
+    assert "standard: the contact did not converge" in str(table)
 
 
 def test_none_of_the_front_is_beaten(measured):
@@ -104,4 +103,4 @@ def test_the_figure_shows_presets_the_scenes_own_choice_and_the_front(measured):
         max(choice.velocity_error, 1e-4) for choice in presets
     ]
     words = {text.get_text() for text in axes.texts}
-    assert words == {"draft", "standard", "fine", "the scene's own fidelity"}
+    assert words == {"standard", "fine", "the scene's own fidelity"}

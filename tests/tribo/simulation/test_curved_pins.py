@@ -34,7 +34,7 @@ K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
 NINE_TENTHS = QUANTILES.index(0.9)
 
 
-def ball(preset="draft", pattern="swept", side=4e-6, pixels=160, **fidelity):
+def ball(preset="standard", pattern="swept", side=4e-6, pixels=160, **fidelity):
     """Scene of a ball of radius 5 mm on a rough disk, in a window of 640 µm."""
     return Scene(
         pin=Ball(5e-3, STEEL),
@@ -126,7 +126,7 @@ def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(rad
 
 
 @pytest.mark.parametrize(
-    ("preset", "pin"), [("draft", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
+    ("preset", "pin"), [("standard", Ball(5e-3, STEEL)), ("standard", Crowned(5e-3, 40e-3, STEEL))]
 )
 def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
     def worn(scene):

@@ -94,7 +94,7 @@ def test_the_temperature_is_affine_in_friction_and_difference(rough, friction, d
 
 def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit():
     scene = small_scene()
-    scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)), fidelity=PRESETS["draft"])
+    scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)), fidelity=PRESETS["standard"])
     alone, both = end(scene).heat, end(replace(scene, unequal_bulks=True)).heat
     assert np.array_equal(alone.rise, both.rise)
     assert np.array_equal(alone.rise_quantile, both.rise_quantile)

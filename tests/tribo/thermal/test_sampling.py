@@ -62,7 +62,7 @@ def errors_and_spread(scene, load, velocity, seeds):
 )
 @pytest.mark.slow
 def test_one_patch_tells_within_a_factor_of_two_how_sixteen_patches_differ(name, load, velocity):
-    scene = load_scene(name).changed("fidelity.preset", "draft").scene
+    scene = load_scene(name).changed("fidelity.preset", "standard").scene
     error, spread = errors_and_spread(scene, load, velocity, 16)
     assert spread / 2 < error < 2 * spread
 
