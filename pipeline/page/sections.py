@@ -30,6 +30,7 @@ from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
 from pipeline.sweep.surface import surface_words
+from pipeline.sweep.variants import dimension_of
 from tribo import InputError
 
 _MODEL = (
@@ -135,7 +136,8 @@ def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
     rows = (
         (path, text, _first_sentence(meanings.get(_key_of(path), "")))
         for path, text in entries.items()
-        if not path.startswith(("fidelity", "measured", "tested")) and path not in data.rows.coords
+        if not path.startswith(("fidelity", "measured", "tested"))
+        and dimension_of(path) not in data.rows.coords
     )
     yield frame_of(("entry", "value", "meaning"), rows)
     if library := sweep.sources:

@@ -65,7 +65,7 @@ def run(script, folder):
 )
 def test_what_a_page_shows_runs_as_typed(page, copy):
     script = script_of((ROOT / page).read_text(encoding="utf-8"))
-    assert script.count("\nirg ") >= 10
+    assert script.count("\nirg ") >= 6
     run(script, copy)
 
 
