@@ -12,11 +12,11 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
 from pipeline.scene.shipped import typed_name
-from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends, note_on_turns
+from pipeline.sweep.selection import error_in_words
 from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED

@@ -29,8 +29,8 @@ from pipeline.analysis.warned_points import warning_flags
 from pipeline.constants import FARTHEST, PARTS, PARTS_OF_CURVE
 from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
-from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.conditions import Conditions, row_conditions
+from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.severity import rise_limit
 from tribo import Criterion, InputError, WarningKind
 from tribo.types import Array, Indices, Mask

@@ -16,10 +16,9 @@ from pipeline.scene.along import OperatingPoints, Place
 from pipeline.scene.choices import Choices
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import FILES
-from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.selection import KEPT_FIELDS, error_in_words
 from pipeline.sweep.variants import dimension_of
 from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError

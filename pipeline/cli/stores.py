@@ -15,8 +15,8 @@ from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, workin
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import Summary, summary_of
 from pipeline.store.write import opened
-from pipeline.sweep.accuracy import error_in_words
 from pipeline.sweep.conditions import DIMENSIONS
+from pipeline.sweep.selection import error_in_words
 
 _MOST_POINTS = 10  # points printed; a file has all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"

@@ -24,14 +24,13 @@ from pipeline.cli.output import Result, counted, tell
 from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
 from pipeline.run.cluster import client_of
+from pipeline.scene.doubts import notes_on_pasts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
-from pipeline.scene.pasts import notes_on_pasts
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.accuracy import error_in_words, has_unknown_error
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.remarks import Remark
-from pipeline.sweep.sources import library_tables
+from pipeline.sweep.remarks import Remark, library_tables
+from pipeline.sweep.selection import error_in_words, has_unknown_error
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import VARIANT

@@ -11,9 +11,8 @@ from pipeline.store.read import store_dataset
 from pipeline.store.take import take_points
 from pipeline.store.write import Store, opened
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord, run_point
+from pipeline.sweep.plan import PointRecord, choose_stations, run_point
 from pipeline.sweep.stages import Report, silent
-from pipeline.sweep.station_choice import choose_stations
 from tribo import TriboError
 
 

@@ -22,8 +22,7 @@ from distributed.scheduler import KilledWorker
 from pipeline.run.cluster import LOST, POLL, WORD, Connection
 from pipeline.run.work import CODE, FOLDER, INSTALL, TASK, ExecutionError, Work
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Task
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.plan import Task, choose_stations
 from pipeline.sweep.variants import Variant
 
 ANYWHERE = ""

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.paths import user_path
-from pipeline.scene.choices import NO_CHOICES, Choices, TableFile, choices_of
+from pipeline.scene.choices import NO_CHOICES, Choices, TableFile, choices_of, read_sheet
 from pipeline.scene.decimals import Typed
 from pipeline.scene.declare import Declared, Table, table_of
 from pipeline.scene.document import Document
@@ -23,10 +23,8 @@ from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFi
 from pipeline.scene.kinds import Share
 from pipeline.scene.lines import Lines, SheetRow
 from pipeline.scene.names import UNITS, Heading
-from pipeline.scene.option_words import Written
 from pipeline.scene.over import labels_of, with_rows
-from pipeline.scene.sheet import Sheet
-from pipeline.scene.table_reader import read_sheet
+from pipeline.scene.sheet import Sheet, Written
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES

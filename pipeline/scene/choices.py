@@ -1,18 +1,23 @@
-"""What a user says of a table's file: columns, rows, given quantities, decimal mark and sheet."""
+"""What a user says of a table's file, such as columns, rows and sheet; and the table read by it."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from pathlib import Path
 from typing import Annotated as A
 from typing import Any
 
+from pipeline import extras
+from pipeline.paths import user_path
 from pipeline.scene.declare import ByPath, Declared, Example
 from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.kinds import OneOf, Scalar, Text
-from pipeline.scene.names import Heading
-from pipeline.scene.sheet import Sheet
+from pipeline.scene.lines import Lines, read_lines
+from pipeline.scene.names import Heading, Names
+from pipeline.scene.sheet import Sheet, Written, sheet_of
 from pipeline.scene.units import UnitError, to_si
+from pipeline.sweep.limits import MOST_ROWS
 from tribo import InputError
 
 
@@ -126,3 +131,31 @@ def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
             sheet.faults.append(f'given.{name}: {error}; give one such as "1 {like}"')
             continue
         sheet.add(name, "", [str(value)] * len(sheet.rows))
+
+
+def read_sheet(
+    source: Path | Lines, units: Mapping[str, str | None], needed: Collection[str],
+    moving: Collection[str] = (), choices: Choices = NO_CHOICES, written: Written = "scene",
+    most: int = MOST_ROWS,
+) -> Sheet:  # fmt: skip
+    """Read a table from a file or from lines (`source`), and find the columns of quantities.
+
+    `units` has the quantities to look for, with their SI units. Rows that lack a `needed` quantity,
+    or in which a quantity of `moving` is 0, are left out and counted. `choices` are those of the
+    user, and messages name them as they are `written`. `most` is the largest number of rows of a
+    text.
+    """
+    words: Any = next(extras.modules("tables"), None)
+    chosen = choices.columns or {}
+    names = words.WordNames(units, chosen) if words else Names(units, chosen)
+    require_known(choices, {*names.units})
+    name, tables = "points", [source] if isinstance(source, Lines) else []
+    if isinstance(source, Path):
+        name, tables = str(source), read_lines(user_path(source), names, choices.sheet, most)
+    found = sheet_of(name, tables, names, choices.decimal)
+    choose(found, choices, chosen)
+    if words:
+        words.derive(found, needed)
+    found.require(needed, moving)
+    found.written = written
+    return found

@@ -1,4 +1,4 @@
-"""Probable slips in a scene: values far from the usual, contacts beyond the model."""
+"""Probable slips in a scene: values far from the usual, contacts beyond the model, other pasts."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
 from pipeline.scene.faults import key_path
 from pipeline.scene.format import BULK, FRICTION
 from pipeline.scene.kinds import unusual
-from pipeline.scene.pasts import doubt_on_runs
 from pipeline.scene.reference import number_at
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.physics import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
-from tribo import Ramp, SelfAffineRoughness
+from tribo import MeasuredLoad, Ramp, SelfAffineRoughness, Stages
 
 UNWORN = "not given: an unworn contact stays narrow, and gets hotter"
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
@@ -26,6 +26,8 @@ _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 _MOST_CASES = 12  # cases that are looked at, each in some 0.1 s
 _Doubt = tuple[str, str]
 """Path of the doubtful entry, empty if it is not a single one, and the reason in words."""
+Loading = Ramp | Stages | MeasuredLoad
+_MANY = 3  # numbers of tests that are named
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
@@ -158,3 +160,67 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
                     "window, so that temperatures differ much from surface to surface: give more "
                     "window.pixels, or several surfaces (sweep.realizations)",
                 )
+
+
+def notes_on_pasts(sweep: Sweep) -> tuple[Remark, ...]:
+    """How the past of tests differs from the plane's, a line for each kind, with its effect.
+
+    Each test is simulated with its own past; so places of the plane are not like it.
+    """
+    plane, found = sweep.scene.loading, dict[str, list[Measurement]]()
+    for test in sweep.tests:
+        if words := _difference(test.simulated.scene.loading, plane):
+            found.setdefault(words, []).append(test)
+    return tuple(Remark("", "note", f"{_named(tests)}: {words}") for words, tests in found.items())
+
+
+def _difference(own: Loading, plane: Loading) -> str:
+    """How one past differs from another, and what follows; empty if they are alike."""
+    if isinstance(own, MeasuredLoad) or isinstance(plane, MeasuredLoad):
+        return "" if own == plane else "another record of the load than the plane's"
+    if isinstance(own, Stages) and isinstance(plane, Stages):
+        is_begun_alike = own.shares_stages(plane)
+        return (
+            "" if is_begun_alike else "other stages than the plane's: longer ones wear and cool it"
+        )
+    if isinstance(own, Stages):
+        return "in stages, and the plane by a ramp: worn by them, it is cooler than the plane"
+    if isinstance(plane, Stages):
+        return "by a ramp, and the plane in stages: a fresh specimen is hotter than the plane"
+    if not math.isclose(own.rate, plane.rate):
+        way = "slower, worn more, and cooler" if own.rate < plane.rate else "faster, and hotter"
+        return f"its load grows {way} than the plane"
+    if own.hold != plane.hold:
+        way = "longer" if own.hold > plane.hold else "less long"
+        return f"held {way} than the plane, which counts where a body keeps heat of earlier turns"
+    return ""
+
+
+def doubt_on_runs(sweep: Sweep) -> str:
+    """Which tests of one specimen are simulated as fresh ones, in words; empty if none are.
+
+    Those of one run at several loads or velocities had a past that no entry states.
+    """
+    runs = dict[str, list[Measurement]]()
+    for test in sweep.tests:
+        if test.run is not None and isinstance(test.simulated.scene.loading, Ramp):
+            runs.setdefault(test.run, []).append(test)
+    alike = [
+        test
+        for tests in runs.values()
+        if len({place for test in tests for place in test.places}) > 1
+        for test in tests
+    ]
+    if not alike:
+        return ""
+    return (
+        f"{_named(alike)}: one specimen at several places, each simulated fresh, so too hot: give "
+        "its stages"
+    )
+
+
+def _named(tests: Sequence[Measurement]) -> str:
+    """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
+    names = [*dict.fromkeys(str(test.number) for test in tests)]
+    more = f" and {len(names) - _MANY} more" * (len(names) > _MANY)
+    return f"test{'s' * (len(names) > 1)} {', '.join(names[:_MANY])}{more}"

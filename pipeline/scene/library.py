@@ -14,7 +14,7 @@ from typing import Any
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import Faults, key_path, quoted
 from pipeline.scene.format import MaterialTable
-from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.remarks import FromLibrary
 from pipeline.sweep.tables import entry_at
 
 Entries = dict[str, Any]

@@ -13,7 +13,7 @@ import numpy as np
 import tribo
 from pipeline import extras
 from pipeline.paths import user_path
-from pipeline.scene.choices import choices_of
+from pipeline.scene.choices import choices_of, read_sheet
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
@@ -29,11 +29,10 @@ from pipeline.scene.format import (
     Window,
 )
 from pipeline.scene.names import UNITS
-from pipeline.scene.table_reader import read_sheet
 from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
-from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.remarks import FromLibrary
 from tribo.loading.ramp import MOST_STEPS
 from tribo.loading.record import fault as record_fault
 from tribo.simulation.pins import sizes_of

@@ -31,7 +31,7 @@ from pipeline.scene.parts import (
 from pipeline.scene.runs import expand_tests
 from pipeline.scene.written import complete_fidelity, entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
-from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.remarks import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of

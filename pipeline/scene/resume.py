@@ -10,7 +10,7 @@ from typing import Any
 from pipeline.scene.written import differing_entries
 from pipeline.sweep.digest import digest
 from pipeline.sweep.model import Sweep, variant_words
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, TriboError
 

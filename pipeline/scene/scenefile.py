@@ -24,8 +24,8 @@ from pipeline.scene.units import in_si
 from pipeline.sweep import plan
 from pipeline.sweep.limits import MOST_POINTS
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.stages import Report, silent
-from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.tables import Entries, entry_at, flat, replace_value, replace_values
 from pipeline.sweep.variants import SEED, surfaces
 

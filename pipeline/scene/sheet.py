@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from pipeline.scene.faults import (
 from pipeline.scene.kinds import OneOf
 from pipeline.scene.lines import NUMBER, Lines, SheetRow, find_headings, headings_at
 from pipeline.scene.names import Heading, Names
-from pipeline.scene.option_words import Written, in_words_of
 from pipeline.scene.units import as_entry, clock_time, to_si
 from tribo import InputError
 from tribo.types import Array
@@ -38,6 +37,12 @@ EMPTY = ("", "-", "–", "--", "---", "nan", "n/a", "na", "null", "none", "nat",
 """Contents of cells without a value, in lower case."""
 _PLURAL = {"has": "have", "is": "are", "stands": "stand", "repeats": "repeat"}
 _DAY = 86400.0  # [s]
+Written = Literal["command", "scene", "Python"]
+"""Where a user reads a table: by a command, from a scene file, or by a function."""
+_ENTRIES = {"column": "columns", "word": "words"}
+_PAIR = re.compile(r'--(column|given|where|skip|word) "([^"=]*)=((?:\\"|[^"])*)"')
+_OF_FILE = re.compile(r"--(?!word)[a-z]+ \S")
+_VALUE = re.compile(r"--(decimal|sheet) (names|[.,](?= or)|\S+?(?=[;,]? |$))")
 
 
 @dataclass(slots=True)
@@ -249,3 +254,29 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     sheet.faults += [*listed_faults(more), *doubtful]
     sheet.form.append(f"decimal {'commas' if mark == ',' else 'points'}")
     return sheet
+
+
+def in_words_of(written: Written, message: str) -> str:
+    """Rewrite the options in a message, such as ``--decimal ,``, as they are written elsewhere.
+
+    Examples
+    --------
+    >>> in_words_of("scene", 'no load; name it by --column "load=HEADING", or --decimal ,')
+    'no load; name it by columns = { load = "HEADING" }, or decimal = ",", in { path = "FILE" }'
+    """
+    if written == "command":
+        return message
+    pair = '{} = {{ {} = "{}" }}' if written == "scene" else '{}={{"{}": "{}"}}'
+    one = '{} = "{}"' if written == "scene" else '{}="{}"'
+
+    def pair_of(match: re.Match[str]) -> str:
+        name, key, value = match.groups()
+        is_bare = written != "scene" or re.fullmatch(r"\w+", key)
+        return pair.format(_ENTRIES.get(name, name), key if is_bare else f'"{key}"', value)
+
+    told = _VALUE.sub(
+        lambda match: match[1] if match[2] == "names" else one.format(*match.groups()),
+        _PAIR.sub(pair_of, message),
+    )
+    is_of_file = written == "scene" and bool(_OF_FILE.search(message))
+    return told + ', in { path = "FILE" }' * is_of_file

@@ -17,8 +17,7 @@ from pipeline.scene.reading import SceneReader
 from pipeline.scene.uncertain import InputReader
 from pipeline.sweep.case import Case
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.remarks import Remark
-from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, replace_value, replace_values
 from pipeline.sweep.variants import SEED, Variant, Variants

@@ -15,8 +15,7 @@ from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.source import Source, read_sweep
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.remarks import Remark
-from pipeline.sweep.sources import FromLibrary
+from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import replace_value
 from pipeline.sweep.variants import Column, Row, Variants

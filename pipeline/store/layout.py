@@ -13,8 +13,8 @@ import xarray as xr
 
 from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_coordinate, is_of_points
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import TEST_POINT
-from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import Variant, in_order
 from tribo import QUANTILES

@@ -10,8 +10,7 @@ from pipeline.store.schema import DATA, DONE
 from pipeline.store.verify import fault_of, read_block, stored_entries
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.plan import PointRecord, choose_stations
 
 
 def take_points(store: Store, other: Store) -> int:

@@ -12,9 +12,8 @@ from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.digest import digest
 from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_places
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.remarks import Remark
+from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.shown import shown
-from pipeline.sweep.sources import FromLibrary
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import SEED, Row, Variant, Variants
 from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness

@@ -1,4 +1,4 @@
-"""Remarks beside a result: the entry they are about, how serious they are, and their words."""
+"""Remarks beside a result, each on an entry; and values of the library, with their sources."""
 
 from __future__ import annotations
 
@@ -44,3 +44,24 @@ def join_notes(notes: Iterable[str]) -> str | None:
 def split_notes(cells: Iterable[str | None]) -> list[str]:
     """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
     return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]
+
+
+class FromLibrary(NamedTuple):
+    """A value that a scene takes from the library: key path, value with unit, and source."""
+
+    key: str
+    value: str
+    source: str
+
+
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+
+    The text names the table and its values, such as "pin: density 7800 kg/m³".
+    """
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source

@@ -9,10 +9,9 @@ from pipeline.constants import PRESET_BOUNDS
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
-from pipeline.sweep.accuracy import velocity_error
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import Remark
-from pipeline.sweep.selection import presets_for
+from pipeline.sweep.selection import presets_for, velocity_error
 from pipeline.sweep.severity import rise_limit
 from pipeline.tradeoff.probe import present_heat_beside_boundary
 from tribo import InputError

@@ -14,11 +14,10 @@ from pipeline.machine import cores
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.scene.units import require_count
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Task, record_at, tasks
+from pipeline.sweep.plan import Task, choose_stations, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
 from pipeline.sweep.shown import shown
-from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.task_queue import makespan
 from tribo import Scene, Stages, State

@@ -1,7 +1,7 @@
 """Points of a sweep, simulated in this process."""
 
 from pipeline.sweep import plan
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.plan import choose_stations
 
 
 def run_point(sweep, point, trunks=None):

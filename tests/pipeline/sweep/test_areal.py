@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.sweep.areal import areal_roughness, remove_form
-from pipeline.sweep.autocorrelation import autocorrelation_lengths
+from pipeline.sweep.areal import areal_roughness, autocorrelation_lengths, remove_form
 from tribo import Grid
 from tribo.surface import self_affine
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from pipeline.sweep.autocorrelation import autocorrelation_lengths
+from pipeline.sweep.areal import autocorrelation_lengths
 from tribo import InputError
 
 PIXEL = 0.8e-6

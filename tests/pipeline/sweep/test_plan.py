@@ -11,8 +11,7 @@ from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, tasks
-from pipeline.sweep.station_choice import choose_stations
+from pipeline.sweep.plan import choose_stations, points, tasks
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.accuracy import has_unknown_error, velocity_error
 from pipeline.sweep.model import Point
+from pipeline.sweep.selection import has_unknown_error, velocity_error
 from tests.helpers import synthetic
 from tribo import PRESETS
 
