@@ -31,7 +31,6 @@ from pipeline.store.schema import (
     VARIABLES,
 )
 from pipeline.sweep.conditions import PATHS, UNITS, changes_of
-from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Label, Variant, Variants, dimension_of
@@ -171,7 +170,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
     """Add coordinate ``scene_id``: for each variant a digest of all that affects its results."""
-    return identify(ds, scene_ids(whole_sweep(ds)), scene_sweep(ds).variants)
+    return identify(ds, whole_sweep(ds).scene_ids, scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
 
 import tribo
+from pipeline import extras
 from pipeline.scene.declare import table_of
-from pipeline.scene.document import override_entries, read_document, without_empty_tables
-from pipeline.scene.extensions import begin
+from pipeline.scene.document import Document, override_entries, read_document, without_empty_tables
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.format import FidelityTable, SceneFile
 from pipeline.scene.laws import replace_by_laws
+from pipeline.scene.over import Extend
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.reference import FILES, all_keys
@@ -77,7 +79,7 @@ def load_scene(
         raise SceneFileError(path, [str(error)]) from error
     document = override_entries(document, replaced, faults)
     document = without_empty_tables(document, faults)
-    document, extensions = begin(document, faults)
+    document, extensions = _begin_extensions(document, faults)
     entries = document.entries()
     folders = {file: document.file_of(file).parent for file in FILES}
     reader = SceneReader(Contents(folders=folders), laws)
@@ -105,6 +107,28 @@ def load_scene(
     if parts is None or faults:
         raise SceneFileError(path, [*map(document.line, faults)])
     return sweep
+
+
+def _begin_extensions(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
+    """Let each extension change the document of a scene: several values, rows, logs.
+
+    An extension is a module with a function ``begin``, imported only where a scene needs it: of
+    this package, or ``entries`` of an extra whose ``format`` finds its entries. Returns the
+    document, and the functions that later add variants to the sweep.
+    """
+    extensions, entries = list[Extend](), document.entries()
+    named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
+    named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]
+    for paths, module in named:
+        if not any(entry_at(entries, path) is not None for path in paths):
+            continue
+        with faults.at(paths[0]):
+            document, extend = import_module(module).begin(document, faults)
+            extensions += [extend] if extend else []
+            continue
+        for path in paths:  # a faulty entry is removed, so that it has no further faults
+            document = document.replaced(path, None)
+    return document, extensions
 
 
 def _with_path(words: str, entries: Entries) -> str:

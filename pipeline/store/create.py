@@ -34,7 +34,6 @@ from pipeline.store.root_file import find_root, read_metadata, require_same_scen
 from pipeline.store.schema import PENDING, is_coordinate, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
-from pipeline.sweep.identity import scene_ids
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.points_of_tests import grown_slots, judges_holds, most_steps, wanted_slots
@@ -149,7 +148,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         sweep=kept,
         text=sweep_text(kept),
         axes=axes,
-        ids=scene_ids(kept),
+        ids=kept.scene_ids,
         block=block,
         history=[*dict.fromkeys(lines)],
         layout=_grown_tests(before, sweep),

@@ -23,7 +23,6 @@ import json, pipeline
 from pipeline.scene.stored_text import sweep_text, parse_sweep
 from pipeline.scene.reference import all_keys
 from pipeline.scene.resume import misfits
-from pipeline.sweep.identity import scene_ids
 
 PATH = "disk.roughness.waviness"
 
@@ -45,7 +44,7 @@ print(json.dumps({
     "fault": fault(),
     "doubt": str(load("20 um").notes[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
-    "is another scene": scene_ids(one) != scene_ids(other),
+    "is another scene": one.scene_ids != other.scene_ids,
     "misfits": [*misfits(one, other)],
     "rows": [over.case(name).scene.roughness.waviness for name in over.variants.names],
 }))
