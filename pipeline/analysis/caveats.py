@@ -15,14 +15,17 @@ from pipeline.scene.shipped import typed_name
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import caveat_on_turns, cold_tracks, note_on_ends, note_on_turns
+from pipeline.sweep.physics import (
+    UNKNOWN_FILM,
+    caveat_on_turns,
+    cold_tracks,
+    note_on_ends,
+    note_on_turns,
+)
 from pipeline.sweep.selection import error_in_words
 from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
-
-UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
-"""Caveat where Λ is stated for a ball or a crowned pin."""
 
 
 def caveats_of(data: Results) -> list[str]:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Collection, Iterable
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.output import tell
@@ -22,6 +20,9 @@ from pipeline.sweep.selection import KEPT_FIELDS, error_in_words
 from pipeline.sweep.variants import dimension_of
 from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _FILES = (*FILES, "sweep.along")
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")

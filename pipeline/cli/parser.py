@@ -33,7 +33,7 @@ COMMANDS = (
         "scene.toml --accuracy 2%", (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "check", "sweeps:check", "print the meaning of a scene, and the cost of its sweep",
+        "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
         "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.ACCURACY, o.TABLE),
     ),
     Command(

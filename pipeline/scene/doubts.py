@@ -162,7 +162,12 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
                 )
 
 
-def notes_on_pasts(sweep: Sweep) -> tuple[Remark, ...]:
+def notes_on_scene(sweep: Sweep) -> tuple[Remark, ...]:
+    """Notes on the entries of a scene, and on the past of its tests."""
+    return *(one for one in sweep.notes if one.grade == "note"), *_notes_on_pasts(sweep)
+
+
+def _notes_on_pasts(sweep: Sweep) -> tuple[Remark, ...]:
     """How the past of tests differs from the plane's, a line for each kind, with its effect.
 
     Each test is simulated with its own past; so places of the plane are not like it.

@@ -135,7 +135,9 @@ def remove_form(
     return level, (float(slope_x), float(slope_y)), (radii[0], radii[1])
 
 
-def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughness:
+def areal_roughness(
+    heights: Array, spacing: tuple[float, float], with_lay: bool = True
+) -> ArealRoughness:
     """Compute the roughness parameters of a height map by ISO 25178-2.
 
     Parameters
@@ -144,6 +146,8 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
         Heights [m], NaN where a height is missing.
     spacing : tuple of float
         Sides of a pixel along x and y [m].
+    with_lay : bool, optional
+        False to leave out Sal, Str and the lay, which take most of the time; they are NaN and None.
 
     Returns
     -------
@@ -169,10 +173,12 @@ def areal_roughness(heights: Array, spacing: tuple[float, float]) -> ArealRoughn
     values = level[np.isfinite(level)]
     values = values - values.mean()
     rq = float(np.sqrt(np.mean(values**2)))
-    begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
-    part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
-    shortest, longest, direction = autocorrelation_lengths(part, spacing)
-    aspect = shortest / longest if math.isfinite(shortest) else math.nan
+    shortest = aspect = direction = math.nan
+    if with_lay:
+        begins = [max(0, (n - _MOST_ALONG) // 2) for n in level.shape]
+        part = level[tuple(slice(begin, begin + _MOST_ALONG) for begin in begins)]
+        shortest, longest, direction = autocorrelation_lengths(part, spacing)
+        aspect = shortest / longest if math.isfinite(shortest) else math.nan
     return ArealRoughness(
         ra=float(np.abs(values).mean()),
         rq=rq,

@@ -9,6 +9,9 @@ from pipeline.quantities import display
 from pipeline.sweep.model import Sweep
 from tribo import Corrections, Track
 
+UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
+"""Caveat where Λ is stated for a ball or a crowned pin."""
+
 
 def cold_tracks(sweep: Sweep) -> dict[str, Any]:
     """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.

@@ -88,25 +88,27 @@ def surface_words(sweep: Sweep) -> str | None:
 def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
     if rough is None:
         return None
-    if isinstance(rough, SelfAffineRoughness) and math.prod(pixels.shape) > _MOST_PIXELS:
+    lay, is_random = None, isinstance(rough, SelfAffineRoughness)
+    if is_random:
         along_x, along_y = rough.correlation_length
         lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
-        return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
+        if math.prod(pixels.shape) > _MOST_PIXELS:
+            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
     is_scan = isinstance(rough, MeasuredRoughness)
     heights: Array = rough.array if is_scan else rough.heights(pixels)
     slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none for a single row
     try:
-        found = areal_roughness(heights, pixels.spacing)
+        found = areal_roughness(heights, pixels.spacing, with_lay=not is_random)
     except InputError:  # no height differs from its plane
-        return SurfaceFacts(not isinstance(rough, SelfAffineRoughness), 0.0, 0.0)
+        return SurfaceFacts(not is_random, 0.0, 0.0)
     return SurfaceFacts(
-        measured=not isinstance(rough, SelfAffineRoughness),
+        measured=not is_random,
         ra=found.ra,
         rq=found.rq,
         mean_height=found.mean,
         rise=tuple(np.multiply(found.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
         radii=found.radii,
-        lay=None if found.lay is None else abs(found.lay),
+        lay=lay if found.lay is None else abs(found.lay),
         slope=float(slopes.std()) if len(slopes) else None,
     )
 

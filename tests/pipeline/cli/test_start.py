@@ -10,6 +10,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.cli.parser import commands, function_of, parse
+from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 
 
@@ -64,3 +65,26 @@ def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
 
 def test_the_version_is_printed_before_any_command(irg):
     assert re.fullmatch(r"irg \d+\.\d+\.\S+\n", irg("--version"))
+
+
+_LOADED = """
+import sys
+from pipeline.cli import main
+assert main(sys.argv[2:]) == 0
+print("loaded:", *sorted({*sys.argv[1].split(",")} & sys.modules.keys()))
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "slow"),
+    [
+        ("margin STORE --load 400N --velocity 1.2m/s", "dask,pint,distributed,matplotlib"),
+        ("boundary STORE", "dask,pint,distributed,matplotlib"),
+        ("status STORE", "dask,pint,distributed,matplotlib"),
+        ("check first_try", "dask,pint,distributed,xarray,zarr,scipy.ndimage"),
+    ],
+)
+def test_an_answer_waits_for_no_library_that_it_does_without(alone, words, slow):
+    words = words.replace("STORE", str(alone)).split()
+    done = python("-c", _LOADED, slow, *words)
+    assert done.stdout.endswith("loaded:\n"), done.stdout[-200:] + done.stderr

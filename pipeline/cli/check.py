@@ -1,0 +1,179 @@
+"""The command ``irg check``; it imports no more than a scene needs."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+
+import numpy as np
+
+import pipeline
+from pipeline.analysis.tables import frame_of, records
+from pipeline.cli.given import scene_in
+from pipeline.cli.output import Result, counted
+from pipeline.machine import memory as machine_memory
+from pipeline.quantities import display, display_sides, shown_in
+from pipeline.scene.doubts import notes_on_scene
+from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.store.schema import require_free_names
+from pipeline.sweep.condition_words import unmodelled_rise_words
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.physics import UNKNOWN_FILM
+from pipeline.sweep.remarks import library_tables
+from pipeline.sweep.selection import has_unknown_error
+from pipeline.sweep.stages import duration
+from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.variants import VARIANT
+from pipeline.tradeoff.forecast import Estimate, worker_bytes
+from tribo import InputError, Scene, lubrication_regime
+
+
+def check(options: argparse.Namespace) -> Result:
+    """Answer ``irg check``: describe a scene, and estimate the cost of its sweep."""
+    sweep = scene_in(options)
+    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
+    require_free_names(sweep)
+    facts, memory, machine = facts_of(sweep), worker_bytes(sweep), machine_memory()
+    needed = f"about {display(memory, 'MB', '.0f')} of memory a worker"
+    if memory > machine:
+        raise InputError(
+            f"the scene needs {needed}, and this machine has {display(machine, 'GB', '.0f')}; give "
+            "fewer window.pixels, or a coarser fidelity"
+        )
+    cost = pipeline.estimate(sweep, workers=options.workers)
+    rows = [
+        *_meaning_rows(sweep, facts, needed),
+        *(("library", f"{one}, from {source}") for one, source in library_tables(sweep.sources)),
+        *((one.grade, one.text) for one in notes_on_scene(sweep)),
+        *((one.grade, one.text) for one in sweep.doubts),
+        *_cost_rows(sweep, cost),
+    ]
+    frame = frame_of(_HEADS, rows)
+    shown = frame[frame["subject"] != "library"].set_axis(["", ""], axis="columns")
+    on_sources = ["library values and their sources: give -o TABLE.md"] * bool(sweep.sources)
+    document = {
+        "title": sweep.title,
+        "preset": sweep.preset,
+        "contact": asdict(facts),  # in SI
+        "cost": {**asdict(cost), "worker_bytes": memory},
+        "statements": records([frame]),
+    }
+    return Result(document, [sweep.title, "", shown, *on_sources], frames=[frame])
+
+
+_HEADS = "subject", "meaning"
+_FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
+_Row = tuple[str, str]
+"""A subject (empty for a continued one), and a sentence on it."""
+
+
+def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
+    """Yield rows that describe a scene: contact, surface, motion, film, wear and heat.
+
+    `memory` states in words how much memory a simulation needs.
+    """
+    worn = "worn" if facts.wear_depth else "unworn"
+    rough = "rough" if facts.surface else "smooth"
+    yield (
+        "contact",
+        f"Hertz: {_text(facts.hertz_pressure, 'GPa')}, half-width "
+        f"{_text(facts.hertz_half_width, 'µm')}; {worn} and {rough}: "
+        f"{_text(facts.contact_width, 'µm')} wide",
+    )
+    nx, ny = sweep.scene.grid.shape
+    yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
+    given = sweep.source.parts.declared.window.pixels
+    if wider := _wider(given, sweep.scene):
+        yield "", f"widened from {given[0]} pixels for the wear of the stages; {wider}"
+    yield "surface", facts.surface.words if facts.surface else "smooth"
+    motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
+    yield "motion", motion
+    yield from _film_rows(sweep)
+    depth = f"{_text(facts.wear_depth, 'µm')} deep at the end" if facts.wear_depth else "none"
+    yield "wear", depth
+    u = "of the disk u" if sweep.scene.motion else "V"
+    peclet = f"Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of Hertz"
+    yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
+    if added := unmodelled_rise_words(sweep.conditions):
+        yield "", added
+    elif sweep.scene.friction_heat and not sweep.measured:
+        yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
+    if sweep.conditions.corrections:
+        yield "corrections", sweep.conditions.corrections.text
+
+
+def _wider(given: tuple[int, ...], scene: Scene) -> str:
+    """Size and cost of a window that is wider than the `given` pixels; else empty."""
+    share = _pixels(scene) / math.prod(given)
+    if share <= 1:
+        return ""
+    nx, ny = scene.pixels.shape
+    return f"{nx} × {ny} pixels, a step costs {share:.2g} times as much"
+
+
+def _pixels(scene: Scene) -> int:
+    return math.prod(scene.pixels.shape)
+
+
+def _film_rows(sweep: Sweep) -> Iterator[_Row]:
+    """Yield rows on the oil film, or on the entry that is missing to compute it."""
+    if sweep.lubricant is None:
+        return
+    bulk = sweep.conditions.mean_bulk_temperature
+    viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
+    lubrication = find_lubrication(sweep)
+    if lubrication is None:
+        has_pressure_coefficient = sweep.lubricant.pressure_coefficients is not None
+        missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
+        yield "oil", f"{viscosity}; its film is not known without {missing}"
+        return
+    loads, velocities = (np.array(axis)[[0, -1]] for axis in (sweep.loads, sweep.velocities))
+    span = Span.of(lubrication.film_parameter(loads[:, None], velocities, bulk))
+    regimes = dict.fromkeys(lubrication_regime(value) for value in span)
+    regime = " to ".join(regimes).replace(" lubrication to", " to")
+    yield "oil", f"{viscosity}; Λ {_text(span)}: {regime}"
+    if sweep.scene.pin.length is None and span.high >= _FILM_CARRIES:
+        yield "", UNKNOWN_FILM
+
+
+def _text(span: Span, unit: str = "") -> str:
+    """Range of a quantity as text in a `unit`, such as "1.2 to 3 µm".
+
+    It is a single value if both ends agree.
+    """
+    low, high = (f"{shown_in(value, unit):.3g}" for value in span)
+    return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
+
+
+def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
+    """Yield rows on the cost of a sweep: points, steps, time and disk."""
+    velocities = sweep.variants.labels("velocity") or sweep.velocities
+    counts = [
+        counted(len(sweep.loads), "load", "loads"),
+        counted(len(velocities), "velocity", "velocities"),
+    ]
+    names = {"realization": "surfaces", VARIANT: "rows"}
+    if sweep.variants.labels("load"):
+        counts, names[VARIANT] = [], "rows, each at its own load and velocity"
+    for name, values in sweep.variants.axes.items():
+        counts.append(f"{len(values)} {names.get(name, f'values of {name}')}")
+    steps = f"{cost.steps} contacts and {cost.temperatures} temperatures in {cost.tasks} tasks"
+    yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
+    if cost.tests:
+        yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
+        widest = max((test.simulated.scene for test in sweep.tests), key=_pixels)
+        if wider := _wider(sweep.scene.pixels.shape, widest):
+            yield "", f"stages of tests have wider windows, up to {wider}"
+    if cost.inputs:
+        simulated = ", ".join(one.path for one in sweep.inputs if one.is_simulated)
+        yield "inputs", f"{cost.inputs} points for the uncertain {simulated}"
+    workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
+    disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
+    yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"
+    if has_unknown_error(sweep):
+        yield (
+            "error",
+            "not known for own numerical choices: irg trade compares them with the presets",
+        )
