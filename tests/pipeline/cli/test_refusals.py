@@ -106,7 +106,7 @@ REFUSALS = {
 
 ELSEWHERE = {
     "points.point InputError": "test_commands.py, at rest",
-    "sweeps.check InputError": "test_check.py, with the meaning that is printed before",
+    "check.check InputError": "test_check.py, with the meaning that is printed before",
     "values.setting Refused": "in the table; Python stops tracing where it runs out of stack",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
