@@ -20,8 +20,7 @@ _COUNTS = (_GROUPS / "memory.events", _GROUPS / "memory/memory.oom_control", Pat
 def cores() -> int:
     """Number of cores that this process may use."""
     process = psutil.Process()
-    # macOS has no affinity.
-    has_affinity = hasattr(process, "cpu_affinity")
+    has_affinity = hasattr(process, "cpu_affinity")  # macOS has none
     count = len(process.cpu_affinity()) if has_affinity else psutil.cpu_count() or 1
     limits = [_numbers(_own_group() / "cpu.max")]
     for name in _QUOTAS:
@@ -36,7 +35,7 @@ def memory() -> int:
     files = [_own_group() / "memory.max", _own_group() / "memory.high"]
     files.append(_GROUPS / "memory" / "memory.limit_in_bytes")  # control groups 1
     limits = [number for file in files for number in _numbers(file) if number > 0]
-    return min([psutil.virtual_memory().total, *limits])
+    return min([int(psutil.virtual_memory().total), *limits])
 
 
 def _own_group() -> Path:
