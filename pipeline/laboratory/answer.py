@@ -52,8 +52,10 @@ def surface(options: argparse.Namespace) -> Result:
         return _data_sheet_result(options)
     raw = read_raw(options.scan)
     if raw.places is not None:
+        if options.transpose:
+            raise InputError(f"{options.scan} is no map, which --transpose is for; leave it out")
         return _profile_result(options, raw)
-    for name in ("length_unit", "cutoff"):
+    for name in ("length_unit", "cutoff", "lay"):
         if getattr(options, name) is not None:
             option = f"--{name.replace('_', '-')}"
             raise InputError(f"{options.scan} is a map, and {option} is for profiles; leave it out")
@@ -71,9 +73,7 @@ def _profile_result(options: argparse.Namespace, raw: RawScan) -> Result:
     step = options.pixel_size[0] if options.pixel_size else None
     places, heights = profiles_in(options.scan, raw, (height, length), step)
     try:
-        found = profile_statistics(
-            str(options.scan), places, heights, options.cutoff or None, options.cutoff != 0
-        )
+        found = profile_statistics(str(options.scan), places, heights, options.cutoff, options.lay)
     except InputError as error:
         raise InputError(f"{options.scan}: {error}") from error
     return Result(found.as_dict(), [*found.lines()])

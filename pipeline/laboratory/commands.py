@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from argparse import ArgumentTypeError
 
 from pipeline.cli import options as o
@@ -18,8 +19,8 @@ def _sides(text: str) -> tuple[float, float]:
 
 
 def _cutoff(text: str) -> float:
-    """Read a cutoff [m]; 0 for "none"."""
-    return 0.0 if text == "none" else values.quantity("0.8 mm")(text)
+    """Read a cutoff [m]; infinite for "none"."""
+    return math.inf if text == "none" else values.quantity("0.8 mm")(text)
 
 
 def _word_meaning(text: str) -> tuple[str, str]:
@@ -52,6 +53,11 @@ _SCAN = (
         "--cutoff", metavar="LENGTH", type=_cutoff,
         help='nesting index of a profile, like "0.8 mm"; default: by ISO 21920-3 from its Ra; none '
         "leaves it unfiltered",
+    ),
+    o.quantity(
+        "--lay", "LENGTH", "40 um",
+        "correlation length along the lay of random surfaces, across which a profile was measured; "
+        "default: isotropic",
     ),
     o.quantity("--ra", "RA", "0.2 um", "Ra of a data sheet, with --rsm and without a file"),
     o.quantity("--rsm", "RSM", "60 um", "RSm of a data sheet"),

@@ -13,6 +13,14 @@ from scipy.ndimage import convolve1d
 from scipy.optimize import brentq
 
 from pipeline.laboratory.instruments import RawScan
+from pipeline.laboratory.likeness import (
+    Likenesses,
+    compare,
+    likeness_entries,
+    likeness_lines,
+    roughness_toml,
+)
+from pipeline.laboratory.spectrum import SelfAffineFit, fit_profiles, profile_spectrum
 from pipeline.quantities import display
 from pipeline.sweep.shown import shown
 from tribo import Grid, InputError
@@ -27,7 +35,8 @@ _FEWEST = 8  # heights of a profile
 _HEIGHT = 0.1  # least height of a profile element, over Rz
 _ROUNDED = 0.75  # deviation of rounded places from even ones, at most, in steps
 _HURST, _SURFACES = 0.8, 4  # of random surfaces like a data sheet's
-_PIXELS = 60  # of a proposed surface, along RSm
+_COMPARED = "Rq", "Rp", "Rv", "RSm"
+_ROUNDING = 1e-9  # share of the heights; a smaller deviation from their line is rounding
 _WINDOW = 512  # pixels of a side of these surfaces
 
 
@@ -44,11 +53,15 @@ class ProfileStatistics:
     rq: float  #: Root mean square height [m].
     rz: float  #: Mean over the sections of the range of heights [m].
     rsm: float | None  #: Mean spacing of profile elements [m]; None for fewer than two.
+    fit: SelfAffineFit | None = None  #: Best fit of a self-affine spectrum.
+    fault_of_fit: str = ""  #: Why no random surface is like the profiles; empty if one is.
+    likeness: Likenesses = ()  #: Profiles against those of random surfaces, by quantity.
+    toml: str | None = None  #: Table ``[disk.roughness]`` of random surfaces like the profiles.
     notes: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """All statistics as plain data."""
-        return asdict(self) | {"toml": None}
+        return asdict(self) | {"likeness": likeness_entries(self.likeness)}
 
     def lines(self) -> Iterator[str]:
         """Yield lines that describe the profiles."""
@@ -60,55 +73,105 @@ class ProfileStatistics:
         rsm = "none: fewer than two elements" if self.rsm is None else display(self.rsm, "µm", 4)
         named = {name: display(getattr(self, name), "µm", 4) for name in ("ra", "rq", "rz")}
         rows = {name.capitalize(): text for name, text in named.items()} | {"RSm": rsm}
-        yield from (f"  {name:10}{text}" for name, text in ({"λc": cutoff} | rows).items())
-        yield from (f"  {'note':10}{note}" for note in self.notes)
+        yield from (f"  {name:16}{text}" for name, text in ({"λc": cutoff} | rows).items())
+        for name, text in likeness_lines(self.likeness, "profile"):
+            yield f"  {name:16}{text}"
+        yield from (f"  {'note':16}{note}" for note in self.notes)
         yield ""
-        yield "a scene needs a map of heights, or a random surface with these:"
-        if self.rsm is not None:
-            ra, rsm = display(self.ra, "um", 4), display(self.rsm, "um", 4)
-            pixel = display(self.rsm / _PIXELS, "um", 2)
-            yield f'  irg surface --ra "{ra}" --rsm "{rsm}" --pixel-size "{pixel}"'
+        if self.toml:
+            yield from ["random surfaces like it, in a scene:", "", *self.toml.splitlines()]
+        else:
+            why = f"no random surface is like it ({self.fault_of_fit})"
+            yield f"{why}: a scene needs a map of heights"
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
 
 def profile_statistics(
-    file: str, places: Array, heights: Array, cutoff: float | None = None, filtered: bool = True
+    file: str, places: Array, heights: Array, cutoff: float | None = None, lay: float | None = None
 ) -> ProfileStatistics:
-    """Roughness of profiles (n, n_profile) [m] at places (n,) [m].
+    """Roughness of profiles (n, n_profile) [m] at places (n,) [m], and random surfaces like them.
 
-    `cutoff` is λc [m], by default by the profile's own Ra; no filter is used if not `filtered`.
+    `cutoff` is λc [m], by default by the profile's own Ra; infinite for no filter. `lay` is the
+    correlation length [m] of these surfaces along a lay, across which profiles run; None without.
     """
     step, level, notes = _even(places, heights)
-    length = step * len(level)
-    if filtered and cutoff is None:
-        cutoff = _own_cutoff(level, step)
-    if not filtered or cutoff is None:
-        cutoff = None
-    elif length < cutoff * (1 - 1e-3):
+    cutoff = _own_cutoff(level, step) if cutoff is None else cutoff
+    rough, count, used, more = _roughness_sections(level, step, cutoff)
+    notes += more
+    found = _parameters(rough, step, count)
+    if found["Rq"] <= _ROUNDING * float(np.nanmax(np.abs(heights))):
+        raise InputError("the profile is a straight line, without any roughness; give another file")
+    fit: SelfAffineFit | None = None
+    fault, likeness, toml = "", Likenesses(), None
+    try:
+        fit = fit_profiles(rough, step, used)
+    except InputError as error:
+        fault = str(error)
+    if fit:
+        fault, likeness = compare(
+            fit,
+            {name: found[name] for name in _COMPARED},
+            lambda seed: _parameters(_random_lines(fit, rough, step, used, seed), step, count),
+        )
+    if fit and not fault:
+        length = fit.correlation_length[0]
+        toml = roughness_toml(found["Ra"], fit.hurst_exponent, (length, lay or length))
         notes.append(
+            "assumed: isotropic; --lay states a lay, across which the profile runs"
+            if lay is None
+            else "assumed: x runs across the lay, as the profile; else exchange both lengths"
+        )
+    ra, rq, rz, rsm = (found[name] for name in ("Ra", "Rq", "Rz", "RSm"))
+    return ProfileStatistics(
+        file, (len(level), level.shape[1]), step, used, ra, rq, rz,
+        rsm if math.isfinite(rsm) else None, fit, fault, likeness, toml, tuple(notes),
+    )  # fmt: skip
+
+
+def _roughness_sections(
+    level: Array, step: float, cutoff: float
+) -> tuple[Array, int, float | None, list[str]]:
+    """Roughness profile in up to five sections of λc, their number, λc used, and notes."""
+    length = step * len(level)
+    if length < cutoff * (1 - 1e-3):
+        short = (
             f"shorter than one section of λc {display(cutoff, 'mm', 3)}: unfiltered; measure "
             f"{display(SECTIONS * cutoff, 'mm', 3)}, or give --cutoff"
         )
-        cutoff = None
-    rough = level if cutoff is None else _roughness(level, step, cutoff)
-    count = SECTIONS
-    if cutoff is not None:
-        count = min(SECTIONS, int((length + step) / cutoff * (1 + 1e-3)))
-        used = min(len(rough), round(count * cutoff / step))
-        begin = (len(rough) - used) // 2
-        rough = rough[begin : begin + used]
-        if count < SECTIONS:
-            notes.append(f"{count} of {SECTIONS} sections: the profile is short")
+        return level, SECTIONS, None, [short] * math.isfinite(cutoff)
+    count = min(SECTIONS, int((length + step) / cutoff * (1 + 1e-3)))
+    used = min(len(level), round(count * cutoff / step))
+    begin = (len(level) - used) // 2
+    notes = [f"{count} of {SECTIONS} sections: the profile is short"] * (count < SECTIONS)
+    return _roughness(level, step, cutoff)[begin : begin + used], count, cutoff, notes
+
+
+def _parameters(rough: Array, step: float, count: int) -> dict[str, float]:
+    """Ra, Rq, Rp, Rv, Rz and RSm [m] of roughness in `count` sections; RSm may be infinite."""
     pieces = np.array_split(rough, count)
-    rz = float(np.mean([np.ptp(piece, axis=0) for piece in pieces]))
+    rp, rv = (float(np.mean([(way * one).max(axis=0) for one in pieces])) for way in (1, -1))
+    rz = rp + rv
     spacings = [spacing_of(line, step, _HEIGHT * rz) for line in rough.T]
     known = [one for one in spacings if one is not None]
     ra, rq = float(np.abs(rough).mean()), float(np.sqrt((rough**2).mean()))
-    shape = (len(level), level.shape[1])
-    rsm = float(np.mean(known)) if known else None
-    return ProfileStatistics(file, shape, step, cutoff, ra, rq, rz, rsm, tuple(notes))
+    rsm = float(np.mean(known)) if known else math.inf
+    return {"Ra": ra, "Rq": rq, "Rp": rp, "Rv": rv, "Rz": rz, "RSm": rsm}
+
+
+def _random_lines(
+    fit: SelfAffineFit, like: Array, step: float, cutoff: float | None, seed: int
+) -> Array:
+    """Filtered profiles of random surfaces by a fit; their shape and Ra are those of `like`."""
+    noise = np.random.default_rng(seed).standard_normal(like.shape)
+    q = (2 * np.pi * np.fft.rfftfreq(len(like), step)).astype(np.float64)
+    spectrum = profile_spectrum(q, fit.correlation_length[0], fit.hurst_exponent, cutoff)
+    modes = np.fft.rfft(noise, axis=0) * np.sqrt(spectrum)[:, None]
+    modes[0] = 0.0
+    lines: Array = np.fft.irfft(modes, n=len(like), axis=0)
+    lines *= np.abs(like).mean() / np.abs(lines).mean()
+    return lines
 
 
 def _even(places: Array, heights: Array) -> tuple[float, Array, list[str]]:
@@ -213,10 +276,7 @@ def data_sheet_toml(ra: float, rsm: float, pixel: float) -> tuple[str, list[str]
             f"{'smaller' if rsm < below else 'larger'} pixels, --pixel-size"
         )
     length = math.exp(float(brentq(lambda x: excess(math.exp(x)), *map(math.log, ends), xtol=0.01)))
-    toml = (
-        f'[disk.roughness]\nra = "{display(ra, "um", 4)}"\nhurst_exponent = {_HURST}\n'
-        f'correlation_length = "{display(length, "um", 3)}"\n'
-    )
+    toml = roughness_toml(ra, _HURST, (length, length))
     return toml, [
         f"assumed: Hurst exponent {_HURST}",
         "assumed: isotropic, without a lay",

@@ -6,10 +6,20 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from pipeline.laboratory.likeness import (
+    NEAR,
+    Likenesses,
+    compare,
+    length_text,
+    likeness_entries,
+    likeness_lines,
+    nearly_equal,
+    roughness_toml,
+)
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
 from pipeline.laboratory.surfaces import (
     axis_note,
@@ -26,31 +36,10 @@ from tribo.surface import self_affine
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness above which a random surface is a poor substitute
-_UNLIKE = 5  # factor between spectra above which the fit is rejected
 _FLATTEST, _ROUGHEST = 1e-10, 1e-4  # plausible range of Rq [m]
 _FINEST, _COARSEST = 1e-9, 1e-3  # plausible range of pixel sides [m]
 _HIGHEST = 1.0  # height [m] above which the unit must be wrong
-_LIKENESSES = 8  # random surfaces compared with a scan
-_NEAR = 0.15  # relative difference below which two values are alike
-_SCATTERS = 2.0  # two values are also alike within this many standard deviations of surfaces
 _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
-
-
-class Likeness(NamedTuple):
-    """Roughness parameter, such as Rq, of a scan, and of random surfaces fitted to the scan."""
-
-    scan: float  # value of the scan
-    mean: float  # mean over the random surfaces
-    scatter: float  # relative standard deviation between the random surfaces
-
-    @property
-    def is_like(self) -> bool:
-        """True if the scan's value is close to the mean over the random surfaces.
-
-        It differs by at most 15 % of the mean, or two standard deviations if these are more.
-        """
-        reach = max(_NEAR, _SCATTERS * self.scatter) * self.mean
-        return abs(self.scan - self.mean) <= reach
 
 
 @shown
@@ -65,7 +54,7 @@ class SurfaceStatistics:
     roughness: ArealRoughness  #: Ra, Rq, Sal, Str, lay and form.
     fit: SelfAffineFit | None = None  #: Best fit of a self-affine spectrum.
     fault_of_fit: str = ""  #: Why random surfaces cannot replace the scan; empty if they can.
-    likeness: tuple[tuple[str, Likeness], ...] = ()  #: Scan against random surfaces, by quantity.
+    likeness: Likenesses = ()  #: Scan against random surfaces, by quantity.
     axis: str = ""  #: Direction of sliding in the file, in words.
     notes: tuple[str, ...] = ()  #: Notes on holes, and on arguments that override the file.
 
@@ -95,14 +84,7 @@ class SurfaceStatistics:
         """
         if self.fit is None or not self.is_like:
             return ""
-        lengths = [f'"{display(x, "um", 3)}"' for x in lengths_of(self.fit)]
-        length = lengths[0] if lengths[0] == lengths[1] else f"[{', '.join(lengths)}]"
-        return (
-            "[disk.roughness]\n"
-            f'ra = "{display(self.ra, "um", 4)}"\n'
-            f"hurst_exponent = {self.fit.hurst_exponent:.3g}\n"
-            f"correlation_length = {length}\n"
-        )
+        return roughness_toml(self.ra, self.fit.hurst_exponent, self.fit.correlation_length)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -128,9 +110,9 @@ class SurfaceStatistics:
                 f'disk.roughness.file = "{self.file}"'
             )
         widest = max((one.scatter for _, one in self.likeness), default=0.0)
-        if widest > _NEAR:
+        if widest > NEAR:
             sides = np.multiply(self.shape, self.pixel_size)
-            many = widest / _NEAR * min(sides) / sal
+            many = widest / NEAR * min(sides) / sal
             yield (
                 f"single surfaces of this size differ by {100 * widest:.0f} %: measure at least "
                 f"{many:.2g} correlation lengths (of {display(sal, 'µm', 3)}) along each side"
@@ -141,9 +123,7 @@ class SurfaceStatistics:
         rough = self.roughness
         return asdict(self) | {
             "roughness": asdict(rough) | {"str": rough.aspect},
-            "likeness": {
-                name: one._asdict() | {"is_like": one.is_like} for name, one in self.likeness
-            },
+            "likeness": likeness_entries(self.likeness),
             "toml": self.toml or None,
             "warnings": list(self.warnings),
         }  # fmt: skip
@@ -175,14 +155,11 @@ class SurfaceStatistics:
         if curved:
             yield "curvature", f"R {curved}, removed; give a pin's radius as pin.radius"
         yield "lay", "none" if rough.lay is None else f"{rough.lay:.0f}° from x"
-        yield "Sal, Str", f"{_as_text(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)"
-        for name, one in self.likeness:
-            shown_ = _as_text if name != "Str" else "{:.2g}".format
-            yield (
-                f"{name} of the fit",
-                f"{shown_(one.mean)} ± {100 * one.scatter:.2g} % from surface to surface; scan "
-                f"{shown_(one.scan)}{'' if one.is_like else ': unlike'}",
-            )
+        yield (
+            "Sal, Str",
+            f"{length_text(rough.sal)}, {rough.aspect:.2g} (ISO 25178, at 1/e for 0.2)",
+        )
+        yield from likeness_lines(self.likeness, "scan")
 
     def __str__(self) -> str:
         return "\n".join(self.lines())
@@ -271,7 +248,7 @@ def surface_statistics(
 
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
-) -> tuple[SelfAffineFit | None, str, tuple[tuple[str, Likeness], ...]]:
+) -> tuple[SelfAffineFit | None, str, Likenesses]:
     """Compare a scan with random surfaces that have the spectrum fitted to the scan.
 
     `heights` and `rough` are the scan's heights [m] and roughness, and `sides` those of a pixel
@@ -284,34 +261,13 @@ def _compare(
         fit = fit_self_affine(np.where(holes, 0.0, level), sides)
     except InputError as error:
         return None, str(error), ()
-    if fit.misfit > _UNLIKE:
-        return fit, f"its spectrum is off the best fit by a factor {fit.misfit:.2g}", ()
-    found = dict[str, list[float]]()
-    for seed in range(_LIKENESSES):
-        grid, lengths = Grid(level.shape, sides), lengths_of(fit)
+    grid, lengths = Grid(level.shape, sides), nearly_equal(fit.correlation_length)
+
+    def parameters(of: ArealRoughness) -> dict[str, float]:
+        return {name: getattr(of, quantity) for name, quantity in _COMPARED.items()}
+
+    def of_surface(seed: int) -> dict[str, float]:
         other = self_affine(grid, rough.ra, fit.hurst_exponent, lengths, seed=seed)
-        described = areal_roughness(np.where(holes, np.nan, other), sides)
-        for name, quantity in _COMPARED.items():
-            found.setdefault(name, []).append(getattr(described, quantity))
-    likeness = []
-    for name, values in found.items():
-        mean = float(np.mean(values))
-        scatter = float(np.std(values, ddof=1)) / mean if 0 < mean < math.inf else 0.0
-        likeness.append((name, Likeness(getattr(rough, _COMPARED[name]), mean, scatter)))
-    unlike = [name for name, one in likeness if not one.is_like]
-    fault = f"its {' and '.join(unlike)} {'differ' if unlike[1:] else 'differs'}" if unlike else ""
-    return fit, fault, tuple(likeness)
+        return parameters(areal_roughness(np.where(holes, np.nan, other), sides))
 
-
-def lengths_of(fit: SelfAffineFit) -> tuple[float, float]:
-    """Correlation lengths of a fit along x and y [m].
-
-    If they are nearly equal, both are their geometric mean.
-    """
-    x, y = fit.correlation_length
-    mean = math.sqrt(x * y)
-    return (x, y) if abs(x - y) > _NEAR * mean else (mean, mean)
-
-
-def _as_text(length: float) -> str:
-    return display(length, "µm", 3) if math.isfinite(length) else "over half the scan"
+    return fit, *compare(fit, parameters(rough), of_surface)

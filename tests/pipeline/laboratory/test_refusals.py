@@ -12,7 +12,7 @@ import pytest
 
 from pipeline.laboratory import instruments
 from pipeline.laboratory.scan import surface_statistics
-from pipeline.laboratory.spectrum import fit_self_affine
+from pipeline.laboratory.spectrum import fit_profiles, fit_self_affine
 from pipeline.laboratory.surfaces import filled, read_surface
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.choices import Choices
@@ -246,6 +246,12 @@ REFUSALS = {
                     "two heights at one place"),
     "no scan": (surface_command("", "--ra", "1 um"), "give a SCAN, or --ra and --rsm"),
     "no profile": (surface_command("1 2 3\n4 5 6\n7 8 9\n", "--cutoff", "none"), "is a map, and"),
+    "turned profile": (surface_command("0.1 5\n0.2 6\n", "--transpose"), "is no map, which --tr"),
+    "flat profile": (surface_command("0 1\n" + "".join(f"{k} 1\n" for k in range(1, 9)),
+                     "--height-unit", "um", "--length-unit", "um"), "without any roughness; give"),
+    "few for a profile": (lambda: fit_profiles(np.eye(9), 1e-6, None), "9 heights are too few for"),
+    "repeats": (lambda: fit_profiles(np.sin(np.arange(999.0))[:, None], 1e-6, None),
+                "it repeats every 6.2"),
     "profile units": (surface_command("0.1 5\n0.2 6\n"), 'give --height-unit "um" and --length'),
     "short profile": (surface_command("0.1 5\n0.2 6\n", "--height-unit", "um", "--length-unit",
                                       "mm"), "a profile of 2 heights; give 8 or more"),
