@@ -37,11 +37,10 @@ proportion to ln(gap), as the rise is rough at these distances. On 24 scenes the
 of loads and velocities between points of `fine`; with 2.7 it would hold at 97 %.
 Found by `python -m tests.promises.errors`.
 """
-ROUGH = 0.04
-"""Least bound of the interpolation error over ln(gap), after a search of the boundary.
+BETWEEN_LOADS = 2.0
+"""Bound of the interpolation error at a load that a search left out, as `BETWEEN`, over ln(gap)².
 
-A search leaves too few points to show how rough the rise is. It is the largest bound of the whole
-planes of the shipped scenes, 0.01 to 0.04. Found by `python -m tests.promises.errors`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 BEYOND = 0.12
 """Error of the exponent of an extrapolated power law, for each unit of ln(velocity).
@@ -100,11 +99,6 @@ Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
 
 # Search of the boundary
 
-USUAL_TOLERANCE = 0.01
-"""Relative error of the boundary's velocity by points left out, if none is given.
-
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
-"""
 STEEPEST, FLATTEST = 3.0, 0.1
 """Slopes of y beyond which a computed one is no evidence, as a rise may begin at 0 or turn.
 
@@ -115,26 +109,30 @@ CURVATURE = 0.3
 
 Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
 """
-UNSEEN = 0.3, 0.1, 0.0
-"""Curvature that a crossing's neighbours do not show, with 0, 1 or 2 further points beside them.
+LEAST_BENT, UNSEEN_BENT = 0.1, 0.25
+"""Least curvature d²y/d ln(velocity)² that bounds an interpolation, of three points and of two.
 
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 ROUGH_LINE = 0.003
 """Deviation of the rise of a rough contact from a smooth curve, from velocity to velocity.
 
-It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
-FEWEST_LOADS = 3
-"""Loads that a prediction of a further load rests on before it may end the search.
+ROUGH_GAP = 0.0015
+"""Part of an interpolation error between velocities by the roughness of the first patch.
+
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
+"""
+USUAL_TOLERANCE = 0.01
+"""Relative error of the boundary's velocity by points left out, if none is given.
 
 Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
 """
-OF_CROSSING, OF_PREDICTION = 1 / 3, 1 / 6
-"""Shares of the tolerance for a load's own crossing, and for its prediction from other loads.
+OF_POINTS, OF_LOADS = 1 / 3, 1 / 2
+"""Shares of what the preset leaves of a goal: for points left out along velocity, and for loads.
 
-The second is small: loads differ by chance, so that one may be predicted well while the next is
-not. Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 
 # Verdicts and tests

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.analysis.curve import Curve
-from pipeline.constants import RISE_SLOPES
+from pipeline.constants import LEAST_BENT, RISE_SLOPES, ROUGH_GAP, UNSEEN_BENT
 from tribo.types import Array, Indices, Mask
 
 
@@ -103,3 +103,21 @@ def fill_left_out(loads: Array, velocities: Array, rises: Array, is_left_out: Ma
                 near = aligned.is_near(loads[load])
                 filled[(*place, load, near)] = aligned.at(loads[load], velocities[near])
     return filled
+
+
+def gap_bounds(x: Array, y: Array) -> Array:
+    """Bounds of the error of y between n points, (n - 1,); `x` are ln(velocity), ascending.
+
+    Between two points the cubic through all differs from the chord by what is known of the
+    curvature. It is halved between points that have further ones on both sides.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    widths = np.diff(x)
+    least = np.full_like(widths, LEAST_BENT if len(x) > 2 else UNSEEN_BENT) * widths**2 / 8
+    if len(x) < 3:
+        return np.asarray(np.hypot(least, ROUGH_GAP))
+    bows = np.abs(PchipInterpolator(x, y)(x[:-1] + widths / 2) - (y[:-1] + y[1:]) / 2)
+    bounds = np.maximum(bows, least)
+    bounds[1:-1] /= 2
+    return np.asarray(np.hypot(bounds, ROUGH_GAP))

@@ -24,9 +24,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from pipeline.analysis.curve import Curve
-from pipeline.analysis.left_out import Alignment
+from pipeline.analysis.left_out import Alignment, gap_bounds
 from pipeline.analysis.rises import Places, Rises, places_of
-from pipeline.constants import BETWEEN, BEYOND, OF_WARNED, RISE_SHARE, ROUGH
+from pipeline.constants import BETWEEN, BETWEEN_LOADS, BEYOND, OF_WARNED, RISE_SHARE
 from tribo import WarningKind
 from tribo.types import Array, Indices
 
@@ -47,8 +47,8 @@ _PARTS = (
     "warned points",
     "surface",
 )
-SURFACE = _PARTS.index("surface")
-"""Place of the part of the surface among the parts of an error."""
+INTERPOLATION, PRESET, WARNED, SURFACE = range(len(_PARTS))
+"""Places of the parts among the parts of an error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,13 +124,16 @@ def rise_errors(rises: Rises, loads: Places, velocities: Places) -> Array:
 def velocity_errors(rises: Rises, loads: Array, velocities: Array) -> Array:
     """Relative errors of the critical velocities at k loads by cause (4, k); see `rise_errors`.
 
-    An error of the rise moves them by this error over the exponent d ln(rise)/d ln(velocity). An
-    unknown error is NaN.
+    An error of the rise moves them by this error over the exponent d ln(rise)/d ln(velocity); what
+    a preset promises is an error of the velocity. An unknown error is NaN.
     """
     ahead, behind = (rises.y(loads, velocities * _BESIDE**way) for way in (1, -1))
     exponents = np.abs(ahead - behind) / (2 * math.log(_BESIDE))
     parts = rise_errors(rises, loads, velocities)
-    return parts / np.where(exponents > 0, exponents, math.nan)
+    parts /= np.where(exponents > 0, exponents, math.nan)
+    promised = math.nan if rises.promised is None else rises.promised
+    parts[PRESET] = np.where(np.isnan(velocities), math.nan, promised)
+    return parts
 
 
 def preset_error(velocity_error: float | None) -> float:
@@ -152,17 +155,25 @@ def _interpolation(
     `Rises.rests_on`. Beyond the two velocities the error is that of extrapolation. An error is
     NaN outside the two loads, or if `rises` has too few points to estimate the error.
     """
-    (lowest, highest), places = rises.loads[rows].T, velocities[:, None]
-    first, last = np.moveaxis(rises.velocities[columns], -1, 0)
-    gaps = np.log(last / first)
-    way = np.maximum(np.log(first / places), np.log(places / last))
-    slope_error = np.hypot(_slope_spread(rises), BEYOND * (way + gaps))
-    beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
-    along = np.where(beyond > 0, beyond, _gap_errors(rises, "velocity", gaps.max(axis=1)))
+    lowest, highest = rises.loads[rows].T
+    if rises.is_left_out.any():
+        along = _along_searched(rises, loads, velocities)
+    else:
+        along = _along_plane(rises, rises.velocities[columns], velocities[:, None])
     errors = np.hypot(along, _gap_errors(rises, "load", np.log(highest / lowest)))
     # Rises are not extrapolated beyond the loads.
     is_known = (rows[:, 0] >= 0) & (lowest <= loads) & (loads <= highest)
     return np.where(is_known, errors, math.nan)
+
+
+def _along_plane(rises: Rises, between: Array, places: Array) -> Array:
+    """Relative errors (k,) at velocities (k, 1) between or beyond two at each of two loads."""
+    first, last = np.moveaxis(between, -1, 0)
+    gaps = np.log(last / first)
+    way = np.maximum(np.log(first / places), np.log(places / last))
+    slope_error = np.hypot(_slope_spread(rises), BEYOND * (way + gaps))
+    beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
+    return np.where(beyond > 0, beyond, _gap_errors(rises, "velocity", gaps.max(axis=1)))
 
 
 def _gap_errors(rises: Rises, axis: str, gaps: Array) -> Array:
@@ -172,28 +183,60 @@ def _gap_errors(rises: Rises, axis: str, gaps: Array) -> Array:
     points on either side. A gap is 0 at a computed point, and so is the error. An error is NaN if
     `rises` has too few points to estimate it.
     """
-    found = BETWEEN * _left_out_error(rises, axis) * gaps ** _power(rises, axis)
-    if axis == "velocity" and rises.is_left_out.any():
-        found = np.fmax(found, ROUGH * gaps)
-    return np.where(gaps > 0, found, 0.0)
+    is_searched = axis == "load" and rises.is_left_out.any()
+    factor, power = (BETWEEN_LOADS, 2) if is_searched else (BETWEEN, 1)
+    return np.where(gaps > 0, factor * _left_out_error(rises, axis) * gaps**power, 0.0)
 
 
-def _power(rises: Rises, axis: str) -> int:
-    """Power of the gap that an error of interpolation grows with.
+def _along_searched(rises: Rises, loads: Array, velocities: Array) -> Array:
+    """Relative errors (k,) of rises between or beyond the velocities that a search has computed.
 
-    It is 1 between neighbours of a whole plane, where the rise is rough. Far from the boundary a
-    search leaves wide gaps, where the curvature counts.
+    At a load that it left out they are those of the loads beside, along lines of equal rise.
     """
-    return 2 if axis == "velocity" and rises.is_left_out.any() else 1
+    aligned = Alignment.of(rises.loads, rises.velocities, rises.plane)
+    errors = np.full(len(loads), math.nan)
+    for load in np.unique(loads):
+        here, rows, shifts = loads == load, np.flatnonzero(rises.loads == load), np.zeros(1)
+        if not (rows.size and np.isfinite(rises.plane[rows[0]]).any()):
+            if len(aligned.rows) < 2:
+                continue
+            above = int(np.searchsorted(rises.loads[aligned.rows], load))
+            beside = np.clip(above, 1, len(aligned.rows) - 1) + np.array([-1, 0])
+            rows, shifts = aligned.rows[beside], aligned.shifts(np.array([load]))[beside, 0]
+        errors[here] = np.max(
+            [
+                _along_row(rises, int(row), velocities[here] * math.exp(shift))
+                for row, shift in zip(rows, shifts, strict=True)
+            ],
+            axis=0,
+        )
+    return errors
+
+
+def _along_row(rises: Rises, row: int, places: Array) -> Array:
+    """Relative errors (k,) at velocities of one load of a search."""
+    known = np.flatnonzero(np.isfinite(rises.plane[row]) & (rises.plane[row] > 0))
+    if not known.size:
+        return np.full(len(places), math.nan)
+    x, at = np.log(rises.velocities[known]), np.log(places)
+    bounds = gap_bounds(x, np.log(rises.plane[row, known]))
+    after = np.searchsorted(x, at)
+    within = np.where(np.isin(places, rises.velocities[known]), 0.0, np.append(bounds, 0.0)[
+        np.clip(after - 1, 0, len(bounds))
+    ])  # fmt: skip
+    way = np.maximum(x[0] - at, at - x[-1])
+    gap = np.where(at < x[0], *(x[[min(1, len(x) - 1), -1]] - x[[0, max(len(x) - 2, 0)]]))
+    beyond = way * np.hypot(_slope_spread(rises), BEYOND * (way + gap))
+    return np.where(way > 0, beyond, within)
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(rises: Rises, axis: str) -> float:
     """Root mean square of error of ln(rise) over gap, over points that are left out in turn.
 
-    The gap is taken to its `_power`. A left-out point is interpolated from the others along `axis`,
-    load or velocity. The gap is the difference of ln(load) or ln(velocity) between the neighbours
-    of the point. The result is NaN if no point can be interpolated.
+    A left-out point is interpolated from the others along `axis`, load or velocity. The gap is the
+    difference of ln(load) or ln(velocity) between the neighbours of the point; its square along the
+    loads of a search. The result is NaN if no point can be interpolated.
     """
     if axis == "load" and rises.is_left_out.any():
         every = _left_out_loads(rises)
@@ -206,14 +249,14 @@ def _left_out_error(rises: Rises, axis: str) -> float:
         for part in _logarithms(*lines)
     )
     curves = Curve(*(np.exp(np.delete(part, 2, axis=-1)) for part in (x, y)))
-    gaps = (x[..., 3] - x[..., 1]) ** _power(rises, axis)
+    gaps = x[..., 3] - x[..., 1]
     missed = (np.log(curves(np.exp(x[..., [2]]))[..., 0]) - y[..., 2]) / gaps
     every = missed[np.isfinite(missed)]
     return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
 
 
 def _left_out_loads(rises: Rises) -> Array:
-    """(Error of ln(rise))/gap of each inner load, interpolated from the others; a searched plane.
+    """(Error of ln(rise))/gap² of each inner load, interpolated from the others; a searched plane.
 
     Rises are interpolated along lines of equal rise, as at loads that the search left out.
     """
@@ -223,7 +266,7 @@ def _left_out_loads(rises: Rises) -> Array:
         known = np.isfinite(known_here) & (known_here > 0)
         told = aligned.without(number).at(load, rises.velocities[known])
         before, after = rises.loads[aligned.rows[[number - 1, number + 1]]]
-        found.append(np.log(told / known_here[known]) / np.log(after / before))
+        found.append(np.log(told / known_here[known]) / np.log(after / before) ** 2)
     return np.concatenate(found) if found else np.empty(0)
 
 

@@ -2,8 +2,7 @@
 
 Each surface of a sweep is a patch of one specimen. Patches differ by nearly a constant along
 velocity, so a patch that lacks a place counts by its difference from the first patch at the nearest
-place of that load that both have, interpolated in ln(load) between loads. Places with few and with
-many patches stand on one level.
+place of that load that both have. At each load those patches count that have a point there.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.special import stdtrit
@@ -37,8 +37,8 @@ class Specimen:
     first : ndarray, shape (n_load, n_velocity)
         ln(rise) on the level of the first patch; NaN where no patch has a result.
     differences : ndarray, shape (m, n_load, n_velocity)
-        ln(rise) of each patch minus that of the first one.
-    sampling : ndarray, shape (n_load, n_velocity)
+        ln(rise) of each patch minus that of the first one; NaN at loads where it has no point.
+    sampling : ndarray, shape (n_load,)
         Standard deviation of ln(rise) from patch to patch that the patches state themselves.
     is_highest : bool
         True if the highest temperature decides. Then the specimen's is that of its hottest patch;
@@ -52,11 +52,46 @@ class Specimen:
     sampling: Array
     is_highest: bool = False
 
-    @property
+    @classmethod
+    def of(
+        cls, loads: Array, velocities: Array, y: Array, sampling: Array, is_highest: bool = False
+    ) -> Self:
+        """Specimen from ln(rise) of its patches (m, n_load, n_velocity); NaN without a result.
+
+        `sampling` has the deviations that the points state, of the same shape. The first patch,
+        too, counts on its own level where only others have a result.
+        """
+        level, differences = y[0], [np.zeros_like(y[0])]
+        for own in y[1:]:
+            differences.append(_extended(own - y[0], loads))
+            level = np.where(np.isnan(level), own - differences[-1], level)
+        has_point = np.asarray(np.isfinite(y).any(axis=2))
+        has_point[0] = has_point.any(axis=0)
+        known = np.where(has_point[..., None], np.array(differences), np.nan)
+        return cls(loads, velocities, level, known, _mean_square(sampling), is_highest)
+
+    @functools.cached_property
+    def _counts(self) -> Array:
+        """Number of patches with a point at each load (n_load,)."""
+        return np.asarray(np.isfinite(self.differences[..., 0]).sum(axis=0))
+
+    def _along_load(self, values: Array) -> Array:
+        """Values (n_load, n_velocity), at loads without a point interpolated in ln(load)."""
+        rows, x = self._counts > 0, np.log(self.loads)
+        if rows.all() or not rows.any():
+            return values
+        return np.transpose([np.interp(x, x[rows], column) for column in values[rows].T])
+
+    @functools.cached_property
     def apart(self) -> Array:
         """ln(rise) of the specimen minus that of the first patch (n_load, n_velocity)."""
-        merge = np.max if self.is_highest else np.mean
-        return np.asarray(merge(self.differences, axis=0))
+        known = np.isfinite(self.differences)
+        if self.is_highest:
+            merged = np.where(known, self.differences, -np.inf).max(axis=0)
+        else:
+            total = np.where(known, self.differences, 0.0).sum(axis=0)
+            merged = total / np.maximum(self._counts, 1)[:, None]
+        return self._along_load(np.where(self._counts[:, None] > 0, merged, 0.0))
 
     @property
     def rises(self) -> Array:
@@ -72,17 +107,56 @@ class Specimen:
     def error(self) -> Array:
         """Bound of ln(rise) at 95 % due to the choice of patches (n_load, n_velocity).
 
-        The deviation s of a patch has the patches' own estimates J and their spread: s² = (7 J² +
-        Σ(d − mean of d)²)/(6 + P). The bound of the mean of P patches is t s/√P, with Student's t
-        of 6 + P degrees; the highest of them is as uncertain as one.
+        At loads without a point it is interpolated. See `patches_bound`.
         """
-        count, own = len(self.differences), np.where(np.isnan(self.sampling), 0, GROUPS - 1)
-        spread = ((self.differences - self.differences.mean(axis=0)) ** 2).sum(axis=0)
-        freedom = own + count - 1
-        stated = np.nan_to_num(self.sampling)
-        deviation = np.sqrt((own * stated**2 + spread) / np.where(freedom > 0, freedom, np.nan))
-        reduced = 1.0 if self.is_highest else math.sqrt(count)
-        return np.asarray(stdtrit(freedom, _BOUND) * deviation / reduced)
+        counts = self._counts[:, None]
+        known = np.isfinite(self.differences)
+        mean = np.where(known, self.differences, 0.0).sum(axis=0) / np.maximum(counts, 1)
+        squares = np.where(known, (self.differences - mean) ** 2, 0.0).sum(axis=0)
+        bound = patches_bound(counts, squares, self.sampling[:, None], self.is_highest)
+        return self._along_load(bound)
+
+
+def patches_bound(
+    count: Array | int, squares: Array | float, sampling: Array | float, is_highest: bool = False
+) -> Array:
+    """Bound of ln(rise) at 95 % due to the choice of `count` patches.
+
+    The deviation s of a patch has the patches' own estimates J (`sampling`) and their spread, the
+    sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P). The bound of
+    the mean of P patches is t s/√P, with Student's t of 6 + P degrees; the highest of them is as
+    uncertain as one. It is NaN for a single patch that states nothing.
+
+    Examples
+    --------
+    >>> float(patches_bound(1, 0.0, 0.02).round(4)), float(patches_bound(16, 0.006, 0.02).round(4))
+    (0.0473, 0.0104)
+    """
+    own = np.where(np.isnan(sampling), 0, GROUPS - 1)
+    freedom = own + count - 1
+    known = own * np.nan_to_num(sampling) ** 2 + squares
+    deviation = np.sqrt(known / np.where(freedom > 0, freedom, np.nan))
+    reduced = 1.0 if is_highest else np.sqrt(np.maximum(count, 1))
+    return np.asarray(stdtrit(freedom, _BOUND) * deviation / reduced)
+
+
+def patches_needed(count: int, ratio: float, most: int, is_highest: bool = False) -> int:
+    """Number of patches, `most` at most, whose bound is that of `count` patches over `ratio`.
+
+    It is taken that further patches differ as those that there are. The highest of them is as
+    uncertain as one, so that no number suffices.
+
+    Examples
+    --------
+    >>> patches_needed(1, 0.9, 256), patches_needed(1, 4.0, 256), patches_needed(8, 2.0, 20)
+    (1, 13, 20)
+    """
+    if ratio <= 1:
+        return count
+    numbers = np.arange(1, most + 1)
+    shares = stdtrit(GROUPS - 2 + numbers, _BOUND) / (1.0 if is_highest else np.sqrt(numbers))
+    enough = numbers[shares <= shares[count - 1] / ratio]
+    return int(enough[0]) if enough.size else most
 
 
 def specimen_at(data: Results, conditions: Conditions) -> Specimen:
@@ -92,33 +166,21 @@ def specimen_at(data: Results, conditions: Conditions) -> Specimen:
 
 
 def specimen_of(data: Results, rises: Array, conditions: Conditions) -> Specimen:
-    """Specimen of one scene from rises at its points; NaN where a point has no result.
-
-    The first patch, too, counts on its own level where only others have a result.
-    """
+    """Specimen of one scene from rises at its points; NaN where a point has no result."""
     shape, counts = (-1, len(data.loads), len(data.velocities)), counted(data)
     rises = rises.reshape(shape)[counts]
     y = np.log(np.where(rises < _COLDEST, _COLDEST, rises))
-    level, differences = y[0], [np.zeros_like(y[0])]
-    for own in y[1:]:
-        differences.append(_extended(own - y[0], data.loads))
-        level = np.where(np.isnan(level), own - differences[-1], level)
     sampling = data.sampling(conditions).reshape(shape)[counts]
-    return Specimen(
-        data.loads,
-        data.velocities,
-        level,
-        np.array(differences),
-        _mean_square(sampling),
-        conditions.criterion.is_highest,
-    )
+    is_highest = conditions.criterion.is_highest
+    return Specimen.of(data.loads, data.velocities, y, sampling, is_highest)
 
 
 def _mean_square(sampling: Array) -> Array:
-    """Root of the mean square over patches, where any is known; else NaN."""
+    """Root of the mean square over the points of each load (n_load,), where any is known."""
     known = np.isfinite(sampling)
-    total = np.square(np.where(known, sampling, 0.0)).sum(axis=0)
-    return np.sqrt(np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan))
+    total = np.square(np.where(known, sampling, 0.0)).sum(axis=(0, 2))
+    count = known.sum(axis=(0, 2))
+    return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
 def _extended(difference: Array, loads: Array) -> Array:

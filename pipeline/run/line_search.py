@@ -9,10 +9,12 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST, UNSEEN
+from pipeline.analysis.left_out import gap_bounds
+from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST
 from tribo.types import Array, Indices, Mask
 
 _PARTS = 64  # parts of an interval of velocities at which the sign is looked at
@@ -29,6 +31,11 @@ class Line:
     x: Array
     y: Array
     friction: Array
+
+    @classmethod
+    def of_heat(cls, x: Array, heat: Array, friction: Array) -> Self:
+        """Line from y − ln(µ) at the velocities, and ln(µ) at the places of `places_along`."""
+        return cls(x, heat + friction[::_PARTS][: len(x)], friction)
 
     @functools.cached_property
     def known(self) -> Indices:
@@ -118,18 +125,26 @@ class Line:
         return min(sides, key=lambda side: float(abs(self.x[side] - self._places[place])))
 
     def _unsure(self, is_open: Mask, tolerance: float) -> int | None:
-        """A velocity of the two about a crossing; or one beside them, if its error is too large."""
-        low = np.clip(np.searchsorted(self.x, self.crossings()) - 1, 0, max(len(self.x) - 2, 0))
-        for first in low.tolist():
-            if is_open[first : first + 2].any():
-                return int(first + np.argmax(is_open[first : first + 2]))
-            further = [one for one in (first - 1, first + 2) if 0 <= one < len(self.x)]
-            wanted: list[int] = [one for one in further if is_open[one]]
-            gap = self.x[first + 1] - self.x[first]
-            slope = abs(self.y[first + 1] - self.y[first]) / gap
-            unseen = UNSEEN[len(further) - len(wanted)]
-            if wanted and unseen * gap**2 / 8 > tolerance * max(slope, FLATTEST):
-                return wanted[0]
+        """A velocity beside a crossing whose error by points left out is too large."""
+        x, known = self.x, self.known
+        for crossing in self.crossings():
+            after = int(np.searchsorted(x[known], crossing))
+            if 0 < after < len(known):
+                low, high = known[after - 1], known[after]
+                slope = abs(self.y[high] - self.y[low]) / (x[high] - x[low])
+                heat = (self.y - self.friction[::_PARTS])[known]
+                bound = gap_bounds(x[known], heat)[after - 1]
+                if bound <= tolerance * max(slope, FLATTEST):
+                    continue
+            else:  # beyond the computed points
+                low = known[after - 1] if after else -1
+                high = known[after] if after < len(known) else len(x)
+            within = np.flatnonzero(is_open[low + 1 : high]) + low + 1
+            if within.size:
+                return int(within[np.argmin(np.abs(x[within] - crossing))])
+            for beside in (low - 1, high + 1):
+                if 0 <= beside < len(x) and is_open[beside]:
+                    return int(beside)
         return None
 
     def _touching(self, is_open: Mask) -> int | None:

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from pipeline.constants import FEWEST_LOADS, OF_CROSSING, OF_PREDICTION
 from pipeline.run.line_search import Line
 from tribo.types import Array
 
+FEWEST_LOADS, OF_CROSSING, OF_PREDICTION = 3, 1 / 3, 1 / 6
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
 
 

@@ -8,6 +8,7 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
+from pipeline.constants import RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
@@ -59,10 +60,18 @@ def test_a_patch_with_one_point_a_load_counts_along_all_of_its_velocities():
     np.testing.assert_allclose(factor(patches()), mean, rtol=1e-12)
 
 
-def test_between_its_loads_a_patch_counts_by_its_difference_interpolated_in_the_logarithm():
+def test_each_load_counts_the_patches_that_have_a_point_there():
     lacks_400 = patches((1.0, 1.1), {1: only((200.0, 2.0), (600.0, 2.0))}, growth=0.2)
     expected = np.sqrt(1.1 * (np.array(LOADS) / 400.0) ** 0.2)
+    expected[1] = 1.0
     np.testing.assert_allclose(factor(lacks_400), expected, rtol=1e-12)
+
+
+def test_at_a_load_without_a_point_patches_differ_as_at_the_loads_beside():
+    lacks_400 = patches((1.0, 1.1), {k: only((200.0, 2.0), (600.0, 2.0)) for k in (0, 1)})
+    found = pipeline.margin(lacks_400, 400.0, 2.0)
+    beside = pipeline.margin(lacks_400, 200.0, 2.0)
+    assert found.patches == beside.patches == 2
 
 
 def test_a_place_that_the_first_patch_lacks_stands_on_the_level_of_the_others():
@@ -125,12 +134,10 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     found = pipeline.boundary(ds).sel(load=400.0)
     here = pipeline.margin(ds, 400.0, found["critical_velocity"].item())
     rise = here.decisive_temperature - synthetic.CONDITIONS["bulk_temperature"]
-    for name, error in (
-        ("surface_error", here.error.surface),
-        ("velocity_error", here.temperature_error),
-    ):
-        relative = error / rise / synthetic.VELOCITY_EXPONENT
-        assert found[name].item() == pytest.approx(relative, rel=1e-9)
+    parts = here.error.parts / rise / synthetic.VELOCITY_EXPONENT
+    parts[1] = here.error.preset / rise / RISE_SHARE  # promised of the velocity itself
+    assert found["surface_error"].item() == pytest.approx(parts[3], rel=1e-9)
+    assert found["velocity_error"].item() == pytest.approx(math.hypot(*parts), rel=1e-9)
 
 
 def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():

@@ -1,0 +1,184 @@
+"""The search of a boundary on closed forms: few points, all crossings, an error below the goal."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from pipeline.run.search import Goal, Search
+from tribo import Conditions, Corrections, Friction
+from tribo.thermal import Criterion
+
+VELOCITIES = np.linspace(0.25, 6.0, 40)
+X = np.log(VELOCITIES)
+LIMIT = 1200.0
+SCATTER = 0.02  # of ln(rise), from patch to patch
+
+
+def heat(load, x, generator):
+    """Return ln(rise/limit) at friction 1: rising, bent, and a little rough, as a contact's."""
+    slope, bend, level = generator.uniform([0.4, -0.06, -0.6], [0.9, 0.06, 0.6])
+    middle = np.log(1.5)
+    waves = sum(0.001 * np.sin(k * 9.0 * x + generator.uniform(0, 7)) for k in (1, 2))
+    return level + 0.58 * load + slope * (x - middle) + bend * (x - middle) ** 2 + waves
+
+
+def friction(generator, turns):
+    """Return factors of friction at some velocities, with `turns` bends; none without."""
+    if not turns:
+        return ()
+    nodes = np.sort(generator.uniform(X[0], X[-1], turns + 1))
+    values = np.cumsum(generator.uniform(0.4, 1.5, turns + 1) * (-1.0) ** np.arange(turns + 1))
+    return tuple(zip(np.exp(nodes).tolist(), np.exp(values - values.mean()).tolist(), strict=True))
+
+
+def conditions(by_velocity=(), criterion="share"):
+    law = Corrections(friction=Friction(by_velocity=by_velocity)) if by_velocity else None
+    return Conditions(0.1, 298.15, 418.15, corrections=law, criterion=Criterion(criterion))
+
+
+class Specimen:
+    """Rises of patches in closed form, which a search asks for."""
+
+    def __init__(self, seed, turns=0, loads=10, scatter=SCATTER):
+        generator = np.random.default_rng([turns, seed])
+        self.law, self.shape = friction(generator, turns), int(generator.integers(2**31))
+        self.loads, self.scatter = np.geomspace(200.0, 800.0, loads), scatter
+        self.offsets = np.random.default_rng([7, seed]).normal(0.0, scatter, 256)
+        self.failing = set()
+
+    def y(self, load, x, patch=None):
+        """ln(rise/limit) at friction 1, of a patch or of the mean of all."""
+        own = heat(np.log(load / 400.0), x, np.random.default_rng(self.shape))
+        return own + (0.0 if patch is None else self.offsets[patch])
+
+    def search(self, accuracy, promised=0.0, patches=256, **more):
+        judged = conditions(self.law, more.pop("criterion", "share"))
+        goal = Goal(accuracy, promised, patches, **more)
+        return Search(self.loads, VELOCITIES, judged, goal)
+
+    def rise(self, place):
+        if place[1:] in self.failing:
+            return np.nan
+        load, x = self.loads[place.load], X[place.velocity]
+        return LIMIT * np.exp(self.y(load, x, place.patch))
+
+    def run(self, search, known=None):
+        """Return all that is asked, in order; or the first points that are not all `known`."""
+        asked = []
+        while batch := search.ask():
+            if known is not None and not known.issuperset(batch):
+                return batch
+            assert not search.asked[tuple(np.array(batch).T)].any()  # nothing twice
+            asked += batch
+            deviations = np.full(len(batch), self.scatter)
+            search.tell(batch, np.array([self.rise(place) for place in batch]), deviations)
+        return asked
+
+    def crossings(self, load, patch=None):
+        """Velocities at which wear turns, of a whole line."""
+        fine = np.linspace(X[0], X[-1], 20001)
+        y = self.y(load, fine, patch) + np.log(conditions(self.law).friction_factor(np.exp(fine)))
+        (k,) = np.nonzero((y[:-1] > 0) != (y[1:] > 0))
+        is_turn = np.diff(np.sign(np.diff(y))) != 0
+        return np.exp(fine[k]), bool(np.any(np.abs(y[1:-1][is_turn]) < 0.01))
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_every_crossing_is_found_at_every_load_that_is_searched(turns):
+    count = asked = 0
+    for seed in range(12):
+        specimen = Specimen(seed, turns, scatter=0.0)
+        search = specimen.search(0.02, patches=1)
+        asked += len(specimen.run(search))
+        found = search.rises.turns("velocity", specimen.loads).places
+        for number in np.flatnonzero(search.asked[0].any(axis=1)):
+            whole, touches = specimen.crossings(specimen.loads[number])
+            if not touches:
+                here = found[number][np.isfinite(found[number])]
+                assert len(here) == len(whole), (seed, number)
+                np.testing.assert_allclose(here, whole, rtol=0.01)
+                count += len(whole)
+    assert count > 40
+    assert asked < 12 * search.asked.size * (0.06 + 0.12 * turns)
+
+
+@pytest.mark.parametrize("accuracy", [0.05, 0.02])
+def test_the_stated_error_is_below_the_goal_and_holds(accuracy):
+    missed, count, points = 0, 0, []
+    for seed in range(8):
+        specimen = Specimen(seed)
+        search = specimen.search(accuracy, promised=0.4 * accuracy)
+        points.append(len(specimen.run(search)))
+        errors = np.sqrt((search.errors**2).sum(axis=0))
+        for load, critical, error in zip(specimen.loads, search.critical, errors, strict=True):
+            whole, _ = specimen.crossings(load)
+            if len(whole) and np.isfinite(critical):
+                assert error <= accuracy
+                missed += abs(critical / whole[0] - 1) > error
+                count += 1
+    assert count > 40
+    assert missed <= 0.05 * count
+    assert np.mean(points) < 0.5 / accuracy**1.3 + 30
+
+
+def test_a_smaller_goal_takes_more_patches_and_rougher_loads_more():
+    counts = []
+    for accuracy, scatter in ((0.05, 0.02), (0.02, 0.02), (0.02, 0.04)):
+        specimen = Specimen(3, scatter=scatter)
+        specimen.run(search := specimen.search(accuracy, 0.01))
+        counts.append(search.asked.any(axis=2).sum(axis=0).max())
+    assert counts == sorted(set(counts))
+
+
+@pytest.mark.parametrize("turns", [0, 2])
+def test_a_search_that_was_stopped_asks_for_the_same_points_again(turns):
+    specimen = Specimen(5, turns)
+    whole = specimen.run(specimen.search(0.03))
+    generator, done = np.random.default_rng(1), set()
+    for _ in range(len(whole)):
+        batch = specimen.run(specimen.search(0.03), done)
+        missing = [place for place in batch if place not in done]
+        if not missing:
+            break
+        some = generator.permutation(len(missing))[: 1 + len(missing) // 2]
+        done |= {missing[k] for k in some}
+    assert done == {*whole}
+
+
+def test_without_a_crossing_the_search_ends_after_few_points():
+    specimen = Specimen(0)
+    for level in (0.01, 100.0):
+        search = specimen.search(0.02)
+        specimen.rise = lambda place, k=level: k * LIMIT * VELOCITIES[place.velocity] ** 0.6
+        assert len(specimen.run(search)) <= 15  # three at each of five loads
+        assert np.isnan(search.critical).all()
+
+
+def test_surfaces_that_are_given_are_all_taken_and_left_out_of_the_goal():
+    specimen = Specimen(4)
+    search = specimen.search(0.02, patches=3, counts_surface=False)
+    specimen.run(search)
+    found = search.asked.any(axis=2).sum(axis=0)
+    assert {*found[np.isfinite(search.critical) & (found > 0)]} == {3}
+    assert np.nanmax(search.reducible()) < 0.02
+
+
+def test_a_load_whose_points_fail_is_given_up_and_others_go_on():
+    specimen = Specimen(4)
+    specimen.failing = set(itertools.product([4], range(40)))
+    search = specimen.search(0.02)
+    specimen.run(search)
+    assert search.asked[:, 4].sum() == 3
+    crossed = [bool(len(specimen.crossings(load)[0])) for load in specimen.loads]
+    found = np.isfinite(search.critical)
+    assert found[[0, 1, 2, 8, 9]].tolist() == [crossed[k] for k in (0, 1, 2, 8, 9)]
+
+
+def test_one_load_and_two():
+    for loads in (1, 2):
+        specimen = Specimen(4, loads=loads)
+        specimen.run(search := specimen.search(0.03))
+        assert np.isfinite(search.critical).sum() == sum(
+            bool(len(specimen.crossings(load)[0])) for load in specimen.loads
+        )
