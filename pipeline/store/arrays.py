@@ -15,6 +15,7 @@ import numpy as np
 import zarr
 from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
+from zarr.core.sync import sync
 from zarr.storage import MemoryStore, StorePath
 
 from pipeline.store.folder import FolderStore
@@ -120,6 +121,11 @@ class Encoder:
         A part is (name of the array, slices of whole chunks, values).
         """
         self._memory.clear()
-        for name, place, values in parts:
-            self._arrays[name][place] = values
+        sync(self._set([*parts]))
         return {key: chunk.to_bytes() for key, chunk in self._memory.items()}
+
+    async def _set(self, parts: Sequence[tuple[str, Any, Any]]) -> None:
+        """Give Zarr all parts in one go: one by one they would take twice as long."""
+        arrays = self._arrays
+        tasks = (arrays[name].async_array.setitem(place, values) for name, place, values in parts)
+        await asyncio.gather(*tasks)

@@ -52,6 +52,8 @@ from tribo.types import Indices, Mask
 
 _ABOUT = ("message", "warning_flags", "wall_time", "checksum")  # texts and facts of a point
 
+_MOST_KEPT = 2**28  # bytes of chunks that are not full
+
 Index = tuple[int, ...]
 
 
@@ -71,6 +73,8 @@ class Store:
         self.sweep, self.axes = root.sweep, root.axes
         self.arrays = open_arrays(place.zarr(), root.arrays, root.prefix)
         self.encoder = Encoder(root.arrays, root.prefix)  # for one thread at a time
+        # Chunks that this process has written, until they are full: not to be read back.
+        self._kept: dict[tuple[str, Index], Any] = {}
         self.dims = root.variables["status"].dims
         self.block = tuple(root.block[dim] for dim in self.dims)
         shape = [len(self.axes[dim]) for dim in self.dims]
@@ -210,13 +214,20 @@ class Store:
             flags[index], changed[index] = status, True
         self._write_flags("status", flags, changed)
         self.flags = flags
+        for name, chunk in chunks:
+            if self.flags[slices_of(chunk, self.block)].all():
+                del self._kept[name, chunk]
+        if sum(part.nbytes for part in self._kept.values()) > _MOST_KEPT:
+            self._kept.clear()  # chunks are read again when they are needed
 
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
         """Part for the `Encoder`: a chunk with new `values`, by the index of the point."""
         block = slices_of(chunk, self.block)
-        part = self.read(name, block)
+        if (name, chunk) not in self._kept:
+            self._kept[name, chunk] = self.read(name, block)
+        part = self._kept[name, chunk]
         for index, value in values.items():
             within = self.within(index)
             if name in STEPPED:
