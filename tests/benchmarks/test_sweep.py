@@ -54,7 +54,7 @@ def used():
 
 def time_of_bare_files(store, folder):
     """CPU time [s] to create, sync and rename a file for each chunk of a store."""
-    sizes = [file.stat().st_size for file in store.glob("*/c.*")]
+    sizes = [file.stat().st_size for file in store.rglob("c.*")]
     folder.mkdir()
     numbers = itertools.count()
 
