@@ -47,5 +47,5 @@ def test_commits_of_120_points(benchmark, tmp_path, fields):
     store = tmp_path / "0.zarr"
     files = sum(len(names) for _, _, names in os.walk(store))
     bare = time_of_bare_files(store, tmp_path / "bare")
-    print(f"\n{1e3 * min(took) / (len(records) - 1):.2f} ms of CPU a point, {files} files, ", end="")
-    print(f"{min(took) / bare:.1f} times the bare files")
+    each = 1e3 * min(took) / (len(records) - 1)
+    print(f"\n{each:.2f} ms of CPU a point, {files} files, {min(took) / bare:.1f} times bare files")
