@@ -79,7 +79,7 @@ def specific_wear_rate(
         )
     half = grid.spacing[0] * (0.5 if scene.roughness else 1.0)  # a smooth contact is symmetric
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
-    fidelity = replace(scene.fidelity, heat_model="elapsed", history_coarsening=1)
+    fidelity = replace(scene.fidelity, heat_model="elapsed")
 
     @functools.cache
     def width(rate: float) -> float:

@@ -280,25 +280,16 @@ class Model(Declared):
 
 _CHOICES = {
     "pixels_per_element":
-        "Pixels of the surface along each side of an element; an upper limit if "
-        "`elements_per_summit` is above 0.",
-    "averaging":
-        "An element's height: the mean of its pixels, as measured surfaces are coarsened in the "
-        "paper, or the height of one pixel in its middle.",
-    "history_coarsening": "Largest factor on the sides of elements before a point's last step.",
-    "elements_per_summit": "Least width of the summits of the surface in elements.",
-    "fewest_summits": "Least number of summits that touch for elements larger than the pixels.",
-    "fewest_elements": "Least number of elements that touch before a point's last step.",
+        "Pixels of the surface along each side of an element; the largest number allowed if "
+        "`fewest_elements` is above 0.",
     "increments": "Steps of the ramp up to its reference load.",
-    "hold_increments":
-        "As `increments`, for the steps of a hold, which grow with time; 0 for the same number.",
-    "imprint": "Wear depth over height of the roughness above which a step is cut into parts.",
+    "fewest_elements":
+        "Least number of elements that touch: elements are made small enough for this and for the "
+        "summits of the surface. With 0 they have the size given, and their mean height.",
     "contact_tolerance": "Residual of the contact at which its solver stops.",
     "heat_model":
         '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
         'Rooij); "history": all heat since then acts at its own time, linear between the steps.',
-    "partition": "Division of friction heat between the bodies.",
-    "heat_tolerance": "Relative residual of the heat partition at which its solver stops.",
 }  # fmt: skip
 
 class _Preset(OneOf):

@@ -160,10 +160,6 @@ class SceneReader:
         fidelity = tribo.PRESETS[name]
         listed = (vars(table) if table else {}).items()
         given = {key: value for key, value in listed if key != "preset" and value is not None}
-        if "increments" in given and not self.is_stored:  # plain steps, instead of the preset's
-            given = {"hold_increments": 0, "imprint": 0.0} | given
-        if given.get("heat_model") == "history":  # which needs all steps on one grid
-            given = {"history_coarsening": 1} | given
         for key, value in given.items():
             with faults.at(f"fidelity.{key}"):
                 fidelity = replace(fidelity, **{key: value})

@@ -71,8 +71,12 @@ def keep_written(tables: Any, written: Any) -> Any:
 
 
 def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """Table ``[fidelity]`` with the name of a preset and every numerical choice of `made`."""
-    return FidelityTable(preset=preset, **asdict(made))
+    """Table ``[fidelity]`` with the name of a preset, the numbers of `made` and its own choices."""
+    usual, keys = asdict(tribo.Fidelity()), table_of(FidelityTable).listed
+    choices = {
+        key: value for key, value in asdict(made).items() if key in keys or value != usual[key]
+    }
+    return FidelityTable(preset=preset, **choices)
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:

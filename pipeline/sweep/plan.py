@@ -59,7 +59,7 @@ class PointResult:
     #: (n_step, n_quantile).
     columns: dict[str, Array]
     #: State at the end, with temperature; on smaller elements than the scene's where the surface
-    #: needs them, see `tribo.Fidelity.elements_per_summit`.
+    #: needs them, see `tribo.Fidelity.fewest_elements`.
     state: State = field(repr=False)
     shape: tuple[int, int]  #: Elements of the scene along x and y.
     least_load: float  #: Load from which on steps can decide [N].
@@ -206,7 +206,7 @@ def run_point(
     if found is None:  # no row with this heat came before
         states: list[State] = []
         if isinstance(fitted.loading, Stages):
-            states += stages_of(fitted, load, velocity, trunks)
+            states += stages_of(scene, load, velocity, trunks)
             own = set()
         for contact in contacts(scene, load, velocity, trunks, heat_steps, note) if own else ():
             if contact.index in own:

@@ -18,10 +18,9 @@ def presets_for(scene: Scene, names: Iterable[str]) -> dict[str, Fidelity]:
     """Presets by name, adapted to a scene.
 
     Their elements get small enough to tile the scene's grid of pixels. If the scene's heat model is
-    "history", presets get this model too, which needs all load steps on one grid.
+    "history", presets get this model too.
     """
-    past: dict[str, Any] = {"heat_model": "history", "history_coarsening": 1}
-    changes = past if scene.remembers_heat else {}
+    changes: dict[str, Any] = {"heat_model": "history"} if scene.remembers_heat else {}
     return {
         name: with_dividing_elements(scene, replace(PRESETS[name], **changes)) for name in names
     }

@@ -57,7 +57,7 @@ def _with_whole_history(sweep: Sweep, preset: str, accuracy: float) -> Sweep:
     excess = present_heat_beside_boundary(sweep)
     if excess <= _LARGE * accuracy:
         return sweep
-    history = replace(sweep.scene.fidelity, heat_model="history", history_coarsening=1)
+    history = replace(sweep.scene.fidelity, heat_model="history")
     words = (
         '"history", as heat that acts since the start would make contacts '
         f"{100 * excess:.2g} % too warm beside the boundary"

@@ -87,7 +87,8 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     scene = sweep.take(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
-    work = _TaskTimes(scene, contact_time, heat_time, is_course)
+    coarsening = as_computed(scene).coarsening
+    work = _TaskTimes(scene, contact_time, heat_time, is_course, coarsening)
     alone = makespan(every, 1, work)[1]
     steps, temperatures = work.contacts, work.temperatures
     parallel = min(workers, len(every))
@@ -119,6 +120,7 @@ class _TaskTimes:
     contact_time: float  # [s]
     heat_time: float  # [s]
     is_course: bool  # True if temperatures are also computed during the run
+    coarsening: int = 1  # of the grid of steps before the last
     is_of_tests: bool = False  # True if each task has a scene of its own
     contacts: int = 0
     temperatures: int = 0
@@ -151,7 +153,7 @@ class _TaskTimes:
         has[contact] = True
         self.contacts += steps
         self.temperatures += heats_on_way + heats
-        of_heat = (heats_on_way / scene.coarsening**2 + heats) * self.heat_time
+        of_heat = (heats_on_way / self.coarsening**2 + heats) * self.heat_time
         return float(steps * self.contact_time + of_heat + _SECONDS_TO_COMMIT)
 
 
@@ -172,7 +174,7 @@ def as_computed(sweep: Sweep) -> Scene:
     scene = sweep.scene
     if math.prod(scene.pixels.shape) <= _MOST_PIXELS:
         return fit_elements(scene, min(sweep.loads))
-    finest = replace(scene.fidelity, pixels_per_element=1, elements_per_summit=0.0)
+    finest = replace(scene.fidelity, pixels_per_element=1, fewest_elements=0)
     return replace(scene, fidelity=finest)
 
 

@@ -56,7 +56,7 @@ class Run:
             pixels=tribo.Grid((_ACROSS, along), sides, (False, False)),
             loading=tribo.Ramp(self.load / self.seconds, self.load),
             wear=tribo.Wear(self.wear_rate, "local"),
-            fidelity=tribo.Fidelity(pixels_per_element=1, increments=20, heat_tolerance=1e-4),
+            fidelity=tribo.Fidelity(pixels_per_element=1, increments=20),
         )
         *_, state = tribo.simulate(scene, self.load, self.velocity * ratio)
         y = np.abs(scene.grid.coordinates(1))

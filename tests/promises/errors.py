@@ -142,7 +142,7 @@ def computed(family, number):
         few = [velocity for velocity, is_warm in zip(velocities, warm, strict=True) if is_warm][::3]
         row["few"] = few
         for heat in ("history", "elapsed"):
-            fidelity = replace(PRESETS["standard"], heat_model=heat, history_coarsening=1)
+            fidelity = replace(PRESETS["standard"], heat_model=heat)
             row[heat] = rises(sweep, fidelity, loads, few)
         if family != "shipped":
             row["reference"] = rises(sweep, PRESETS["reference"], loads[1::2], velocities[1::3])

@@ -1,4 +1,4 @@
-"""Scenes of ten families on which the presets are chosen and judged, as text of a scene file.
+"""Scenes of twelve families on which the presets are chosen and judged, as text of a scene file.
 
 Each family draws what its users vary: radius, load, roughness, wear, pixels. Scenes of an even
 number are there to choose by, those of an odd number to judge by.
@@ -367,12 +367,73 @@ def measured_heights(shape, kind, seed, ra):
         heights = noise(4, 4, 1.8) + 0.3 * noise(1.5, 1.5, 1.5) - 0.6 * np.abs(noise(40, 2, 2.2))
     elif kind == "plateaus":
         heights = np.minimum(noise(3, 12, 1.8), 0.6 + 0.15 * noise(3, 3, 1.8))
+    elif kind == "honed":  # crossing scratches below a plateau
+        scratches = noise(30, 1.5, 2.2) + noise(1.5, 30, 2.2)
+        heights = 0.25 * noise(2, 2, 1.6) - np.abs(scratches) ** 1.5
+    elif kind == "stepped":
+        heights = np.round(1.5 * noise(6, 6, 2.0)) + 0.1 * noise(2, 2, 1.6)
+    elif kind == "needles":
+        heights = np.exp(1.2 * noise(2.5, 2.5, 2.0))
+    elif kind == "two scales":
+        heights = noise(20, 20, 3.0) + 0.3 * noise(1.5, 1.5, 1.8)
+    elif kind == "grooves":  # along the track
+        y = np.arange(shape[1]) * (max(3, shape[1] // 12) / shape[1])
+        heights = np.cos(2 * np.pi * y) + 0.2 * noise(3, 3, 1.8)
     else:
         x = np.arange(shape[0])[:, None] * (max(3, shape[0] // 18) / shape[0])
         heights = np.abs((x % 1) - 0.5) * 3.5 + 0.35 * noise(3, 3, 1.7)
         heights = np.broadcast_to(heights, shape).copy()
     heights -= heights.mean()
     return ra * heights / np.abs(heights).mean()
+
+
+def tops(draw, number):
+    """Entries and file of a surface with tops of an own shape, judged by several criteria."""
+    entries, velocity, _ = (local if number % 4 == 3 else lay)(draw, number)
+    shape = [number // 2 % 2 * 32 + 128, 64]
+    scale = entries["window.pixels"][0] / shape[0]
+    sizes = [float(one.split()[0]) * scale for one in entries["window.pixel_size"]]
+    entries |= {"window.pixels": shape, "window.pixel_size": [f"{one:.3g} um" for one in sizes]}
+    seed = entries["disk.roughness.seed"]
+    ra = float(entries["disk.roughness.ra"].split()[0])
+    for key in [key for key in entries if key.startswith("disk.roughness")]:
+        del entries[key]
+    entries |= {"disk.roughness.file": "heights.npy", "disk.roughness.height_unit": "um"}
+    entries["disk.roughness.transpose"] = True
+    kind = ("honed", "stepped", "needles", "two scales", "grooves")[number % 5]
+    entries["title"] = f"{kind} surface of seed {seed}, Ra {ra:g} µm"
+    share = (0.5, 0.01, "mean", 0.05, "highest", 0.2)[number // 2 % 6]
+    if isinstance(share, str):
+        entries["temperature.criterion"] = share
+    else:
+        entries["temperature.failing_share"] = share
+
+    def write(path):
+        np.save(path, measured_heights(shape, kind, seed, ra))
+
+    return entries, velocity, {"heights.npy": write}
+
+
+def stages(draw, number):
+    """Entries of a specimen whose load rises in stages."""
+    entries, velocity, _ = (local if number % 3 == 2 else lay)(draw, number)
+    shape = entries["window.pixels"] = [96, 64]
+    load = float(entries.pop("loading.reference_load").split()[0])
+    seconds = draw.log(2, 20)
+    levels = [f"{load * share:.5g} N" for share in LOAD_SHARES]
+    entries["loading.stages"] = [[level, f"{seconds:g} s"] for level in levels]
+    rate = draw.log(3e-8, 6e-7)
+    width = 1.3 * _line_width(
+        float(entries["pin.radius"].split()[0]), float(entries["pin.length"].split()[0]),
+        load, rate, 4 * velocity, 8 * seconds, draw.between(0.1, 0.3),
+    )  # fmt: skip
+    size = width / shape[0]
+    lengths = [f"{size * draw.between(2.5, 5):.3g} um" for _ in "xy"]
+    entries["disk.roughness.correlation_length"] = lengths
+    entries["window.pixel_size"] = [f"{size:.3g} um"] * 2
+    entries["wear.specific_wear_rate"] = f"{rate:g} mm^3/(N m)"
+    entries["sweep.loads"] = levels
+    return entries, velocity, {}
 
 
 def coarse_pixels(draw, number):
@@ -420,6 +481,8 @@ FAMILIES = {
     "hold": hold,
     "record": record,
     "measured": measured,
+    "tops": tops,
+    "stages": stages,
     "coarse pixels": coarse_pixels,
     "wide summits": wide_summits,
 }

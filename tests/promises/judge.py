@@ -14,8 +14,8 @@ from tribo import PRESETS, warnings
 
 # The preset `reference` with half the tolerances. Its rise is mostly within 0.02 % of that with
 # 400 steps; if whole rows of elements wear heavily, within 0.2 %.
-TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6, heat_tolerance=5e-9)
-_NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4, heat_tolerance=1e-6)
+TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6)
+_NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4)
 _CLOSE = 5e-4  # relative tolerance of a boundary velocity
 _APART = 0.03  # step of ln(velocity) for the exponent
 _SMALL_STEP = 5e-3  # step of ln(velocity) over which a known exponent is exact enough

@@ -18,12 +18,7 @@ SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
 PAIRS = ((STEEL, STEEL), (ALUMINA, STEEL), (SOFT_STEEL, STEEL), (BRONZE, STEEL))
 # Fidelity to find the scenes; no preset, so that the scenes do not change with the presets.
 ROUGHLY = tribo.Fidelity(
-    pixels_per_element=4,
-    averaging="sample",
-    history_coarsening=4,
-    increments=10,
-    contact_tolerance=0.1,
-    heat_tolerance=1e-2,
+    pixels_per_element=4, history_coarsening=4, increments=10, contact_tolerance=0.1
 )
 SHARES = (0.3, 0.5, 0.7, 1.0)  # loads over the reference load
 

@@ -218,16 +218,11 @@ REFUSALS = {
     "no time": (lambda: divided(time=0.0, bulk_difference=1.0), "no time to conduct"),
     # scenes and their points
     "choice": (lambda: Fidelity(heat_model="none"), "heat_model is 'none'; allowed are"),
-    "heat tolerance": (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
     "contact tolerance": (lambda: Fidelity(contact_tolerance=0.0), "contact_tolerance is 0.0"),
     **{
         name: (lambda name=name: Fidelity(**{name: -1}), f"{name} is -1")
-        for name in ("pixels_per_element", "history_coarsening", "fewest_summits",
-                     "fewest_elements", "increments", "hold_increments")
-    },
-    **{
-        name: (lambda name=name: Fidelity(**{name: -1.0}), f"{name} is -1.0")
-        for name in ("elements_per_summit", "imprint")
+        for name in ("pixels_per_element", "increments", "fewest_elements", "history_coarsening",
+                     "parts", "imprint")
     },
     **{
         f"track {name}": (lambda name=name: replace(TRACK, **{name: 0.0}), f"{name} is 0.0")
@@ -251,7 +246,6 @@ REFUSALS = {
     "no limit": (lambda: rise_limit(tribo.Conditions(friction=0.1, bulk_temperature=298.0)),
                  "critical_temperature is None"),
     "disc diameter": (lambda: Disc(diameter=0.0, width=1.0), "diameter is 0.0"),
-    "history": (lambda: Fidelity(heat_model="history", history_coarsening=2), "so it must be 1"),
     "motions": (Motion, "exactly one of them must be given"),
     "motion": (lambda: Motion(entrainment_velocity=INFINITE), "entrainment_velocity is inf"),
     "rolling": (lambda: Motion(slide_roll_ratio=0.0),

@@ -12,6 +12,10 @@ Thomas, Wear 35, 1975, for light loads). The area is at most the nominal area af
 (1) gives twice the nominal area, the contact is treated as that of smooth bodies. Steps before the
 last act through the wear alone, and so have larger elements, as long as enough of them touch.
 
+Where the contact is dense, wear moves pressure over the whole of it, and each step is cut into
+parts: under smooth bodies, where Eq. (1) gives twice the nominal area, and under flat tops, such as
+plateaus.
+
 The elements of a point depend on no other point: loads that share a ramp have the elements that
 the lowest of them needs.
 """
@@ -25,12 +29,19 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.constants import (
+    DENSE_PARTS,
+    ELEMENTS_OF_HISTORY,
+    ELEMENTS_PER_SUMMIT,
     FEWEST_ACROSS,
     FEWEST_ROWS,
+    FLAT_TOP,
     FULL_SHARE,
+    HISTORY_COARSENING,
     LARGER_ON_POSITIONS,
     MANY_TOUCHING,
+    STEPS_TIMES_IMPRINT,
     SUMMIT_QUANTILE,
+    SUMMITS_PER_ELEMENT,
     TIGHTEST_TOLERANCE,
 )
 from tribo.loading import MeasuredLoad, Stages
@@ -43,10 +54,11 @@ from tribo.types import Array
 
 
 class Summits(NamedTuple):
-    """Summits of a surface: mean widths along x and y [pixels], and root mean square slope."""
+    """Summits of a surface: mean widths along x and y, root mean square slope, and their tops."""
 
     widths: tuple[float, float]  # along x and y, in pixels
     slope: float  # root mean square
+    are_flat: bool  # the highest pixel is little above the others
 
 
 class _ExpectedContact(NamedTuple):
@@ -60,15 +72,15 @@ class _ExpectedContact(NamedTuple):
     is_smooth: bool  # all of the nominal area touches
 
 
-SMOOTH = Summits((math.inf, math.inf), 0.0)
+SMOOTH = Summits((math.inf, math.inf), 0.0, are_flat=False)
 
 
 def fit_elements(scene: Scene, normal_load: float) -> Scene:
     """Scene with elements small enough for its surface, at a load [N] and at all steps before.
 
-    The size follows from ``elements_per_summit``, ``fewest_summits`` and ``fewest_elements`` of the
-    fidelity. If few elements will touch, the contact tolerance and ``imprint`` are made smaller,
-    too. The scene is returned unchanged if ``elements_per_summit`` is 0.
+    ``fewest_elements`` of the fidelity is the number of elements that touch. If few elements will
+    touch, the contact tolerance and ``imprint`` are made smaller, too. The scene is returned
+    unchanged if ``fewest_elements`` is 0.
 
     Examples
     --------
@@ -76,42 +88,44 @@ def fit_elements(scene: Scene, normal_load: float) -> Scene:
 
     >>> import tribo
     >>> from dataclasses import replace
-    >>> at_most = replace(scene.fidelity, pixels_per_element=2, elements_per_summit=1.5)
+    >>> at_most = replace(scene.fidelity, pixels_per_element=2, fewest_elements=10)
     >>> narrow = tribo.SelfAffineRoughness(1e-7, 0.8, 2 * scene.pixels.spacing[0], seed=0)
     >>> narrow_scene = replace(scene, fidelity=at_most, roughness=narrow)
     >>> fit_elements(narrow_scene, 10.0).fidelity.pixels_per_element
     1
     """
     fidelity = scene.fidelity
-    if not fidelity.elements_per_summit:
+    if not fidelity.fewest_elements:
         return scene
     lowest, summits = _lowest_load(scene, normal_load), _cached_summits(scene)
     expected = _expected_contact(scene, summits, lowest)
     across = expected.across / (FEWEST_ROWS if scene.pin.length else FEWEST_ACROSS)
     # Elements along a long summit are equally warm, and count once for each width of the summit.
     alike, widths = expected.touching, summits.widths
-    widest = across
+    widest, fewest = across, fidelity.fewest_elements
     if not expected.is_smooth:
         alike *= min(widths) / max(widths)
         count = expected.touching / math.prod(widths)
-        wide = summit_width(scene) / fidelity.elements_per_summit
+        wide = summit_width(scene) / ELEMENTS_PER_SUMMIT
         if scene.sweeps_over:  # the temperature is a mean over positions, or almost so
             count, wide = count * position_count(scene, lowest), LARGER_ON_POSITIONS * wide
-        widest = min(across, wide) if count >= fidelity.fewest_summits else 1.0
-    fewest, block = max(fidelity.fewest_elements, 1), fidelity.pixels_per_element
+        widest = min(across, wide) if count >= SUMMITS_PER_ELEMENT * fewest else 1.0
+    block = fidelity.pixels_per_element
     sizes = (n for n in range(block, 1, -1) if block % n == 0 and n * n * fewest <= alike)
     size = next((n for n in sizes if n <= widest), 1)
-    most = min(math.sqrt(alike / fewest), across) / size
-    history = max(1, min(fidelity.history_coarsening, int(most)))
+    most = min(math.sqrt(alike / (ELEMENTS_OF_HISTORY * fewest)), across) / size
+    parts = min(DENSE_PARTS, math.ceil(STEPS_TIMES_IMPRINT / fidelity.increments))
+    parts = parts if expected.is_smooth or summits.are_flat else 1
     # With few elements each one matters: a loose tolerance or a long step must not miss any.
     share = min(1.0, expected.touching / size**2 / MANY_TOUCHING)
     tolerance = fidelity.contact_tolerance
     changed = replace(
         fidelity,
         pixels_per_element=size,
-        history_coarsening=history,
+        history_coarsening=max(1, min(HISTORY_COARSENING, int(most))),
         contact_tolerance=max(share * tolerance, min(tolerance, TIGHTEST_TOLERANCE)),
-        imprint=share * fidelity.imprint,
+        imprint=share * STEPS_TIMES_IMPRINT / (fidelity.increments * parts),
+        parts=parts,
     )
     return scene if changed == fidelity else replace(scene, fidelity=changed)
 
@@ -167,7 +181,9 @@ def _summits(scene: Scene) -> Summits:
     if heights is None:
         return SMOOTH
     widths = _run_length(heights, 0), _run_length(heights, 1)
-    return Summits(widths, rms_slope(heights, scene.pixels.spacing))
+    above = heights.max() - np.quantile(heights, SUMMIT_QUANTILE)
+    are_flat = bool(above < FLAT_TOP * heights.std())
+    return Summits(widths, rms_slope(heights, scene.pixels.spacing), are_flat)
 
 
 def _run_length(heights: Array, axis: int) -> float:

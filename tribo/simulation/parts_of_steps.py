@@ -26,10 +26,12 @@ def parts_of(scene: Scene, before: State, station: Station, velocity: float) -> 
 
     The step leads from the state `before` to `station`, which is yielded last. The step has so many
     parts that in each the roughness wears only a shallow imprint into the pin, but at most 4, and
-    only one with 25 increments or more.
+    only one with 25 steps or more. A dense contact has more parts, see
+    `tribo.simulation.element_size`.
     """
     distance = abs(velocity) * (station.time - before.time)
-    count = _part_count(scene, before, distance, velocity)
+    count = 1 if station.holding or not scene.remembers_steps else scene.fidelity.parts
+    count *= _part_count(scene, before, distance / count, velocity)
     for part in range(1, count):
         yield between(before, station, part / count)
     yield station
@@ -41,9 +43,10 @@ def _part_count(scene: Scene, before: State, distance: float, velocity: float) -
     wear = wear_of_step(scene, before, distance, velocity)
     if wear is None:
         return 1
-    most = min(MOST_PARTS_OF_STEP, math.ceil(ENOUGH_STEPS / scene.fidelity.increments))
-    imprint = imprint_of(scene, wear, distance) / scene.fidelity.imprint
-    return math.ceil(min(max(imprint, 1.0), most))
+    fidelity = scene.fidelity
+    enough = math.ceil(ENOUGH_STEPS / (fidelity.increments * fidelity.parts))
+    imprint = imprint_of(scene, wear, distance) / fidelity.imprint
+    return math.ceil(min(max(imprint, 1.0), MOST_PARTS_OF_STEP, enough))
 
 
 def between(before: State, station: Station, share: float) -> Station:

@@ -188,7 +188,7 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
         yield (
             WarningKind.COARSE_PIXELS,
             f"touching summits are {wide:.2g} elements wide; below {LEAST_SUMMIT:g} the rise is "
-            f"too low by up to 16 %: take pixels_per_element = 1, or elements_per_summit = 1",
+            f"too low by up to 16 %: take pixels_per_element = 1, or a preset",
         )
     if isinstance(scene.roughness, SelfAffineRoughness):
         lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
@@ -282,7 +282,7 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
         few = FEW_WORN
     elif smallest:
         few = FEW_SWEPT if scene.sweeps_over else FEW_PIXELS
-    elif scene.fidelity.elements_per_summit:  # as large as the surface allows
+    elif scene.fidelity.fewest_elements:  # as large as the surface allows
         few //= (scene.pixels.shape[0] // len(state.pressure)) ** 2
     if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
         return
@@ -347,8 +347,7 @@ def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
         WarningKind.PRESENT_HEAT,
         "the present friction heat, taken to have acted since the start, makes this contact about "
         f"{100 * excess:.1f} % too warm; the critical velocity is then too low, mostly by one to "
-        "two times that. Take heat_model = 'history' and history_coarsening = 1, or ask for an "
-        "accuracy",
+        "two times that. Take heat_model = 'history', or ask for an accuracy",
     )
 
 

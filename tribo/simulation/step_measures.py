@@ -24,7 +24,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         ``mean_bulk_response``, the mean rise over the contact for each kelvin by which the disk's
         bulk is warmer than the pin's [K/K]. The last four are NaN if the temperature was not
         computed. Values that depend on the size of elements are for the state's elements, which are
-        larger before the last step; see `Fidelity.history_coarsening`.
+        larger before the last step; see `Fidelity.fewest_elements`.
 
     Notes
     -----

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLUE, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.scene.written import with_fidelity
 from pipeline.sweep.conditions import known_critical_temperature
 from tribo import InputError, Ramp, Wear
 from tribo.inverse import specific_wear_rate
@@ -130,9 +128,7 @@ def _held(sweep: Sweep, row: Any, duration: float) -> Sweep:
 
 def _wear_rate(sweep: Sweep, row: Any, duration: float) -> float:
     """Specific wear rate [m²/N] by which a contact wears to its measured width in a test."""
-    fidelity = replace(sweep.scene.fidelity, averaging="mean")
-    smooth = with_fidelity(sweep.changed("disk.roughness", None), fidelity)
-    scene = _held(smooth, row, duration)
+    scene = _held(sweep.changed("disk.roughness", None), row, duration)
     return specific_wear_rate(scene.scene, row.measured_width, row.normal_load, row.velocity).value
 
 

@@ -34,7 +34,7 @@ from .transitions import HIGHEST, WearPattern, celsius_of, end_at, on_surfaces, 
 _BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
 _PUBLISHED = 100  # increments that the paper states
-_PAPER = Fidelity(pixels_per_element=2, increments=_PUBLISHED, averaging="mean")
+_PAPER = Fidelity(pixels_per_element=2, increments=_PUBLISHED)
 """The grid and the increments of the paper, on which each is varied alone."""
 _SCHEMES: dict[str, tuple[WearPattern, bool]] = {  # whether as published
     "implicit, swept": ("swept", False),
@@ -62,8 +62,8 @@ def fig6(study: Study) -> Report:
     sides = {sweep.scene.pixels.shape[0] // block: block for block in blocks}
     by_elements: dict[str, _Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
-        elements = {"pixels_per_element": sides[side], "history_coarsening": 1}
-        scene = _with(sweep, averaging="mean", **elements)
+        elements = {"pixels_per_element": sides[side], "fewest_elements": 0}
+        scene = _with(sweep, **elements)
         swept = on_surfaces([(scene, _POINT)], seeds)
         unworn = on_surfaces([(worn(scene, "unworn"), _POINT)], seeds)
         by_elements["maximum"][side] = celsius_of(swept, HIGHEST)[0].tolist()
@@ -117,7 +117,7 @@ def _with_steps(
     pressures: dict[int, Array] = {}
     for count in counts:
         for surface in surfaces:
-            scene = _with(surface, increments=count, history_coarsening=1)
+            scene = _with(surface, increments=count, fewest_elements=0)
             try:
                 *_, state = simulate(scene.scene, _POINT.normal_load, _POINT.velocity)
             except ConvergenceError as error:

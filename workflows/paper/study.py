@@ -26,7 +26,6 @@ AS_PUBLISHED = Fidelity(
     contact_tolerance=1e-3,
     heat_model="elapsed",
     as_published=True,
-    heat_tolerance=1e-12,
 )
 """Numerical choices of the paper, to be looked at.
 

@@ -31,7 +31,7 @@ PHYSICS = {
     "hold": {"loading.hold": "20 s"},
     "local wear": {"wear.pattern": "local"},
     "no wear": {"without": ["wear"]},
-    "heat of the past": {"fidelity.heat_model": "history", "fidelity.history_coarsening": 1},
+    "heat of the past": {"fidelity.heat_model": "history"},
 }
 
 

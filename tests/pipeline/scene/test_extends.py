@@ -1,5 +1,7 @@
 """A scene that extends another is the scene written in full."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -88,8 +90,9 @@ def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
     write(base=TEXT.replace('preset = "standard"', "increments = 7"))
     sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
     assert sweep.scene.fidelity == tribo.PRESETS["fine"]
-    sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\naveraging = "sample"'))
-    assert (sweep.scene.fidelity.increments, sweep.scene.fidelity.averaging) == (7, "sample")
+    sweep = load_scene(write(own=f"{EXTENDS}[fidelity]\nfewest_elements = 50"))
+    own = {"increments": 7, "fewest_elements": 50}
+    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **own)
 
 
 def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):

@@ -116,18 +116,19 @@ def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):
 
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
-    entries = ('preset = "standard"', 'preset = "standard"\nincrements = 30\npartition = "uniform"')
+    entries = (
+        'preset = "standard"',
+        'preset = "standard"\nincrements = 30\nheat_model = "history"',
+    )
     assert read().preset == "standard"
     sweep = read(entries)
-    steps = {"increments": 30, "hold_increments": 0, "imprint": 0.0}
-    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **steps, partition="uniform")
+    own = {"increments": 30, "heat_model": "history"}
+    assert sweep.scene.fidelity == replace(tribo.PRESETS["standard"], **own)
     assert sweep.preset is None
     sweep = read(entries, preset="standard")
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     sweep = read(entries, preset="standard", overrides={"increments": 40})
     assert (sweep.preset, sweep.scene.fidelity.increments) == (None, 40)
-    sweep = read(entries, overrides={"increments": 30, "imprint": 2.0})
-    assert sweep.scene.fidelity.imprint == 2.0
     same = tribo.PRESETS["standard"].contact_tolerance
     assert read(overrides={"contact_tolerance": same}).preset == "standard"
 
@@ -137,13 +138,13 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         "wear.pattern": "local",
         "sweep.loads": ["300 N", "500 N"],
         "fidelity.increments": 30,
-        "partition": "uniform",
+        "heat_model": "history",
     }
     changed = read(overrides=overrides)
     expected = read(
         ('"swept"', '"local"'),
         (LOADS, '["300 N", "500 N"]'),
-        ('"standard"', '"standard"\nincrements = 30\npartition = "uniform"'),
+        ('"standard"', '"standard"\nincrements = 30\nheat_model = "history"'),
     )
     assert changed == expected
     # A single numerical choice precedes the preset given in the same call.

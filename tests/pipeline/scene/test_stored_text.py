@@ -139,7 +139,7 @@ def change_the_library(monkeypatch):
     ("change", "entry"),
     [
         (change_a_default, "disk.roughness.seed: 0 in the store, 1 in the scene"),
-        (change_a_preset, "fidelity.contact_tolerance: 0.09 in the store, 0.001 in the scene"),
+        (change_a_preset, "fidelity.contact_tolerance: 0.12 in the store, 0.001 in the scene"),
         (change_the_library, "materials.AISI 52100.density: "),
     ],
 )

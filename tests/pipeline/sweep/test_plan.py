@@ -18,7 +18,7 @@ from tests.helpers.entries import changed, rows
 from tests.helpers.points import run_point as run_alone
 from tests.helpers.scenes import STEEL
 from tribo import measures, simulate
-from tribo.simulation import Trunks, disk_positions, heat
+from tribo.simulation import Trunks, disk_positions, fit_elements, heat
 
 SWEEP = tiny.sweep()
 
@@ -55,12 +55,7 @@ def test_a_point_has_a_row_for_each_increment_of_its_ramp_and_its_end(load, coun
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
-SMALLER = {
-    "pixels_per_element": 2,
-    "history_coarsening": 2,
-    "elements_per_summit": 0.1,
-    "fewest_elements": 1000,
-}
+SMALLER = {"pixels_per_element": 2, "fewest_elements": 1000}
 PHYSICS = {
     "plain": {},
     "no wear": {"wear": None},
@@ -68,7 +63,7 @@ PHYSICS = {
     "few elements": {"pixels": WIDE, "fidelity": SMALLER, "loading": RAMP},
     "few elements and heat of the past": {
         "pixels": WIDE,
-        "fidelity": SMALLER | {"heat_model": "history", "history_coarsening": 1},
+        "fidelity": SMALLER | {"heat_model": "history"},
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
@@ -124,9 +119,8 @@ def test_the_course_is_that_of_the_states_at_the_increments(physics):
     assert columns["normal_load"].tolist() == [125.0, 250.0, 375.0, 500.0, 600.0]
     scene = sweep.scene
     if physics == "few elements":  # whose points have smaller elements from the start
-        finer = replace(scene.fidelity, pixels_per_element=1, history_coarsening=1)
-        scene = replace(scene, fidelity=finer)
-    as_given = replace(scene.fidelity, elements_per_summit=0)
+        scene = fit_elements(scene, 600.0)
+    as_given = replace(scene.fidelity, fewest_elements=0)
     states = list(simulate(replace(scene, fidelity=as_given), 600.0, 1.0))
     for row, state in enumerate(states[:-1]):
         warm = state.heat or heat(scene, state, 1.0)

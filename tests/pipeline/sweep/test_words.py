@@ -15,14 +15,14 @@ from tribo import PRESETS
     ("preset", "changes", "error"),
     [
         ("standard", {}, 0.015),
-        ("fine", {}, 0.005),
-        ("standard", {"increments": 7}, None),
+        ("fine", {}, 0.008),
+        ("standard", {"increments": 9}, None),
         ("standard", {"contact_tolerance": 1e-3}, None),
         ("standard", {"pixels_per_element": 1}, None),
         ("standard", {"partition": "uniform"}, None),
-        ("standard", {"history_coarsening": 1}, None),
-        # How heat acts is no numerical choice; "history" needs one grid.
-        ("standard", {"heat_model": "history", "history_coarsening": 1}, 0.015),
+        ("standard", {"fewest_elements": 0}, None),
+        # How heat acts is no numerical choice.
+        ("standard", {"heat_model": "history"}, 0.015),
     ],
 )
 def test_only_a_preset_has_a_known_error(preset, changes, error):

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 import pipeline
 import tribo
 from pipeline.scene.written import with_fidelity
@@ -32,9 +30,9 @@ def test_an_accuracy_takes_the_whole_history_where_present_heat_errs_by_a_third_
     exact = rise(with_fidelity(SHORT, past))
     loose, close = (pipeline.choose_accuracy(SHORT, accuracy) for accuracy in ("4%", "2%"))
     assert loose.scene.fidelity == tribo.PRESETS["standard"]
-    assert rise(loose) / exact - 1 > 0.005
     assert close.scene.remembers_heat
-    assert rise(close) == pytest.approx(exact, rel=0.003)
+    # Steps of 8 increments err by 0.3 %.
+    assert abs(rise(close) / exact - 1) < 0.005 < rise(loose) / exact - 1
     assert "0.76 % too warm beside the boundary" in str(close.notes[-1])
 
 

@@ -95,7 +95,7 @@ def test_a_record_that_begins_under_load_is_fitted_from_there():
 
 @pytest.mark.parametrize("pattern", ["local", "swept"])
 def test_a_record_that_begins_unloaded_ends_as_one_that_begins_with_the_load(pattern):
-    loads, fidelity = np.array([0.0, 0.0, 300.0]), replace(PRESETS["fine"], elements_per_summit=0.0)
+    loads, fidelity = np.array([0.0, 0.0, 300.0]), replace(PRESETS["fine"], fewest_elements=0)
     records = MeasuredLoad(np.array([0.0, 4.0, 6.0]), loads), MeasuredLoad([0.0, 2.0], loads[1:])
     scene = replace(small_scene(pattern), fidelity=fidelity)
     late, early = (last(replace(scene, loading=record), 300.0, 1.25) for record in records)

@@ -115,9 +115,7 @@ def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(rad
         disk=replace(STEEL, hardness=math.inf),
         pixels=grid,
         loading=Ramp(1.0, 50.0),
-        fidelity=Fidelity(
-            pixels_per_element=1, increments=1, contact_tolerance=1e-5, heat_tolerance=1e-8
-        ),
+        fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-5),
     )
     velocity = peclet_number * 2 * KAPPA / hertz.half_x
     flux = velocity * hertz.peak_pressure
@@ -135,7 +133,7 @@ def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
             state = advance(scene, state, station, 1.0)
         return measures(scene, state)["wear_volume"]
 
-    scene = ball(preset, pixels=48, side=13e-6, increments=3, history_coarsening=1)
+    scene = ball(preset, pixels=48, side=13e-6, increments=3, fewest_elements=0)
     scene = replace(scene, pin=pin)
     assert worn(scene) == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
     record = MeasuredLoad(np.array([0.0, 0.4, 0.8, 1.5]), np.array([0.0, 150.0, 20.0, 200.0]))
@@ -147,7 +145,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     """A ball that always meets new summits does not conform to them by wear."""
     # True value: the mean over many more patches than the scene uses, each worn locally.
     few = {"pixels": 96, "side": 640e-6 / 96}
-    true = hot(end(ball(history_coarsening=1, increments=60, **few)))
+    true = hot(end(ball(fewest_elements=0, pixels_per_element=1, increments=60, **few)))
     swept, patch = ball(**few), ball(pattern="local", **few)
     of_ball, of_patch = end(swept), end(patch)
     assert hot(of_ball) == pytest.approx(true, rel=0.01)

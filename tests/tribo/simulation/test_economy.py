@@ -53,7 +53,7 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
 
 @pytest.mark.parametrize("wear", [None, Wear(0.0)])
 def test_without_wear_a_point_is_one_step(wear):
-    scene = with_hardness(small_scene(contact_tolerance=1e-8, heat_tolerance=1e-9), 3e9)
+    scene = with_hardness(small_scene(contact_tolerance=1e-8), 3e9)
     scene = replace(scene, wear=wear)
     states = list(simulate(scene, 600.0, 1.25))
     assert len(states) == 1
@@ -95,7 +95,7 @@ def test_a_hold_in_which_nothing_wears_has_no_contact_of_its_own(wear, velocity,
 def smooth(pattern, **fidelity):
     """A scene that is simulated as plane, and the same scene with a rough surface of height 0."""
     plane = replace(
-        small_scene(pattern, roughness=False, contact_tolerance=1e-9, heat_tolerance=1e-9),
+        small_scene(pattern, roughness=False, contact_tolerance=1e-9),
         pixels=Grid((96, 64), (4e-6, 4e-6)),
     )
     zero = MeasuredRoughness(np.zeros(plane.pixels.shape))

@@ -34,7 +34,6 @@ def twin_disc(motion=RATIO, elements=300, **changes):
         pixels_per_element=1,
         increments=1,
         contact_tolerance=1e-6,
-        heat_tolerance=1e-8,
     )
     scene = Scene(
         pin=Cylinder(RADIUS, LENGTH, replace(STEEL, hardness=math.inf)),

@@ -55,7 +55,7 @@ def test_from_400_elements_on_there_are_enough(nodes, words):
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
     assert touching_elements(scene, state) == nodes
     assert_told(words, scene, state, WarningKind.FEW_NODES)
-    by_rule = replace(scene, fidelity=replace(scene.fidelity, elements_per_summit=0.5))
+    by_rule = replace(scene, fidelity=replace(scene.fidelity, fewest_elements=1))
     assert_told(words if nodes < 100 else None, by_rule, state, WarningKind.FEW_NODES)
 
 

@@ -65,7 +65,7 @@ def scenes(draw, wear=True):
         ),
         wear=Wear(amount, pattern) if wear else None,
         fidelity=Fidelity(
-            pixels_per_element=1, increments=3, contact_tolerance=TOLERANCE, heat_tolerance=1e-10
+            pixels_per_element=1, increments=3, contact_tolerance=TOLERANCE
         ),
     )  # fmt: skip
 

@@ -40,7 +40,7 @@ def end(scene, velocity=1.25, load=750.0):
 def rough():
     """Scene and last state of a rough contact with 96 × 48 pixels."""
     scene = replace(
-        small_scene(increments=3, heat_tolerance=1e-9),
+        small_scene(increments=3, contact_tolerance=1e-8),
         pixels=Grid((96, 48), (4e-6, 4e-6)),
         unequal_bulks=True,
     )
@@ -58,7 +58,7 @@ def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
         loading=Ramp(150.0, 750.0),
         motion=Motion(slide_roll_ratio=0.5),
         unequal_bulks=True,
-        fidelity=Fidelity(increments=1, pixels_per_element=1, heat_tolerance=1e-8),
+        fidelity=Fidelity(increments=1, pixels_per_element=1, contact_tolerance=1e-7),
     )
     state = end(scene, velocity=200.0)
     velocities = scene.velocities_at(200.0)
