@@ -20,8 +20,8 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`, `results`
-- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`, `warned`,
-  `diff`, `vary`, `infer`
+- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`, `budget`,
+  `warned`, `diff`, `vary`, `infer`
 - accuracy: `choose_accuracy`, `trade`
 - figures: `plot`, `explore`
 - quantities: `surface_statistics`, `to_si`

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.judge import Judge
+from pipeline.analysis.at import ConditionKeywords, asked_at
+from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.likelihood import Belief, condition
+from pipeline.analysis.margin_frame import margin
+from pipeline.analysis.results import ResultsLike
 from pipeline.analysis.tables import frame_of
 from pipeline.constants import LITTLE_HELP
+from pipeline.sweep.shown import shown
 from tribo.types import Array
 
 BIAS, SCATTER = "the model's bias", "scatter of specimens"
@@ -19,23 +24,22 @@ HEADS = "uncertain", "before the tests [%]", "after the tests [%]", "knowing it 
 _TRANSITION = "a further transition here"
 
 
+@shown
 @dataclass(frozen=True, eq=False)
 class Budget:
     """Shares of the variance of ln(rise/limit) at a place, which add up to 1.
 
     Each is the covariance of one cause with the total, over the variance of the total. It is
-    negative where tests make a cause offset others. `takes` is the part of the variance that goes
-    if an input becomes known, and `transition` the part that a further transition at the place
-    takes. `spreads` are the standard deviations of the total before and after the tests.
+    negative where tests make a cause offset others.
     """
 
-    names: tuple[str, ...]  # inputs, then bias and scatter
-    before: Array
-    after: Array
-    takes: Array  # by input
-    transition: float
-    spreads: tuple[float, float]
-    error: float  # numerical, of the rise
+    names: tuple[str, ...]  #: Causes: uncertain inputs by their paths, then bias and scatter.
+    before: Array  #: Share of each cause before the tests.
+    after: Array  #: Share of each cause after the tests.
+    takes: Array  #: Part of the variance that goes if an input becomes known, for each input.
+    transition: float  #: Part of the variance that a further transition at the place takes.
+    spreads: tuple[float, float]  #: Standard deviations of the total before and after the tests.
+    error: float  #: Relative numerical error of the rise.
 
     @property
     def advice(self) -> str:
@@ -50,7 +54,7 @@ class Budget:
         )
 
     @property
-    def frame(self) -> pd.DataFrame:
+    def table(self) -> pd.DataFrame:
         """Data frame with a row for each cause, their sum, and what stands below the sum."""
         takes = [*self.takes.tolist(), None, None]
         parts = zip(self.names, self.before.tolist(), self.after.tolist(), takes, strict=True)
@@ -60,6 +64,43 @@ class Budget:
             ("numerical error of the rise", self.error, self.error, None),
         ]
         return frame_of(HEADS, [*parts, *below])
+
+
+@np.errstate(under="ignore")
+def budget(
+    ds: ResultsLike,
+    load: float | str,
+    velocity: float | str,
+    **conditions: Unpack[ConditionKeywords],
+) -> Budget:
+    """Find what makes the verdict on an operating point uncertain, and what would help most.
+
+    Parameters
+    ----------
+    ds, load, velocity, **conditions
+        As for the margin of one operating point, `pipeline.margin`.
+
+    Returns
+    -------
+    Budget
+        Shares of the variance; ``table`` has them as a data frame, ``advice`` says what would help
+        most.
+
+    Raises
+    ------
+    InputError
+        As `pipeline.margin`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.budget("results/first_try.zarr", "400 N", "2.2 m/s")
+    >>> found.names, f"{found.after.sum():.3f}"
+    (("the model's bias", 'scatter of specimens'), '1.000')
+    """
+    data = asked_at(ds, conditions)
+    place = margin(data, load, velocity)
+    return budget_at(judge_of(next(data.scenes)), place.load, place.velocity)
 
 
 def budget_at(judge: Judge, load: float, velocity: float) -> Budget:

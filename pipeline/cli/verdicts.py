@@ -63,8 +63,8 @@ def margin(options: argparse.Namespace) -> Result:
     frames = [table.join(_details(found))]
     if options.budget:
         budget = budget_at(_one_judge(data, found, "--budget"), *found[0].place)
-        frames.append(budget.frame)
-        lines += ["", budget.frame.round(1), f"would help most: {budget.advice}", ""]
+        frames.append(budget.table)
+        lines += ["", budget.table.round(1), f"would help most: {budget.advice}", ""]
     if options.until:
         until = Until(_one_judge(data, found, "--until"), *found[0].place, options.until)
         with working(f"seeking what gives {options.until}"):

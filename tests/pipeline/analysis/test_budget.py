@@ -55,7 +55,8 @@ def moments(tests):
 
 def test_shares_of_the_variance_are_those_of_weighted_draws_and_add_up(asked):
     tests = [transition(750.0, 0.1, friction=0.1), transition(200.0, 0.05)]
-    rows = asked(swept(UNCERTAINTY, *tests, moved=MOVED), "--budget")
+    ds = swept(UNCERTAINTY, *tests, moved=MOVED)
+    rows = asked(ds, "--budget")
     before, after, takes = (
         np.array([row[head] for row in rows[:5]], float)
         for head in ("before the tests [%]", "after the tests [%]", "knowing it takes [%]")
@@ -69,6 +70,8 @@ def test_shares_of_the_variance_are_those_of_weighted_draws_and_add_up(asked):
     shares, by_knowing = moments(seen)
     assert after == pytest.approx(100 * shares, abs=2.0)
     assert takes[:3] == pytest.approx(100 * by_knowing, abs=2.0)
+    table = ds.irg.budget(LOAD, VELOCITY).table
+    assert table["after the tests [%]"].tolist()[:5] == after.tolist()
 
 
 def test_where_no_input_matters_a_test_is_advised(monkeypatch, capsys):
