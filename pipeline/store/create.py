@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -17,7 +17,7 @@ from pipeline.scene.resume import join
 from pipeline.scene.stored_text import sweep_text
 from pipeline.store.arrays import Encoder
 from pipeline.store.files import PARTIAL
-from pipeline.store.layout import bytes_of_a_point, chunk_sizes, grown_axes
+from pipeline.store.layout import Axes, bytes_of_a_point, chunk_sizes, grown_axes
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
     ROOT,
@@ -31,7 +31,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.root import CONSOLIDATED, Root, TestLayout, with_others
 from pipeline.store.root_file import find_root, read_metadata, require_same_scene
-from pipeline.store.schema import PENDING, is_coordinate, variables_of
+from pipeline.store.schema import AT_END, PENDING, Variable, is_coordinate, variables_of
 from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store
 from pipeline.sweep.model import Sweep
@@ -142,18 +142,32 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         for path, array in before.found_metadata.items():
             if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
                 raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
-    block = before.block if before else chunk_sizes(sizes, bytes_of_a_point(wanted, axes))
+    blocks = [before.block, before.field_block] if before else _chunks_of(wanted, axes, sizes)
     lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
     return Root(
         sweep=kept,
         text=sweep_text(kept),
         axes=axes,
         ids=kept.scene_ids,
-        block=block,
+        block=blocks[0],
+        field_block=blocks[1],
         history=[*dict.fromkeys(lines)],
         layout=_grown_tests(before, sweep),
         found=before.found if before else {},
     )
+
+
+def _chunks_of(
+    wanted: Mapping[str, Variable], axes: Axes, sizes: Mapping[str, int]
+) -> list[dict[str, int]]:
+    """Number of points along each dimension in a chunk, and in a chunk of a field.
+
+    `sizes` are the lengths of the dimensions of points.
+    """
+    fields = [one for name, one in wanted.items() if name in AT_END]
+    others = [one for name, one in wanted.items() if not (name in AT_END or is_coordinate(name))]
+    block = chunk_sizes(sizes, bytes_of_a_point(others, axes))
+    return [block, chunk_sizes(sizes, bytes_of_a_point(fields, axes)) if fields else block]
 
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_coordinate, is_of_points
+from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_of_points
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import TEST_POINT
@@ -46,12 +46,11 @@ def chunk_sizes(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, in
     return block
 
 
-def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Axes) -> int:
+def bytes_of_a_point(wanted: Iterable[Variable], axes: Axes) -> int:
     """Bytes of a point in the largest of the variables `wanted`, at 8 bytes a value."""
     return max(
         8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
-        for name, variable in wanted.items()
-        if not is_coordinate(name)
+        for variable in wanted
     )
 
 
@@ -172,3 +171,12 @@ def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], 
 def slices_of(chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
     """Slices of the chunk with indices `chunk`, if chunks have `sizes` along the dimensions."""
     return tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=True))
+
+
+def parts_of(block: Slices, sizes: Sequence[int]) -> Iterator[Slices]:
+    """Yield slices of the parts into which chunks of other `sizes` cut a `block`."""
+    cuts = [
+        [part.start, *range((part.start // n + 1) * n, part.stop, n), part.stop]
+        for part, n in zip(block, sizes, strict=True)
+    ]
+    yield from itertools.product(*([slice(*ends) for ends in itertools.pairwise(c)] for c in cuts))

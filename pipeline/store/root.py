@@ -23,6 +23,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.schema import (
     ABOUT,
+    AT_END,
     AT_ENDS,
     FORMAT,
     INPUTS,
@@ -46,7 +47,10 @@ from pipeline.sweep.points_of_tests import (
 CONSOLIDATED = "consolidated_metadata"
 """Key of all arrays' metadata in a root; without ``kind``, read from each array's own document."""
 _TESTS_IN_A_CHUNK = 32
-_FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "scene", "ids", "tests")
+_FACTS = (
+    "format", "axes", "points_per_chunk", "points_per_field_chunk", "history", "inputs", "scene",
+    "ids", "tests",
+)  # fmt: skip
 """Attributes of the group ``about``, beside the hash; xarray may drop those of the root."""
 
 
@@ -54,14 +58,15 @@ _FACTS = ("format", "axes", "points_per_chunk", "history", "inputs", "scene", "i
 class Group:
     """A group of points: what determines the arrays of these points, and their metadata.
 
-    `ids` are the scene ids of the variants, and `block` the number of points in a chunk along each
-    dimension.
+    `ids` are the scene ids of the variants. `block` is the number of points in a chunk along each
+    dimension, and `field_block` that in a chunk of a field.
     """
 
     sweep: Sweep
     axes: Axes
     ids: list[int]  # scene ids of the sweep's variants, in the order of the table
     block: dict[str, int]  # points in a chunk along each dimension
+    field_block: dict[str, int]  # the same for fields, whose points are far larger
     history: list[str]  # versions of the programs that computed
 
     prefix: ClassVar[str] = ""
@@ -75,7 +80,11 @@ class Group:
     @cached_property
     def arrays(self) -> dict[str, Document]:
         """Zarr metadata of the arrays, by name."""
-        return array_documents(self.variables, self._sizes(), self.block)
+        fields = {name: one for name, one in self.variables.items() if name in AT_END}
+        others = {name: one for name, one in self.variables.items() if name not in AT_END}
+        return array_documents(others, self._sizes(), self.block) | array_documents(
+            fields, self._sizes(), self.field_block
+        )
 
     def _sizes(self) -> dict[str, int]:
         return {name: len(values) for name, values in self.axes.items()}
@@ -131,7 +140,15 @@ class TestGroup(Group):
             int.from_bytes(bytes.fromhex(one.scene_hash[:8]), signed=True) for one in layout.slots
         ]
         block = {TEST_POINT: _TESTS_IN_A_CHUNK}
-        return cls(sweep=own, axes=axes, ids=ids, block=block, history=history, slots=layout.slots)
+        return cls(
+            sweep=own,
+            axes=axes,
+            ids=ids,
+            block=block,
+            field_block=block,
+            history=history,
+            slots=layout.slots,
+        )
 
     @property
     def points(self) -> Sequence[Point]:
@@ -222,8 +239,8 @@ class Root(Group):
         documents repeat parts of it, for programs that consolidate the metadata again.
         """
         values = (
-            FORMAT, self.axes, self.block, self.history, self._inputs, self.text, self.ids,
-            self.layout,
+            FORMAT, self.axes, self.block, self.field_block, self.history, self._inputs, self.text,
+            self.ids, self.layout,
         )  # fmt: skip
         facts = dict(zip(_FACTS, values, strict=True))
         arrays = self.paths()

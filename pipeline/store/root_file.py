@@ -128,6 +128,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 axes=facts["axes"],
                 ids=facts["ids"],
                 block=facts["points_per_chunk"],
+                field_block=facts["points_per_field_chunk"],
                 history=facts["history"],
                 layout=_layout_of(facts["tests"]),
                 found=document,
@@ -150,8 +151,9 @@ def _layout_of(facts: Any) -> TestLayout | None:
 
 def _are_facts(facts: Any) -> bool:
     """True if `facts` have the types that `Root.documents` writes."""
-    axes, sizes = facts["axes"].values(), [*facts["points_per_chunk"].values()]
-    sizes += facts["inputs"].values()
+    axes, sizes = facts["axes"].values(), [*facts["inputs"].values()]
+    for name in ("points_per_chunk", "points_per_field_chunk"):
+        sizes += facts[name].values()
     return (
         all(isinstance(one, list) for one in [*axes, facts["ids"], facts["history"]])
         and all(isinstance(one, str | int | float) for labels in axes for one in labels)
@@ -181,7 +183,9 @@ def _fit_axes(root: Root) -> bool:
     numbers = range(NO_TEST, len(root.sweep.own_points))
     if root.layout and not all(slot.test in numbers for slot in root.layout.slots):
         return False
-    return needed <= root.axes.keys() <= names and root.block.keys() == {*dims}
+    return needed <= root.axes.keys() <= names and root.block.keys() == root.field_block.keys() == {
+        *dims
+    }
 
 
 def read_metadata(place: StorePlace) -> dict[str, Document]:

@@ -31,21 +31,22 @@ def take_points(store: Store, other: Store) -> int:
         wanted.setdefault((store.root.scene_hash(point), *point[:2]), []).append(point)
     count = of_tests
     for _, block in blocks(other.flags == DONE, other.block):
-        records = []
-        for index, here, entries in stored_entries(other, block, read_block(other, block)):
-            if other.flags[index] != DONE or fault_of(other, here, entries):
-                continue
-            records += [
-                PointRecord(
-                    point,
-                    {name: entries[name] for name in data},
-                    entries["message"],
-                    entries["warning_flags"],
-                    entries["wall_time"],
-                    checksum=checksum(store.root.scene_hash(point), point, entries),
-                )
-                for point in wanted.get((other.root.scene_hash(here), *here[:2]), ())
-            ]
-        store.commit(records)
-        count += len(records)
+        for part, values in read_block(other, block):
+            records = []
+            for index, here, entries in stored_entries(other, part, values):
+                if other.flags[index] != DONE or fault_of(other, here, entries):
+                    continue
+                records += [
+                    PointRecord(
+                        point,
+                        {name: entries[name] for name in data},
+                        entries["message"],
+                        entries["warning_flags"],
+                        entries["wall_time"],
+                        checksum=checksum(store.root.scene_hash(point), point, entries),
+                    )
+                    for point in wanted.get((other.root.scene_hash(here), *here[:2]), ())
+                ]
+            store.commit(records)
+            count += len(records)
     return count

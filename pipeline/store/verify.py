@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
-from pipeline.store.layout import Slices, blocks
+from pipeline.store.layout import Slices, blocks, parts_of, slices_of
 from pipeline.store.lock import locked
 from pipeline.store.place import (
     Bucket,
@@ -26,7 +26,7 @@ from pipeline.store.place import (
 )
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root_file import find_root, read_root, require_same_scene
-from pipeline.store.schema import DONE, PENDING, RECORDS, STEPPED, is_coordinate
+from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Index, Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import shown
@@ -135,17 +135,19 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         ]
         for chunk, block in begun:
             _read_flags(store, damage, chunk, block)
-        for count, (chunk, block) in enumerate(begun, 1):
-            values = read_block(store, block)
-            is_done = (store.flags[block] == DONE).any()
-            for name, of_block in values.items():
-                is_lost = is_done and (key := store.key(name, chunk)) not in keys
-                if of_block is None or (is_lost and not store.place.has(key)):
-                    _note_chunk(store, damage, name, chunk, block)
-            for index, point, entries in stored_entries(store, block, values):
-                if fault := fault_of(store, point, entries):
-                    words = store.in_words(point)
-                    damage.points[index] = FailedPoint(*point[:2], fault, point.variant, words)
+        for count, (_, block) in enumerate(begun, 1):
+            for part, values in read_block(store, block):
+                is_done = (store.flags[part] == DONE).any()
+                for name, of_part in values.items():
+                    of_name = store.block_of(name)
+                    chunk = tuple(one.start // n for one, n in zip(part, of_name, strict=True))
+                    is_lost = is_done and (key := store.key(name, chunk)) not in keys
+                    if of_part is None or (is_lost and not store.place.has(key)):
+                        _note_chunk(store, damage, name, chunk, slices_of(chunk, of_name))
+                for index, point, entries in stored_entries(store, part, values):
+                    if fault := fault_of(store, point, entries):
+                        words = store.in_words(point)
+                        damage.points[index] = FailedPoint(*point[:2], fault, point.variant, words)
             progress(Progress(done=count, total=len(begun)))
     # Other programs read coordinates that this one computes from the root. A kill while the store
     # grew leaves wrong ones.
@@ -179,31 +181,44 @@ def _read(store: Store, name: str, block: Any) -> Any:
     return None
 
 
-def read_block(store: Store, block: Slices) -> dict[str, Any]:
-    """Read the chunk of points at the slices `block`; return an array for each variable, by name.
+def read_block(store: Store, block: Slices) -> Iterator[tuple[Slices, dict[str, Any]]]:
+    """Yield the parts of a chunk of points at the slices `block`: slices, and arrays by variable.
 
-    Coordinates, ``status`` and ``asked`` are left out. A damaged variable has None for an array.
+    Each part lies in a single chunk of each field, as fields have smaller chunks. Coordinates,
+    ``status`` and ``asked`` are left out. A damaged variable has None for an array.
     """
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
+    fields = [name for name in names if name in AT_END]
+    block = tuple(slice(*one.indices(n)) for one, n in zip(block, store.flags.shape, strict=True))
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
-        read = threads.map(lambda name: _read(store, name, block), names)
-        return dict(zip(names, read, strict=True))
+
+        def read(names: Sequence[str], at: Slices) -> dict[str, Any]:
+            found = threads.map(lambda name: _read(store, name, at), names)
+            return dict(zip(names, found, strict=True))
+
+        values = read([name for name in names if name not in AT_END], block)
+        for part in parts_of(block, store.block_of(fields[0])) if fields else [block]:
+            pairs = zip(part, block, strict=True)
+            within = tuple(slice(a.start - b.start, a.stop - b.start) for a, b in pairs)
+            own = {k: None if one is None else one[within] for k, one in values.items()}
+            yield part, own | read(fields, part)
 
 
 def stored_entries(
-    store: Store, block: Slices, values: Mapping[str, Any]
+    store: Store, part: Slices, values: Mapping[str, Any]
 ) -> Iterator[tuple[Index, Point, dict[str, Any]]]:
-    """Yield index, point and values by variable of each point in a chunk, except pending points.
+    """Yield index, point and values by variable of each point in a part, except pending points.
 
-    The chunk is at the slices `block`; `values` are from `read_block`. A damaged value is None.
+    The part is at the slices `part`; `values` are from `read_block`. A damaged value is None.
     """
-    indices = np.argwhere(store.flags[block] != PENDING) + [part.start for part in block]
+    first = [one.start for one in part]
+    indices = np.argwhere(store.flags[part] != PENDING) + first
     places = map(tuple, indices.tolist())
     for index, point in zip(places, store.points_at([*indices.T]), strict=True):
-        is_done, within = store.flags[index] == DONE, store.within(index)
+        is_done, within = store.flags[index] == DONE, tuple(np.subtract(index, first).tolist())
         entries: dict[str, Any] = {
-            name: None if of_block is None else of_block[within]
-            for name, of_block in values.items()
+            name: None if of_part is None else of_part[within]
+            for name, of_part in values.items()
             if is_done or name in _OF_FAILED
         }
         if is_done:

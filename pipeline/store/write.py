@@ -61,7 +61,7 @@ class Store:
     """An open store; it may be written if this process holds its lock.
 
     `tests` is the store of the points of tests, if there are any. `dims` are the dimensions of
-    points, and `block` is the number of points in a chunk along each.
+    points. `block` is the number of points in a chunk along each, except in chunks of fields.
     `flags` has the status of each point, and `asked` whether the last run was to compute it. With
     `is_damaged`, these two are not read, since their chunks may be damaged; they are 0 then.
     """
@@ -107,9 +107,9 @@ class Store:
         found = zip(self.dims, self._numbers, strict=True)
         return tuple(numbers[labels[dim]] for dim, numbers in found)
 
-    def within(self, index: Index) -> Index:
-        """Index of a point within its chunk."""
-        return tuple(i % n for i, n in zip(index, self.block, strict=True))
+    def block_of(self, name: str) -> Index:
+        """Number of points in a chunk of a variable, along each of `dims`."""
+        return tuple(self.arrays[name].chunks[: len(self.dims)])
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at some indices; `where` has an array for each of `dims`, as from `nonzero`."""
@@ -203,8 +203,9 @@ class Store:
         """Write the values of points by variable, and once these are on the disk, the statuses."""
         chunks: dict[tuple[str, Index], dict[Index, Any]] = {}
         for index, of_point in values.items():
-            chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
+                block = self.block_of(name)
+                chunk = tuple(i // n for i, n in zip(index, block, strict=True))
                 chunks.setdefault((name, chunk), {})[index] = value
         parts = (self._changed(*place, of_points) for place, of_points in chunks.items())
         with self._writes():
@@ -215,27 +216,27 @@ class Store:
         self._write_flags("status", flags, changed)
         self.flags = flags
         for name, chunk in chunks:
-            if self.flags[slices_of(chunk, self.block)].all():
+            if self.flags[slices_of(chunk, self.block_of(name))].all():
                 del self._kept[name, chunk]
-        if sum(part.nbytes for part in self._kept.values()) > _MOST_KEPT:
+        if sum(kept.nbytes for kept in self._kept.values()) > _MOST_KEPT:
             self._kept.clear()  # chunks are read again when they are needed
 
     def _changed(
         self, name: str, chunk: Index, values: Mapping[Index, Any]
     ) -> tuple[str, Slices, Any]:
         """Part for the `Encoder`: a chunk with new `values`, by the index of the point."""
-        block = slices_of(chunk, self.block)
+        block = slices_of(chunk, self.block_of(name))
         if (name, chunk) not in self._kept:
             self._kept[name, chunk] = self.read(name, block)
-        part = self._kept[name, chunk]
+        kept = self._kept[name, chunk]
         for index, value in values.items():
-            within = self.within(index)
+            within = tuple(i - part.start for i, part in zip(index, block, strict=True))
             if name in STEPPED:
-                part[within] = self.arrays[name].fill_value
-                part[within][-len(value) :] = value
+                kept[within] = self.arrays[name].fill_value
+                kept[within][-len(value) :] = value
             else:
-                part[within] = value
-        return name, block, part
+                kept[within] = value
+        return name, block, kept
 
     def _write_flags(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
         """Write the chunks of ``status`` or ``asked`` in which a value has changed."""

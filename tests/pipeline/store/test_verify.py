@@ -9,6 +9,8 @@ import pytest
 import zarr
 
 import pipeline
+import tribo
+from pipeline.store import layout
 from pipeline.store.create import writing
 from pipeline.store.place import Folder, StoreError
 from pipeline.store.schema import COLUMNS, FIELDS, path_of
@@ -18,6 +20,7 @@ from pipeline.sweep.variants import surfaces
 from tests.crash.drive import computing
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
+from tests.helpers.points import run_point
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
@@ -104,6 +107,23 @@ def long(tmp_path_factory):
     commit(path, SHORT)
     commit(path, LONG, [Point(250.0, 2.0)])
     return path
+
+
+def test_a_damaged_chunk_of_a_field_harms_its_own_points_alone(path, tmp_path, monkeypatch):
+    """Fields have smaller chunks than other variables, here two loads of three."""
+    monkeypatch.setattr(layout, "_LARGEST", 2 * 8 * 64 * 64)
+    wide = tiny.full(pixels=tribo.Grid((64, 64), (6.5e-6, 3.75e-6)))
+    records = {point: run_point(wide, point).record(with_fields=True) for point in points(wide)}
+    with computing(records, pace=0.0):
+        pipeline.run_sweep(wide, path)
+        before, files = stored(path), chunks(path, "rise")
+        assert (len(files), len(chunks(path, "mean_rise"))) == (6, 1)
+        flipped(files[0])
+        assert reasons(path).keys() == {Point(150.0, 0.5), Point(250.0, 0.5)}
+        taken = pipeline.run_sweep(wide, tmp_path / "new.zarr", source=path)
+        assert (taken.done, taken.computed) == (9, 2)
+        assert pipeline.run_sweep(wide, path).computed == 2
+    assert before == stored(path) == stored(tmp_path / "new.zarr")
 
 
 def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
