@@ -59,6 +59,10 @@ class Until:
     velocity: float
     wanted: str
 
+    def judged_changes(self) -> list[Change]:
+        """Changes of a condition, the load or the velocity, cheapest first; simulates nothing."""
+        return sorted([*self._conditions(), *self._places()], key=lambda one: one.cost)[:_MOST_ROWS]
+
     def changes(self, entries: Sequence[str] = ()) -> tuple[list[Change], list[str]]:
         """Changes, cheapest first, and lines on entries that do not give the verdict.
 
@@ -73,7 +77,7 @@ class Until:
             for one, slope in zip(effects.inputs, a, strict=True)
             if one.is_simulated
         }
-        found = [*self._conditions(), *self._places()]
+        found = self.judged_changes()
         names, notes = [one.name for one in found], list[str]()
         if "critical temperature" not in names and self.judge.evidence.results:
             notes.append(f"no critical temperature gives {self.wanted}, as the tests move with it")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -17,22 +18,22 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.film import OUTSIDE_WORDS, is_outside
-from pipeline.analysis.inputs import effects_of
-from pipeline.analysis.judge import Judge, judge_of
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.results import Results, results
 from pipeline.analysis.rise_error import SURFACE, rise_errors, totals
 from pipeline.analysis.rises import range_of, rises_of
 from pipeline.analysis.specimen import specimen_of
-from pipeline.analysis.tested import Evidence, evidence_of, is_alike
+from pipeline.analysis.tested import Evidence, is_alike
 from pipeline.constants import DECIDED
 from pipeline.figures.overlays import number_tests, reachable_tests
 from pipeline.page.controls import Control, controls
 from pipeline.page.pictures import FIELDS, packed_fields
 from pipeline.quantities import shown_in
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions, plain_values
-from pipeline.sweep.inputs import CRITICAL
+from pipeline.sweep.inputs import spread_places
 from pipeline.sweep.severity import above_colder, corrected_columns, rise_limit, worst_moment
 from tribo import Criterion, InputError
 from tribo.types import Array, Indices, Mask
@@ -88,7 +89,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
         "bulk_ratios": ratios,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
         **_planes(decisive, data, conditions),
-        **_evidence(data, conditions, form, judge),
+        **_evidence(data, conditions, form),
         "fields": packed_fields(data.rest, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},
     }
@@ -213,7 +214,6 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "errors": packed_array(np.log1p(totals(errors)), "<f4"),
         "surface_errors": packed_array(np.log1p(errors[SURFACE]), "<f4"),
         "state": digit_string(states),
-        "outside_model": OUTSIDE_WORDS,
         "film": digit_string(is_outside(base, *places)),
         "targets": targets.tolist(),
         "turns": {
@@ -227,17 +227,15 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     }
 
 
-def _evidence(
-    data: Results, conditions: Conditions, form: Sequence[Control], judge: Judge | None
-) -> dict[str, Any]:
+def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) -> dict[str, Any]:
     """What tests say, by critical temperature: probabilities by y, levels, and each test.
 
-    Uncertain inputs count as in the middle of the plane. At a critical temperature of the slider
-    other than the scene's, this one is exact.
-
     - ``criticals``: critical temperatures [K] of the tables, within those of the slider.
-    - ``ys``: values of y of the table ``likely``, by critical temperature and y.
-    - ``levels``: y at which severe wear is 5, 50 and 95 % likely, by critical temperature.
+    - ``supports``: loads and velocities of the tables, between which uncertain inputs act
+      differently; one of each if none is simulated.
+    - ``ys``: values of y of the table ``likely``, by critical temperature, support and y.
+    - ``levels``: y at which severe wear is 5, 50 and 95 % likely, by critical temperature and
+      support.
     - ``no_mild``, ``no_severe``: whether no place is, by critical temperature.
     """
     (slider,) = (one for one in form if one.name == "critical_temperature")
@@ -246,28 +244,25 @@ def _evidence(
     criticals = np.linspace(low, high, _CRITICALS - (own is not None))
     criticals = criticals if own is None else np.union1d(criticals, own)
     ys = _WIDEST * np.sinh(np.linspace(-_BEND, _BEND, _TARGETS)) / math.sinh(_BEND)
+    supports = _supports(data)
+    nodes = [axis.ravel() for axis in np.meshgrid(*supports, indexing="ij")]
     likely, levels, open_sides = list[Array](), list[list[float]](), list[tuple[bool, bool]]()
     evidence = None
     for critical in criticals.tolist():
-        try:
-            under = replace(conditions, critical_temperature=critical)
-            offset = 0.0
-            if judge and critical == own:
-                found, effects, sides = judge.evidence, judge.effects, judge.open_sides
-                under, offset = judge.tested_conditions, judge.offset
-            else:
-                effects = effects_of(data, under).without(CRITICAL)
-                found = evidence_of(data, under, effects)
-                sides = found.open_sides
-            a = effects.middle(under)
-        except InputError:  # at or below the bulk temperature
-            found, sides, a, offset = _no_evidence(data), (True, True), (), 0.0
+        offset, sides = 0.0, (True, True)
+        found, a = _no_evidence(data), np.empty((len(nodes[0]), 0))
+        with suppress(InputError):  # at or below the bulk temperature
+            judge = judge_of(data, replace(conditions, critical_temperature=critical))
+            found, offset, sides = judge.evidence, judge.offset, judge.open_sides
+            a = judge.effects.at(judge.tested_conditions, *nodes)
         evidence = found if critical == own else evidence
-        likely.append(found.belief.probability(ys + offset, a))
-        levels.append(np.interp(DECIDED, likely[-1], ys).tolist())
+        for here in a.tolist():
+            likely.append(found.belief.probability(ys + offset, tuple(here)))
+            levels.append(np.interp(DECIDED, likely[-1], ys).tolist())
         open_sides.append(sides)
     return {
         "criticals": criticals.tolist(),
+        "supports": dict(zip(PLANE, (axis.tolist() for axis in supports), strict=True)),
         "ys": ys.tolist(),
         "likely": packed_array(likely, "<f4"),
         "levels": levels,
@@ -277,6 +272,15 @@ def _evidence(
         "model": evidence.text if evidence else "",
         "decided": [DECIDED[0], DECIDED[-1]],
     }
+
+
+def _supports(data: Results) -> tuple[Array, Array]:
+    """Loads and velocities at which inputs are simulated; the first of each if none is."""
+    places = spread_places(data.loads.tolist(), data.velocities.tolist())
+    if not any(one.is_simulated for one in data.stored.inputs):
+        places = places[:1]
+    loads, velocities = (np.unique(axis) for axis in zip(*places, strict=True))
+    return loads, velocities
 
 
 def _no_evidence(data: Results) -> Evidence:

@@ -50,11 +50,8 @@ function drawnBoundary(frame) {
   const frictions = (content.friction_band ?? []).map((friction) =>
     line("friction", excess({ ...chosen.conditions, friction })));
   const hasTests = content.measured.some(({ friction }) => friction !== null);
-  const [low, middle, high] = levelsOf(chosen.conditions);
-  const levelled = (/** @type {string} */ name, /** @type {number} */ level) =>
-    line(name, excess(chosen.conditions, level));
-  const tested = !hasTests ? [] : [levelled("tested-band", low), levelled("tested-band", high),
-    levelled("tested-line", middle)];
+  const tested = !hasTests ? [] : ["tested-band", "tested-line", "tested-band"].map((name, k) =>
+    line(name, excess(chosen.conditions, (place) => levelAt(place, k))));
   const place = Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [];
   return [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions)), ...place];
 }
@@ -66,7 +63,7 @@ function regions() {
   const nodes = load.map((_, k) => velocity.map((_place, j) => marginAt([k, j], conditions)));
   const grid = (/** @type {(lowest: number, highest: number, verdict: string) => number} */ value) =>
     nodes.map((row) => row.map(({ y, probabilities: [lowest, , highest], verdict }) =>
-      (Number.isNaN(y) || verdict === content.outside_model ? NaN : value(lowest, highest, verdict))));
+      (Number.isNaN(y) || verdict === OUTSIDE ? NaN : value(lowest, highest, verdict))));
   // A test may forbid a verdict at a node where the probability alone would give it.
   const within = (/** @type {number} */ way, /** @type {boolean} */ isSo) =>
     (isSo ? way : Math.min(way, -1e-6));
@@ -89,11 +86,11 @@ function drawnPlace(frame) {
 }
 
 /** y minus a level at the nodes (load, velocity), finite without friction; NaN if unknown. @param
- * {Conditions} conditions @param {number} [level] */
-function excess(conditions, level = 0) {
-  const [plane, { load, velocity }] = [planeOf(conditions), content.fine];
-  return load.map((_, k) => velocity.map((_place, j) =>
-    Math.max(Math.min(plane[indexOf(k, j)] - level, 50), -50)));
+ * {Conditions} conditions @param {(place: Place) => number} level */
+function excess(conditions, level = () => 0) {
+  const plane = planeOf(conditions);
+  return content.fine.load.map((load, k) => content.fine.velocity.map((velocity, j) =>
+    Math.max(Math.min(plane[indexOf(k, j)] - level({ load, velocity }), 50), -50)));
 }
 
 /** Indices of all points. @returns {Point[]} */

@@ -5,19 +5,29 @@ function criticalsOf(conditions) {
   return weights(content.criticals, conditions.critical_temperature ?? NaN);
 }
 
-/** Probability of severe wear at y. @param {number} y @param {[number, number][]} criticals */
-function likelyAt(y, criticals) {
+/** Pairs of index and weight of the tables of probabilities, at a place. @param {Conditions} conditions
+ * @param {Place} place @returns {[number, number][]} */
+function beliefsAt(conditions, place) {
+  const { load, velocity } = content.supports;
+  const [loads, velocities] = [weights(load, place.load), weights(velocity, place.velocity)];
+  return criticalsOf(conditions).flatMap(([row, part]) => loads.flatMap(([k, high]) =>
+    velocities.map(([j, fast]) =>
+      /** @type {[number, number]} */ ([
+        (row * load.length + k) * velocity.length + j, part * high * fast]))));
+}
+
+/** Probability of severe wear at y. @param {number} y @param {[number, number][]} beliefs */
+function likelyAt(y, beliefs) {
   if (Number.isNaN(y)) return NaN;
   const { ys, likely } = content;
   const near = weights(ys, y);
-  return sum(criticals.flatMap(([row, part]) =>
+  return sum(beliefs.flatMap(([row, part]) =>
     near.map(([k, weight]) => part * weight * likely[row * ys.length + k])));
 }
 
-/** y at which severe wear is 5, 50 and 95 % likely. @param {Conditions} conditions */
-function levelsOf(conditions) {
-  const criticals = criticalsOf(conditions);
-  return [0, 1, 2].map((k) => sum(criticals.map(([row, weight]) => weight * content.levels[row][k])));
+/** y at which severe wear is 5, 50 or 95 % likely, at a place. @param {Place} place @param {number} k */
+function levelAt(place, k) {
+  return sum(beliefsAt(chosen.conditions, place).map(([row, weight]) => weight * content.levels[row][k]));
 }
 
 /** Bulk temperatures of pin and disk. @param {Conditions} conditions */
@@ -46,14 +56,15 @@ function forbiddenAt([k, j], conditions) {
 /** Margin at a node: y, its error, probabilities that the next run is severe, and the verdict.
  * @param {[number, number]} node @param {Conditions} conditions */
 function marginAt([k, j], conditions) {
-  const [node, criticals] = [indexOf(k, j), criticalsOf(conditions)];
+  const place = { load: content.fine.load[k], velocity: content.fine.velocity[j] };
+  const [node, beliefs] = [indexOf(k, j), beliefsAt(conditions, place)];
   const [y, error] = [planeOf(conditions)[node], content.errors[node]];
-  const likely = likelyAt(y, criticals);
-  const ends = Number.isNaN(error) ? [0, 1] : [y - error, y + error].map((end) => likelyAt(end, criticals));
+  const likely = likelyAt(y, beliefs);
+  const ends = Number.isNaN(error) ? [0, 1] : [y - error, y + error].map((end) => likelyAt(end, beliefs));
   const [noMild, noSevere] = forbiddenAt([k, j], conditions);
   const isOutside = content.film[node] === "1";
   const isMild = ends[1] <= content.decided[0] && !noMild;
   const isSevere = ends[0] >= content.decided[1] && !noSevere;
-  const verdict = isOutside ? content.outside_model : isMild ? "mild" : isSevere ? "severe" : "not decided";
+  const verdict = isOutside ? OUTSIDE : isMild ? "mild" : isSevere ? "severe" : "not decided";
   return { y, error, probabilities: [ends[0], likely, ends[1]], verdict };
 }

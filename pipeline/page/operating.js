@@ -44,7 +44,7 @@ function marginRows() {
   const within = lowest === highest ? "" : ` (${lowest.replace(" %", "")} to ${highest})`;
   const rise = deciding - heatOf(conditions).coldest;
   const [kelvin, surface] = [error, content.surface_errors[node]].map((part) => rise * Math.expm1(part));
-  if (verdict === content.outside_model) return [["wear", verdict], ...rows];
+  if (verdict === OUTSIDE) return [["wear", verdict], ...rows];
   return [
     ["wear", verdict], ["severe wear is likely by", `${likely}${within}`], ...rows,
     ["its error", Number.isNaN(kelvin) ? "not known"

@@ -20,6 +20,7 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.tables import frame_of, html_of, notes_of, short
 from pipeline.analysis.tested import test_parts
+from pipeline.analysis.until import Until, changes_frame
 from pipeline.analysis.warned_points import warned
 from pipeline.analysis.words import boundary_lines, condition_lines, in_words, next_run_line
 from pipeline.scene.along import OperatingPoints
@@ -114,11 +115,25 @@ def _margins(data: Results, points: OperatingPoints | None) -> Iterator[str | pd
     """Yield the table of margins of operating points, and notes on its rows."""
     table = margin(data, points)
     yield from condition_lines(table["conditions"].dropna())
+    yield f"in total {counts_in_words(table, points)}"
     yield short(in_words(table), LONG)
     yield from notes_of(table, caveats_of(data))
     yield from filter(None, (points.counted, *points.remarks)) if points else ()
     if table["velocity factor"].notna().any():
         yield "factor: the velocity or load at which wear turns severe, divided by that of the row"
+    if data.kind is Layout.PLANE:
+        yield from _until_mild(data, table)
+
+
+def _until_mild(data: Results, table: pd.DataFrame) -> Iterator[str | pd.DataFrame]:
+    """Yield what would make the operating point that is most likely severe mild, if one is not."""
+    likely = table["probability"].where(table["verdict"].isin(["severe", "not decided"]))
+    if likely.isna().all():
+        return
+    load, velocity = table.loc[likely.idxmax(), ["load [N]", "velocity [m/s]"]]
+    if changes := Until(judge_of(data), load, velocity, "mild").judged_changes():
+        yield f"{load:.4g} N, {velocity:.4g} m/s would be mild if one of these changed"
+        yield changes_frame(changes).drop(columns="basis")
 
 
 def _tests(data: Results) -> Iterator[str | pd.DataFrame]:
@@ -133,13 +148,16 @@ def _inputs(data: Results) -> Iterator[str | pd.DataFrame]:
     entries, meanings = scene_entries(sweep), {key: one.meaning for key, one in all_keys()}
     if surface := surface_words(sweep):
         yield f"surface of the disk: {surface.replace('disk.roughness.file: ', '')}"
-    rows = (
-        (path, text, _first_sentence(meanings.get(_key_of(path), "")))
+    spreads = {one.path: one.text for one in sweep.inputs}
+    rows = [
+        (path, text, spreads.get(path, ""), _first_sentence(meanings.get(_key_of(path), "")))
         for path, text in entries.items()
-        if not path.startswith(("fidelity", "measured", "tested"))
+        if not path.startswith(("fidelity", "measured", "tested", "uncertainty"))
         and dimension_of(path) not in data.rows.coords
-    )
-    yield frame_of(("entry", "value", "meaning"), rows)
+    ]
+    heads = ("entry", "value", "standard uncertainty", "meaning")
+    kept = [0, 1, *[2] * bool(spreads), 3]
+    yield frame_of([heads[k] for k in kept], ([row[k] for k in kept] for row in rows))
     if library := sweep.sources:
         yield frame_of(("from the library", "value", "source"), library)
     prefix = "fidelity."

@@ -4,7 +4,8 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
-const { SEVERAL, ABOVE, BELOW } = content.codes;
+const { SEVERAL } = content.codes;
+const OUTSIDE = content.outcomes.velocity[content.outcomes.velocity.length - 1]; // a film carries too much
 /** Computed planes by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 /** Choices of the reader. @type {{conditions: Conditions, point: Point | null, load: number, velocity:

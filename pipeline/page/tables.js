@@ -19,9 +19,17 @@ function outcomeText(axis, at) {
 
 /** Critical velocities at the loads: computed, then 50, 5 and 95 % likely with tests. */
 function criticalVelocities() {
-  const [low, middle, high] = isJudged() ? levelsOf(chosen.conditions) : [NaN, NaN, NaN];
-  return content.loads.map((load) => [0, middle, low, high].map((level) =>
-    turnAt("velocity", load, chosen.conditions, level).place));
+  const turn = (/** @type {number} */ load, /** @type {number} */ level) =>
+    turnAt("velocity", load, chosen.conditions, level).place;
+  return content.loads.map((load) => {
+    const computed = turn(load, isJudged() ? 0 : NaN);
+    const near = Number.isNaN(computed) ? content.supports.velocity[0] : computed;
+    const tested = [1, 0, 2].map((k) => {
+      const found = turn(load, isJudged() ? levelAt({ load, velocity: near }, k) : NaN);
+      return Number.isNaN(found) ? found : turn(load, levelAt({ load, velocity: found }, k));
+    });
+    return [computed, ...tested];
+  });
 }
 
 /** Show critical values as a table, and offer it as CSV. @param {string} id @param {string[]} heads

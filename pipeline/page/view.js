@@ -72,17 +72,22 @@ function savePng() {
   image.src = picture();
 }
 
-/** Write the critical velocities under changed conditions into the answer's line. */
+/** Write the answer under changed conditions into its line. */
 function showNow() {
-  const turns = criticalVelocities().flatMap(([velocity], i) =>
-    (Number.isFinite(velocity) ? [`${shown(velocity, 3)} m/s at ${shown(content.loads[i])} N`] : []));
+  const turns = criticalVelocities().flatMap(([, likely, ...ends], i) => {
+    const named = ends.map((end, k) => (Number.isFinite(end) ? `${[5, 95][k]} %: ${shown(end, 3)} m/s` : ""));
+    const words = named.filter(Boolean).join(", ");
+    const place = `${shown(likely, 3)} m/s at ${shown(content.loads[i])} N`;
+    return Number.isFinite(likely) ? [words ? `${place} (${words})` : place] : [];
+  });
   const set = content.controls.map(({ name, factor, offset }) => {
     const value = shown((chosen.conditions[name] ?? NaN) * factor + offset);
     return `${name.replaceAll("_", " ")} ${value}${offset ? " °C" : ""}`;
   });
   const few = turns.length > 2 ? [turns[0], turns[turns.length - 1]] : turns;
-  const words = few.length ? `wear turns severe at ${few.join(" to ")}` : "no transition within the plane";
-  element("now").textContent = `At ${set.join(", ")}: ${words}, computed.`;
+  const words = few.length ? `severe wear is 50 % likely at ${few.join("; ")}`
+    : "no transition within the plane";
+  element("now").textContent = `At ${set.join(", ")}: ${words}.`;
 }
 
 /** Choices kept in the address, as "friction=0.12&log=1". */

@@ -5,6 +5,7 @@ import csv
 import io
 import json
 import re
+from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
@@ -15,7 +16,7 @@ import pipeline
 import tribo
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.helpers.browser import chromium
+from tests.helpers.browser import absent, chromium
 from tests.helpers.page_sweeps import column, same
 
 
@@ -102,6 +103,7 @@ def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
     field.send_keys("x" + Keys.ENTER)
     assert driver.find_element(By.ID, "friction-fault").text == "give a number such as 0.12"
     assert "may be off by up to" in driver.find_element(By.ID, "caveats").text
+    assert driver.find_element(By.ID, "now").text.startswith("At friction 0.12, bulk temperature")
     typed(driver, "friction", "0.9")
     assert all(row.endswith("severe throughout") for row in table(driver))
 
@@ -177,6 +179,25 @@ def test_tables_fit_the_screen_light_and_dark(page, width):
     driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
     assert len(papers) == 2
+
+
+AXE = Path(".venv/javascript/node_modules/axe-core/axe.min.js")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(page, scheme):
+    if not AXE.exists():
+        absent("no axe-core: make javascript installs it, where there is npm")
+    driver = page(synthetic.sweep(fields=True), points=DUTIES)
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+    driver.execute_script("choosePoint({ i: 2, j: 3 })")
+    typed(driver, "friction", "0.12")
+    driver.execute_script(AXE.read_text())
+    found = driver.execute_async_script("axe.run().then(arguments[arguments.length - 1])")
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    assert [(one["id"], one["nodes"][0]["html"]) for one in found["violations"]] == []
+    assert len(found["passes"]) > 20
 
 
 def test_a_page_prints_as_a_report_of_at_most_four_pages_with_20_duties(page):

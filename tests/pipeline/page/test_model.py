@@ -137,3 +137,20 @@ def test_each_node_lies_in_the_region_of_its_verdict(is_whole):
     assert [here for _, here in nodes] == [alike[verdict] for verdict, _ in nodes]
     assert {verdict for verdict, _ in nodes} >= {"mild", "severe", "not decided"}
     assert ("unknown" in {verdict for verdict, _ in nodes}) == (not is_whole)
+
+
+def test_where_inputs_are_uncertain_a_place_is_as_likely_severe_as_by_the_command(tmp_path):
+    uncertain = {"uncertainty": {"pin.radius": "20 %", "temperature.critical": "10 K"}}
+    small = {"sweep.loads": ["300 N", "500 N", "700 N"], "fidelity.pixels_per_element": 8}
+    sweep = pipeline.load_scene("first_try", overrides=uncertain | small)
+    pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
+    ds = pipeline.open_sweep(tmp_path / "out.zarr")
+    asked = [{}, {"critical_temperature": 430.0}]
+    places = np.random.default_rng(3).uniform((300.0, 1.0), (700.0, 4.0), (30, 2)).tolist()
+    found = run(ds, MARGINS, [{"conditions": one, "places": places} for one in asked])
+    for conditions, told in zip(asked, found, strict=True):
+        loads, velocities = np.transpose([one["place"] for one in told])
+        frame = pipeline.margin(under(ds, conditions), {"load": loads, "velocity": velocities})
+        stated = [one["probabilities"][1] for one in told]
+        # The page interpolates between 41 critical temperatures and 121 values of y.
+        np.testing.assert_allclose(stated, frame["probability"], atol=0.04)

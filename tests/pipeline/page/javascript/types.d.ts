@@ -78,7 +78,6 @@ type Content = {
   /** The part of the error by the surface, likewise. */
   surface_errors: Float32Array;
   state: string;
-  outside_model: string;
   film: string;
   /** Values of ln(limit), and the first place at which the rise passes each, with the outcome's code. */
   targets: number[];
@@ -88,7 +87,9 @@ type Content = {
   criticals: number[];
   ys: number[];
   likely: Float32Array;
-  /** y at which severe wear is 5, 50 and 95 % likely, by critical temperature. */
+  /** Loads and velocities of these tables. */
+  supports: { load: number[]; velocity: number[] };
+  /** y at which severe wear is 5, 50 and 95 % likely, by critical temperature and support. */
   levels: [number, number, number][];
   no_mild: boolean[];
   no_severe: boolean[];
