@@ -84,9 +84,9 @@ cluster: .venv/test   ## a real Slurm, if that of the distribution is installed,
 many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes
 	$(BIN)/python -m tests.crash.many
 
-measured:             ## list the figures of workflows/MEASURED.md that are older than what they speak of, and the constants of campaigns
-	$(PYTHON) -m tests.helpers.campaigns
-	$(PYTHON) -m tests.house.constants
+measured: .venv/test ## name the figures of workflows/MEASURED.md that are older than their code, and the constants of campaigns
+	$(BIN)/python -m tests.measured --older
+	$(BIN)/python -m tests.house.constants
 
 scaling: .venv/test   ## how a sweep scales with workers, replayed with the costs of real points, in a minute
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.cluster.scaling irg_transition standard

@@ -2,49 +2,38 @@
 
 import ast
 import json
-import re
-import subprocess
 
 import numpy as np
 import pytest
 
 from pipeline.constants import PRESET_BOUNDS
-from tests.helpers.campaigns import PAGE, ROOT, older
+from tests import measured
+from tests.house import measure
 from tests.mutants.changes import changes
 from tests.promises import front, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
 
 
-def test_figures_are_older_than_later_changes_of_their_rooms_alone(tmp_path):
-    def git(*words):
-        name = ["-c", "user.name=a", "-c", "user.email=a@b", "-c", "commit.gpgsign=false"]
-        command = ["git", "-C", tmp_path, *name, *words]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-
-    git("init", "-q")
-    names = []
-    for room in ("store", "run", "store"):
-        (tmp_path / room).write_text(str(len(names)))
-        git("add", "-A")
-        git("commit", "-qm", room)
-        names.append(git("rev-parse", "--short=7", "HEAD"))
-    page = "# Page\n## {}\n\nRooms: `{}`.\n\n| figure | 11-20, {} |\n"
-    sections = ("One", "run", names[1]), ("Two", "store", names[1]), ("Three", "run", "0123456")
-    assert list(older("".join(page.format(*section) for section in sections), tmp_path)) == [
-        f"Two: 11-20, {names[1]}: 1 changes of store since",
-        "Three: 11-20, 0123456: an unknown number of changes of run since",
-    ]
+def test_each_row_of_the_evidence_is_one_of_at_most_fifteen_that_are_measured():
+    page = measured.PAGE.read_text(encoding="utf-8")
+    held = measured.rows_of(page)
+    assert page.count("\n| ") - 1 == len(held) <= len(measured.ROWS) <= 15
+    for name, row in held.items():
+        assert (row[1], len(row)) == (measured.ROWS[name].claim, 5)
 
 
-def test_each_section_with_a_figure_names_rooms_that_there_are():
-    sections = PAGE.read_text(encoding="utf-8").split("\n## ")[1:]
-    dated = [section for section in sections if re.search(r"\d\d-\d\d, [0-9a-f]{7}", section)]
-    assert len(dated) > 3
-    for section in dated:
-        rooms = re.findall("`(.*?)`", re.search("^Rooms: (.*)", section, re.MULTILINE)[1])
-        assert rooms
-        assert all((ROOT / room).is_dir() for room in rooms)
+def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(measure, "ROOT", tmp_path)
+    (tmp_path / "tribo").mkdir()
+    code = tmp_path / "tribo" / "a.py"
+    code.write_text("x = 1  # of old\n")
+    row = ["presets", "", "", "", f"11-20, {measure.code_digest('tribo')}"]
+    assert not measured.is_old(row)
+    code.write_text('"""A new word."""\n# and another\nx = 1  # of old\n')
+    assert not measured.is_old(row)
+    code.write_text("x = 2  # of old\n")
+    assert measured.is_old(row)
 
 
 def test_a_mutant_differs_at_one_place_of_what_runs():

@@ -33,9 +33,9 @@ from tribo.types import Array, Indices
 _DURATIONS, _TOO_WARM = (1e-3, 1e-2, 0.1), (0.25, 0.11, 0.05)
 """Durations of ramps [s], and the largest relative error of rises with the heat model "elapsed".
 
-This model lets the present friction heat act since the start. The errors are from the table of
-workflows/MEASURED.md; 5 % is for loads that jump late, also in longer tests. On ramps of seconds
-the error was 1 %.
+This model lets the present friction heat act since the start. 5 % is for loads that jump late, also
+in longer tests. On ramps of seconds the error was 1 %. Judged by
+`python -m tests.promises.past_heat`.
 """
 
 

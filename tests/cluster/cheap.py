@@ -2,9 +2,11 @@
 
     python -m tests.cluster.cheap --points 10000
     python -m tests.cluster.cheap --points 100000 --for 600
+    python -m tests.cluster.cheap --points 1000 --scan 1000
 
 A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks. Both run on
-two workers of this machine with encrypted connections. Prints a JSON document.
+two workers of this machine with encrypted connections. With ``--scan`` the sweep is also computed
+on a scan of so many heights squared, on as few elements. Prints a JSON document.
 """
 
 import argparse
@@ -14,6 +16,7 @@ import threading
 import time
 from collections import deque
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import dask
@@ -23,25 +26,52 @@ from distributed import Client
 import pipeline
 from pipeline.run import schedule
 from pipeline.run.cluster import CONFIGURATION, processes
+from pipeline.run.work import Work
+from pipeline.sweep.station_choice import choose_stations
 
 _LOADS, _WORKERS = 10, 2
+RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
 
 
-def scene_of(points):
-    """Scene of few loads and many velocities, on smooth bodies and 24 × 1 elements."""
+def scene_of(points, scan=0, folder=Path()):
+    """Scene of few loads and many velocities, on 24 × 1 elements.
+
+    Bodies are smooth, or the disk is a scan of `scan` × `scan` heights in a file in `folder`.
+    """
+    own = {
+        "without": ["disk.roughness"],
+        "window.pixels": [96, 4],
+        "window.pixel_size": ["4 um", "20 um"],
+    }
+    if scan:
+        file = folder / "scan.npy"
+        np.save(file, np.random.default_rng(0).normal(scale=0.01, size=(scan, scan)))
+        own = {
+            "without": [f"disk.roughness.{key}" for key in RANDOM],
+            "disk.roughness.file": str(file),
+            "disk.roughness.height_unit": "um",
+            "window.pixels": [scan, scan],
+            "window.pixel_size": [f"{384 / scan} um", f"{80 / scan} um"],
+            "fidelity.pixels_per_element": scan // 20,
+            "fidelity.elements_per_summit": 0.0,
+        }
     return pipeline.load_scene(
         "first_try",
         "standard",
-        {
-            "without": ["disk.roughness"],
-            "window.pixels": [96, 4],
-            "window.pixel_size": ["4 um", "20 um"],
+        own
+        | {
             "sweep.loads": [f"{load} N" for load in range(200, 700, 50)],
             "sweep.velocities": [
                 f"{velocity:.6g} m/s" for velocity in np.linspace(1.0, 4.0, points // _LOADS)
             ],
         },
     )
+
+
+def carried(sweep):
+    """What a task carries of its case."""
+    case = sweep.base
+    return Work(case.scene, "", choose_stations(sweep), False, case.has_film).pickled()
 
 
 class EnoughError(Exception):
@@ -96,6 +126,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--for", dest="duration", type=float, default=3600.0, help="seconds")
+    parser.add_argument("--scan", type=int, default=0, help="heights along a side of a scan")
     options = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -103,15 +134,17 @@ def main():
         processes(_WORKERS) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
-        sweep = scene_of(options.points)
         report = {
             "dask": dask.__version__,
             "empty": timed(client, lambda: empty_tasks(client, min(options.points, 2000))),
-            "sweep": timed(
-                client,
-                lambda: swept(client, sweep, Path(folder) / "out.zarr", options.duration),
-            ),
         }
+        for name, scan in {"sweep": 0, "scan": options.scan}.items():
+            if scan or name == "sweep":
+                sweep = scene_of(options.points, scan, Path(folder))
+                out = Path(folder) / f"{name}.zarr"
+                compute = partial(swept, client, sweep, out, options.duration)
+                report[name] = timed(client, compute)
+                report[name]["sent_mb"] = len(carried(sweep)) / 1e6
     print(json.dumps(report, indent=1))
 
 

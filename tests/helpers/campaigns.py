@@ -1,9 +1,5 @@
-"""Results of campaigns, with the code that they speak of; and measured figures older than it.
+"""Results of campaigns, with the code that they speak of."""
 
-python -m tests.helpers.campaigns      # figures of workflows/MEASURED.md that are older
-"""
-
-import re
 import shlex
 import subprocess
 import sys
@@ -11,7 +7,6 @@ from datetime import date
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "workflows" / "MEASURED.md"
 
 
 def git(*arguments, root=ROOT):
@@ -46,22 +41,3 @@ def conclude(name, found, is_right):
     save(name, found, is_right)
     print(found)
     return 0 if is_right else 1
-
-
-def older(page, root=ROOT):
-    """Yield a sentence on each figure of a page that is older than the last change of its rooms.
-
-    Each section with figures has a line such as ``Rooms: `tribo`, `pipeline/store`.``
-    """
-    for section in re.split("^## ", page, flags=re.MULTILINE)[1:]:
-        title, _, text = section.partition("\n")
-        rooms = re.findall("`(.*?)`", "".join(re.findall("^Rooms: (.*)", text, re.MULTILINE)))
-        for when, name in sorted(set(re.findall(r"(\d\d-\d\d), ([0-9a-f]{7,8})\b", text))):
-            count = git("rev-list", "--count", f"{name}..HEAD", "--", *rooms, root=root)
-            if count != "0":
-                changed = f"{count} changes" if count else "an unknown number of changes"
-                yield f"{title}: {when}, {name}: {changed} of {', '.join(rooms)} since"
-
-
-if __name__ == "__main__":
-    print("\n".join(older(PAGE.read_text(encoding="utf-8"))) or "no figure is older than its rooms")

@@ -30,6 +30,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
+from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import conclude, table
 from tests.helpers.entries import changed
@@ -103,13 +104,13 @@ def rises(sweep, fidelity, loads, velocities):
     """Deciding rises [K] by failing share, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
     kinds = [replace(sweep.conditions, criterion=Criterion(share=one)) for one in SHARES]
-    shape = len(loads), len(velocities)
+    shape, stations = (len(loads), len(velocities)), choose_stations(sweep)
     found = {str(share): np.full(shape, np.nan) for share in SHARES}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):
         trunks = Trunks()
         for row, load in enumerate(loads):
-            point = run_point(sweep.base.scene, sweep.stations, Point(load, velocity), trunks)
+            point = run_point(sweep.scene, stations, Point(load, velocity), trunks)
             for share, conditions in zip(SHARES, kinds, strict=True):
                 found[str(share)][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})
@@ -250,20 +251,20 @@ def places(row, preset, share):
 def beyond(row):
     """Yield true over stated errors of extrapolation from the two points beside the boundary."""
     whole = plane_of(row, "fine", 0.1)
-    if whole.rises.min() <= 0:
+    if whole.plane.min() <= 0:
         return
-    above = np.sum(whole.rises < np.median(whole.rises), axis=1)[:, None]
+    above = np.sum(whole.plane < np.median(whole.plane), axis=1)[:, None]
     columns = np.arange(len(whole.velocities))
     is_kept = (columns == above) | (columns == above - 1)
-    plane = replace(whole, rises=np.where(is_kept, whole.rises, np.nan))
-    for load, known, rises in zip(whole.loads, is_kept, whole.rises, strict=True):
+    plane = replace(whole, plane=np.where(is_kept, whole.plane, np.nan))
+    for load, known, rises in zip(whole.loads, is_kept, whole.plane, strict=True):
         if known.sum() < 2:
             continue
         x, y = np.log(whole.velocities), np.log(rises)
         (low, first), (high, last) = zip(x[known], y[known], strict=True)
         for place, true in zip(x[~known], y[~known], strict=True):
             found = first + (last - first) / (high - low) * (place - low)
-            said = error_at(plane, load, math.exp(place), 0.0).interpolation
+            said = error_at(plane, load, math.exp(place)).interpolation
             yield math.expm1(found - true) / said
 
 

@@ -1,0 +1,301 @@
+"""Measure what workflows/MEASURED.md states, and write it there, each row with its code's hash.
+
+    python -m tests.measured                # rows older than their code, in small versions
+    python -m tests.measured --full         # the same, in full versions, some of which take an hour
+    python -m tests.measured presets kills  # these rows
+    python -m tests.measured --older        # names the rows that are older than their code
+
+A row whose command fails leaves the page. Exit code 1 of a campaign says that a promise is broken.
+"""
+
+import argparse
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+from datetime import date
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.house.measure import ROOT, code_digest
+
+PAGE = ROOT / "workflows" / "MEASURED.md"
+HEADS = "| row | claim | figure | command | measured, code |\n|---|---|---|---|---|\n"
+
+
+class Row(NamedTuple):
+    """A claim, the rooms of the code that it speaks of, and the command that measures its figure.
+
+    `full` has the arguments of the full version, None if the small one is it. `figure` makes the
+    figure from what the command prints, and the CPU time that it took [s].
+    """
+
+    claim: str
+    rooms: tuple[str, ...]
+    command: str
+    small: str
+    full: str | None
+    figure: object
+
+
+def cells(text):
+    """Rows of the Markdown tables in a text, as lists of cells, without headings."""
+    lines = [*text.splitlines(), ""]
+    rows = [line for line, below in pairwise(lines) if not below.startswith("|-")]
+    return [row.strip("| ").split(" | ") for row in rows if row.startswith("| ")]
+
+
+def presets(text, _):
+    found = {row[0]: row for row in cells(text)}
+    kept = ", ".join(f"`{name}` {row[5]} of {float(row[1]):.1%}" for name, row in found.items())
+    return f"{kept}; {next(iter(found.values()))[2]} places"
+
+
+def stated(text, _):
+    rows = [row for row in cells(text) if "," not in row[0] and len(row) == 8]
+    return ", ".join(f"`{row[0]}` {row[7]} of {row[2]}" for row in rows)
+
+
+def shares(text, _):
+    held, mild, severe = zip(*(row[2:] for row in cells(text)), strict=True)
+    ends = [f"{min(map(_share, one))} to {max(map(_share, one))} %" for one in (held, mild, severe)]
+    return f"{ends[0]}; {ends[1]}; {ends[2]}"
+
+
+def _share(text):
+    return float(text.removesuffix(" %"))
+
+
+def faults(name, prefix, words):
+    """Figure of a campaign of ``tests.crash``: its faults, and how often it did what it does."""
+
+    def figure(text, _):
+        counts = json.loads(text)[name]
+        number = sum(count for key, count in counts.items() if re.match(prefix, key))
+        done = f", {counts['acknowledged']} finished points" if "acknowledged" in counts else ""
+        return f"{counts['faults_in_all']} faults in {number} {words}{done}"
+
+    return figure
+
+
+def cheap(text, _):
+    found = json.loads(text)
+    return f"{found['sweep']['driver_ms'] - found['empty']['driver_ms']:.2g} ms"
+
+
+def scan(text, _):
+    found = json.loads(text)
+    more = {key: found["scan"][key] - found["sweep"][key] for key in ("driver_ms", "workers_ms")}
+    wall = 1e3 * found["scan"]["wall_s"] / found["scan"]["done"]
+    return (
+        f"{found['scan']['sent_mb']:.2g} MB sent; {more['driver_ms']:.0f} ms of the driver, "
+        f"{more['workers_ms']:.0f} ms of a worker; {wall:.0f} ms from point to point, two workers"
+    )
+
+
+def many(text, _):
+    found = json.loads(text)["large"]
+    return (
+        f"{found['files']} files; {found['open'][0]} s to open, {found['resumed']['wall']} s to "
+        f"resume, {found['verify'][0]} s to verify"
+    )
+
+
+def cpu(_, seconds):
+    return f"{seconds:.0f} s of CPU time"
+
+
+def last_line(text, _):
+    return text.strip().splitlines()[-1]
+
+
+def passed(text, _):
+    return re.search(r"\d+ passed(, \d+ \w+)*", text)[0]
+
+
+RUN, STORE = ("pipeline/run", "pipeline/store"), ("pipeline/store",)
+ROWS = {
+    "presets": Row(
+        "99 % of the errors in velocity, against `reference`, at places without a warning, are "
+        "below the bound of the preset",
+        ("tribo",),
+        "python -m tests.promises.front",
+        "--scenes 8 --minutes 3",
+        "",
+        presets,
+    ),
+    "stated": Row(
+        "stated errors hold, at points and between them",
+        ("tribo", "pipeline/analysis"),
+        "python -m tests.promises.errors",
+        "--scenes 3 --minutes 1",
+        "",
+        stated,
+    ),
+    "patches": Row(
+        "two sets of patches differ as little as their errors by the surface say",
+        ("tribo", "pipeline/analysis"),
+        "python -m tests.promises.patches",
+        "--patches 2",
+        "",
+        last_line,
+    ),
+    "laboratories": Row(
+        "synthetic laboratories: 90 % intervals hold the common shift; places called mild at 2 to "
+        "5 % are severe; places called severe at 95 to 98 % are mild",
+        ("pipeline/analysis",),
+        "python -m tests.promises.laboratories",
+        "100",
+        "",
+        shares,
+    ),
+    "past heat": Row(
+        "the heat model `elapsed` makes Θ₁₀ of `first_try` at 400 N and 1 m/s too high",
+        ("tribo",),
+        "python -m tests.promises.past_heat",
+        "",
+        None,
+        last_line,
+    ),
+    "extremes": Row(
+        "extreme velocities, loads, wear rates, durations, grids, surfaces and materials are "
+        "solved, or end in an error that says why",
+        ("tribo",),
+        "python -m pytest tests/tribo/simulation/test_extremes.py",
+        "-q",
+        None,
+        passed,
+    ),
+    "diagram": Row(
+        "a diagram of 228 points with fields, 480 × 480 pixels",
+        ("tribo", *RUN),
+        "irg run irg_transition",
+        "-o results/measured.zarr",
+        None,
+        cpu,
+    ),
+    "driver": Row(
+        "the driver's CPU time for a cheap point, above an empty task",
+        RUN,
+        "python -m tests.cluster.cheap",
+        "--points 1000",
+        "--points 5000",
+        cheap,
+    ),
+    "scan": Row(
+        "what a scan of 1000 × 1000 heights (8 MB, of noise) adds to a cheap point",
+        RUN,
+        "python -m tests.cluster.cheap",
+        "--points 200 --scan 1000",
+        "--points 1000 --scan 1000",
+        scan,
+    ),
+    "many": Row(
+        "many cheap points in one store",
+        RUN,
+        "python -m tests.crash.many",
+        "--many 10000",
+        "",
+        many,
+    ),
+    "kills": Row(
+        "driver, workers or all are killed",
+        RUN,
+        "python -m tests.crash kills",
+        "--trials 2",
+        "",
+        faults("kills", "kills", "kills"),
+    ),
+    "power": Row(
+        "the power of a mounted disk is cut",
+        STORE,
+        "python -m tests.crash power",
+        "--trials 2",
+        "",
+        faults("power", "cuts", "cuts"),
+    ),
+    "damage": Row(
+        "files are flipped, cut, zeroed, exchanged, restored or deleted",
+        STORE,
+        "python -m tests.crash damage",
+        "--trials 20",
+        "",
+        faults("damage", "(?!seconds|faults|looks|ack|trials)", "files"),
+    ),
+    "deadly": Row(
+        "a load kills its worker: its points fail, no other",
+        ("pipeline/run",),
+        "python -m tests.crash deadly",
+        "--trials 1",
+        "",
+        faults("deadly", "points that kill", "points that kill"),
+    ),
+}
+
+
+def rows_of(page):
+    """Rows of the page by name: cells of each."""
+    return {
+        row[0]: row
+        for line in page.splitlines()
+        if (row := line.strip("| ").split(" | "))[0] in ROWS
+    }
+
+
+def is_old(row):
+    """True if a row of the page is older than the code that it speaks of."""
+    return row[-1].rpartition(", ")[2] != code_digest(*ROWS[row[0]].rooms)
+
+
+def measured(name, is_full):
+    """Run the command of a row; return the row of the page, None if the command fails."""
+    row = ROWS[name]
+    arguments = row.full if is_full and row.full is not None else row.small
+    command = f"{row.command} {arguments}".strip()
+    words = shlex.split(command)
+    program = (
+        [sys.executable] if words[0] == "python" else [str(Path(sys.executable).parent / "irg")]
+    )
+    before, digest = os.times(), code_digest(*row.rooms)
+    done = subprocess.run(
+        [*program, *words[1:]], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    if done.returncode not in (0, 1) or not done.stdout:
+        print(f"{name}: {command} ended with {done.returncode}\n{done.stderr[-2000:]}")
+        return None
+    after = os.times()
+    seconds = after.children_user + after.children_system
+    seconds -= before.children_user + before.children_system
+    figure = row.figure(done.stdout, seconds)
+    figure += "; **the promise is broken**" * done.returncode
+    print(f"{name}: {figure}", flush=True)
+    return name, row.claim, figure, f"`{command}`", f"{date.today():%m-%d}, {digest}"
+
+
+def main():
+    """Measure, and write the page."""
+    parser = argparse.ArgumentParser(prog="python -m tests.measured", description=__doc__)
+    parser.add_argument("rows", nargs="*", metavar="ROW", help=", ".join(ROWS))
+    parser.add_argument("--full", action="store_true", help="take full versions")
+    parser.add_argument("--older", action="store_true", help="only name older rows")
+    options = parser.parse_args()
+    page = PAGE.read_text(encoding="utf-8")
+    held = rows_of(page)
+    older = [name for name in ROWS if name not in held or is_old(held[name])]
+    if options.older:
+        print("\n".join(older) or "no row is older than its code")
+        return 0
+    for name in options.rows or older:
+        held.pop(name, None)
+        if found := measured(name, options.full):
+            held[name] = found
+        lines = ("| " + " | ".join(held[one]) + " |\n" for one in ROWS if one in held)
+        PAGE.write_text(page.partition(HEADS)[0] + HEADS + "".join(lines), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
