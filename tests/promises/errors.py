@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from pipeline.sweep.station_choice import choose_stations
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
@@ -30,7 +31,6 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.severity import worst_rises
-from pipeline.sweep.station_choice import choose_stations
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import conclude, table
 from tests.helpers.entries import changed
