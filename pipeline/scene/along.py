@@ -18,8 +18,8 @@ from pipeline.scene.decimals import Typed
 from pipeline.scene.declare import Declared, Table, table_of
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.format import BULK, CRITICAL, FRICTION, LOAD, SPEED, SceneFile
-from pipeline.scene.kinds import Share
+from pipeline.scene.format import SceneFile
+from pipeline.scene.kinds import BULK, CRITICAL, FRICTION, LOAD, SPEED, Share
 from pipeline.scene.lines import Lines, SheetRow
 from pipeline.scene.names import UNITS, Heading
 from pipeline.scene.over import Extend, labels_of, with_rows

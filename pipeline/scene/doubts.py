@@ -10,8 +10,7 @@ from typing import Any
 from pipeline.quantities import display
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
 from pipeline.scene.faults import key_path
-from pipeline.scene.format import BULK, FRICTION
-from pipeline.scene.kinds import unusual
+from pipeline.scene.kinds import BULK, FRICTION, unusual
 from pipeline.scene.reference import number_at
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Sweep

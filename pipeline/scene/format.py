@@ -23,8 +23,20 @@ from pipeline.scene.declare import (
     kind_of,
     table_of,
 )
-from pipeline.scene.faults import Faults
+from pipeline.scene.fidelity import FidelityTable
 from pipeline.scene.kinds import (
+    ANY_WEAR_RATE,
+    BULK,
+    CRITICAL,
+    DURATION,
+    FRICTION,
+    HELD,
+    LEVEL,
+    LOAD,
+    SIZE,
+    SPEED,
+    TEMPERATURE,
+    VELOCITY,
     Kind,
     Number,
     OneOf,
@@ -40,21 +52,6 @@ from pipeline.scene.kinds import (
 from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
 from pipeline.sweep.measurement import OUTCOMES
 
-USUAL_PRESET = "standard"
-OIL_WORKS = "-53 degC", "627 degC"
-"""Bulk temperatures between which an oil may work."""
-LOAD = Quantity("200 N")
-DURATION = Quantity("4 s", zero=True)
-HELD = Quantity("60 s")
-VELOCITY = Quantity("1.25 m/s", zero=True, usual=(0, 100))
-SPEED = Quantity("1.25 m/s")
-LEVEL = OneQuantity((LOAD, SPEED))
-TEMPERATURE = Quantity("25 degC")
-BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
-CRITICAL = Quantity("145 degC", usual=(50, 800))
-ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
-SIZE = Quantity("100 mm", usual=(0.1, 1e5))
-FRICTION = Number(at_least=0, usual=(0, 1))
 SEED = Whole(at_least=0)
 NAME = Either(Text(), Whole(at_least=0))
 LATER = "Acts after the simulation."
@@ -277,37 +274,6 @@ class Model(Declared):
         "What you know to act beside the model, as a part of the rise by friction, such as a pin's "
         f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}",
         Example("+6 %")] = 0.0
-
-_CHOICES = {
-    "pixels_per_element":
-        "Pixels of the surface along each side of an element; the largest number allowed if "
-        "`fewest_elements` is above 0.",
-    "increments": "Steps of the ramp up to its reference load.",
-    "fewest_elements":
-        "Least number of elements that touch: elements are made small enough for this and for the "
-        "summits of the surface. With 0 they have the size given, and their mean height.",
-    "contact_tolerance": "Residual of the contact at which its solver stops.",
-    "heat_model":
-        '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
-        'Rooij); "history": all heat since then acts at its own time, linear between the steps.',
-}  # fmt: skip
-
-class _Preset(OneOf):
-    def read(
-        self, value: object, place: str, faults: Faults, allowed: object = None
-    ) -> Any:
-        return super().read(value, place, faults, f"{self}, or irg run --accuracy 5%")
-
-class _FidelityTable(Declared):
-    preset: A[str, _Preset(tuple(tribo.PRESETS)),
-        'Preset, from "standard", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
-
-_HINTS = get_type_hints(tribo.Fidelity)
-FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
-    "__annotations__": {
-        name: A[hint | None, _CHOICES.get(name, StoreOnly())] for name, hint in _HINTS.items()},
-    **dict.fromkeys(_HINTS),
-})
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],

@@ -1,4 +1,7 @@
-"""Kinds of single values: how each is read, and in words (``str(kind)``) what is allowed."""
+"""Kinds of single values: how each is read, and in words (``str(kind)``) what is allowed.
+
+At the end stand the kinds that several tables share, such as a load.
+"""
 
 from __future__ import annotations
 
@@ -266,3 +269,19 @@ class UnitText(Kind):
             return to_si(f"1 {value}", like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
+
+
+OIL_WORKS = "-53 degC", "627 degC"
+"""Bulk temperatures between which an oil may work."""
+LOAD = Quantity("200 N")
+DURATION = Quantity("4 s", zero=True)
+HELD = Quantity("60 s")
+VELOCITY = Quantity("1.25 m/s", zero=True, usual=(0, 100))
+SPEED = Quantity("1.25 m/s")
+LEVEL = OneQuantity((LOAD, SPEED))
+TEMPERATURE = Quantity("25 degC")
+BULK = Quantity("25 degC", usual=(-50, 250), ends=OIL_WORKS)
+CRITICAL = Quantity("145 degC", usual=(50, 800))
+ANY_WEAR_RATE = Quantity("1.2e-6 mm^3/(N m)", zero=True, usual=(1e-11, 1e-2))
+SIZE = Quantity("100 mm", usual=(0.1, 1e5))
+FRICTION = Number(at_least=0, usual=(0, 1))

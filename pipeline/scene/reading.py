@@ -12,7 +12,8 @@ from pipeline.scene.consistency import check_tables
 from pipeline.scene.declare import table_of
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import USUAL_PRESET, Bulks, MeasuredSurfaceTable, SceneFile
+from pipeline.scene.fidelity import complete_fidelity, fidelity_of
+from pipeline.scene.format import Bulks, MeasuredSurfaceTable, SceneFile
 from pipeline.scene.laws import add_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
@@ -29,7 +30,7 @@ from pipeline.scene.parts import (
     wear_of,
 )
 from pipeline.scene.runs import expand_tests
-from pipeline.scene.written import complete_fidelity, entries_of, keep_written
+from pipeline.scene.written import entries_of, keep_written
 from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
 from pipeline.sweep.remarks import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
@@ -76,7 +77,7 @@ class SceneReader:
         if not self.is_stored:
             tables, taken = resolve_library(tables, faults)
         scene, changed = self._read_tables(tables, faults)
-        fidelity, preset = self._fidelity(scene.fidelity, faults)
+        fidelity, preset = fidelity_of(scene.fidelity, faults)
         part, read = partial(self._part, scene, faults), (self.contents, faults)
         loading, record = part(partial(loading_of, *read), "loading", "sweep.loads") or (None, None)
         heights = partial(roughness_of, *read)
@@ -153,19 +154,6 @@ class SceneReader:
             with faults.at(f"{paths[0]}.file" if hasattr(tables[0], "file") else paths[0]):
                 self.parts[made_of] = make(*tables)
         return self.parts.get(made_of)
-
-    def _fidelity(self, table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
-        """Numerical choices of the table ``[fidelity]``, and the preset with them, or None."""
-        name = (table and table.preset) or USUAL_PRESET
-        fidelity = tribo.PRESETS[name]
-        listed = (vars(table) if table else {}).items()
-        given = {key: value for key, value in listed if key != "preset" and value is not None}
-        for key, value in given.items():
-            with faults.at(f"fidelity.{key}"):
-                fidelity = replace(fidelity, **{key: value})
-        if self.is_stored:  # whatever the preset is today
-            return fidelity, table and table.preset
-        return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
 def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:

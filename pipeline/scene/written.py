@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import Any
 
 import tribo
 from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
 from pipeline.scene.declare import ByPath, Each, Either, List, Table, Tables, attribute_of, table_of
-from pipeline.scene.format import FidelityTable
+from pipeline.scene.fidelity import FidelityTable, complete_fidelity
 from pipeline.scene.kinds import Kind, Quantity, Text
 from pipeline.scene.units import si_unit, to_si, typeset
 from pipeline.sweep.conditions import PATHS
@@ -68,15 +67,6 @@ def keep_written(tables: Any, written: Any) -> Any:
         case dict(), _:
             return tables
     return tables if written is None else written
-
-
-def complete_fidelity(preset: str | None, made: tribo.Fidelity) -> Any:
-    """Table ``[fidelity]`` with the name of a preset, the numbers of `made` and its own choices."""
-    usual, keys = asdict(tribo.Fidelity()), table_of(FidelityTable).listed
-    choices = {
-        key: value for key, value in asdict(made).items() if key in keys or value != usual[key]
-    }
-    return FidelityTable(preset=preset, **choices)
 
 
 def with_fidelity(sweep: Sweep, made: tribo.Fidelity, preset: str | None = None) -> Sweep:

@@ -8,9 +8,9 @@ import numpy as np
 import tribo
 from pipeline.scene.cases_of_tests import attach_case
 from pipeline.scene.declare import table_of
+from pipeline.scene.fidelity import FidelityTable, complete_fidelity
 from pipeline.scene.format import (
     Archard,
-    FidelityTable,
     MaterialTable,
     MotionTable,
     OilTable,
@@ -21,7 +21,7 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.laws import add_laws
-from pipeline.scene.written import complete_fidelity, entries_of
+from pipeline.scene.written import entries_of
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
 from pipeline.sweep.conditions import plain_values

@@ -12,7 +12,7 @@ import tribo
 from pipeline.scene.choices import TableFile
 from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
-from pipeline.scene.format import FidelityTable
+from pipeline.scene.fidelity import FidelityTable
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.reference import new_keys, number_in, sections
 from pipeline.scene.units import typeset
