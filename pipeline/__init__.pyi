@@ -9,7 +9,7 @@ from .analysis.difference import diff as diff
 from .analysis.inferred import infer as infer
 from .analysis.margin import Margin as Margin
 from .analysis.margin_frame import margin as margin
-from .analysis.results import results as results
+from .analysis.reading import results as results
 from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
 from .laboratory.scan import surface_statistics as surface_statistics

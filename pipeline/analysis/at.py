@@ -25,11 +25,12 @@ from pipeline.analysis.dataset import (
     name_at,
     scene_sweep,
 )
-from pipeline.analysis.results import Results, ResultsLike, results
+from pipeline.analysis.reading import ResultsLike, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.format import OIL_WORKS
+from pipeline.scene.kinds import OIL_WORKS
 from pipeline.scene.reference import all_keys, find_entry
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike

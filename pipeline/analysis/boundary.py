@@ -19,7 +19,8 @@ from pipeline.analysis.film import inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import forbidding_words
 from pipeline.analysis.outcomes import outcomes
-from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.reading import ResultsLike
+from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
 from pipeline.analysis.scenes import side_by_side
 from pipeline.quantities import UNITS

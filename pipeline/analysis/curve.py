@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline.constants import LEAST_SLOPE
 from tribo import Criterion
-from tribo.types import Array, Indices
+from tribo.types import Array, Indices, Mask
 
 _FEWEST = 3  # least number of columns, padded with NaN
 _HALVINGS = 60  # bisections, which exhaust double precision
@@ -240,3 +240,34 @@ def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
     slope = np.where(np.sign(slope) == np.sign(m), slope, 0.0)
     is_steep = (np.sign(m) != np.sign(next_m)) & (np.abs(slope) > 3 * np.abs(m))
     return np.where(is_steep, 3 * m, slope)
+
+
+def slots(points: Array, places: Array) -> Indices:
+    """Number of the slot that each of `places` lies in, on an axis with n ascending `points`.
+
+    `places` are loads or velocities. A slot is a point, a gap, or the range beyond an end. Slot
+    2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
+    below the first point, and slot 2 n the range above the last.
+    """
+    slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
+    return slots
+
+
+def neighbours(is_done: Mask) -> Indices:
+    """Indices of the two done points to interpolate between, (r, 2 n + 1, 2).
+
+    `is_done` is the mask of done points (r, n) in r rows. The second axis of the result has the
+    slots of a row, numbered by `slots`: points, gaps, and the ranges beyond both ends. A slot that
+    is a done point has this point twice. Other slots have the nearest done points on either side;
+    beyond the first or last one, the nearest two. In a row with a single done point all slots have
+    this point twice. In an empty row indices are -1.
+    """
+    order = np.argsort(~is_done, axis=1, kind="stable")
+    count = is_done.sum(axis=1)[:, None]
+    in_front = np.pad(np.cumsum(is_done, axis=1), ((0, 0), (1, 0))).repeat(2, axis=1)[:, :-1]
+    first = np.clip(in_front - 1, 0, np.maximum(count - 2, 0))
+    either_side = first, np.minimum(first + 1, count - 1)
+    found = np.stack([np.take_along_axis(order, side, axis=1) for side in either_side], axis=-1)
+    own = np.arange(is_done.shape[1])[:, None]
+    found[:, 1::2] = np.where(is_done[..., None], own, found[:, 1::2])
+    return np.where(count[..., None] > 0, found, -1)

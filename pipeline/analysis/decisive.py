@@ -11,7 +11,8 @@ import xarray as xr
 
 from pipeline.analysis.at import ConditionKeywords, at
 from pipeline.analysis.dataset import dataset_of
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.reading import results
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE, SCENE_ID

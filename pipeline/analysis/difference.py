@@ -11,7 +11,8 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import Layout, require_kind, require_one_scene
 from pipeline.analysis.outcomes import outcomes
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.reading import results
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of
 from pipeline.scene.written import differing_entries
 from pipeline.store.place import PathLike

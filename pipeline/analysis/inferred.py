@@ -14,7 +14,8 @@ from scipy.special import ndtr
 from pipeline.analysis.at import asked_at
 from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.likelihood import Belief, condition
-from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.reading import ResultsLike
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import Evidence, evidence_of
 from pipeline.sweep.conditions import Conditions, known_critical_temperature

@@ -17,7 +17,8 @@ from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
-from pipeline.analysis.results import Results, ResultsLike
+from pipeline.analysis.reading import ResultsLike
+from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RiseError, rise_errors
 from pipeline.analysis.scenes import heads_of, shown_label
 from pipeline.analysis.specimen import counted
@@ -210,27 +211,23 @@ def _asked(judge: Judge, points: Sequence[tuple[Place, Mapping[str, float]]]) ->
 
 def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | str]:
     """Margin at each of k pairs of load [N] and velocity [m/s], or why it is unknown."""
-    here = judge.rises.known(loads, velocities)
-    is_known = np.array([not reason for reason in here.reasons])
+    found = judge.rises.known(loads, velocities)
+    is_known = np.array([not reason for reason in found.reasons])
     if not is_known.any():
-        return [*here.reasons]
+        return [*found.reasons]
     loads, velocities = loads[is_known], velocities[is_known]
     conditions = judge.conditions
     temperatures = conditions.contact_temperature(judge.rises.rise(loads, velocities))
     critical = known_critical_temperature(conditions)
-    low, likely, high = judge.chances(loads, velocities)
-    no_mild, no_severe, names = judge.forbidden(loads, velocities)
-    along = {
-        "velocity": judge.rises.turns("velocity", loads),
-        "load": judge.rises.turns("load", velocities),
-    }
-    is_passed = (along["load"].first < loads) & (temperatures <= critical)
-    parts = rise_errors(judge.rises, loads, velocities).T
     outside = judge.outside(loads, velocities)
-    (critical_velocities, velocity_texts), (critical_loads, load_texts) = (
-        turns_inside(judge.rises, axis, at, along[axis])
-        for axis, at in (("velocity", loads), ("load", velocities))
-    )
+    low, likely, high = np.where(outside, math.nan, judge.chances(loads, velocities))
+    no_mild, no_severe, names = judge.forbidden(loads, velocities)
+    parts = rise_errors(judge.rises, loads, velocities).T
+    turns = judge.rises.turns("velocity", loads)
+    critical_velocities, velocity_texts = turns_inside(judge.rises, "velocity", loads, turns)
+    turns = judge.rises.turns("load", velocities)
+    critical_loads, load_texts = turns_inside(judge.rises, "load", velocities, turns)
+    is_passed = (turns.first < loads) & (temperatures <= critical)
     is_at_edge = judge.rises.have_warning(loads, velocities, WarningKind.CONTACT_AT_EDGE)
     notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
     tested = inside_alone(judge.rises, "velocity", loads, judge.tested_velocities(loads)[1])[0]
@@ -242,24 +239,22 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             conditions=verdict_conditions(
                 conditions, float(velocities[k]), judge.source.told_tests
             ),
-            probability=math.nan if outside[k] else float(likely[k]),
-            lowest=math.nan if outside[k] else float(low[k]),
-            highest=math.nan if outside[k] else float(high[k]),
-            decisive_temperature=float(temperatures[k]),
-            error=RiseError.of(parts[k]).times(
-                float(conditions.temperature_error(temperatures[k]))
-            ),
+            probability=float(likely[k]),
+            lowest=float(low[k]),
+            highest=float(high[k]),
+            decisive_temperature=here,
+            error=RiseError.of(parts[k]).times(conditions.temperature_error(here)),
             critical_temperature=critical,
-            distance=critical - float(temperatures[k]),
+            distance=critical - here,
             model_error=judge.evidence.text,
             critical_velocity=float(critical_velocities[k]),
             tested_velocity=float(tested[k]),
             critical_load=float(critical_loads[k]),
-            velocity_outcome=outcome,
-            load_outcome=load_outcome,
+            velocity_outcome=velocity_texts[k],
+            load_outcome=load_texts[k],
             is_outside=bool(outside[k]),
-            is_computed=bool(here.is_computed[is_known][k]),
-            is_continued=bool(here.is_continued[is_known][k]),
+            is_computed=bool(found.is_computed[is_known][k]),
+            is_continued=bool(found.is_continued[is_known][k]),
             patches=patches,
             not_mild=why[0] or f"{names[k]} forbids it" * bool(no_mild[k]),
             not_severe=why[1] or f"{names[k]} forbids it" * bool(no_severe[k]),
@@ -267,9 +262,9 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             caveats=(PASSED,) * bool(is_passed[k]) + (AT_EDGE,) * bool(is_at_edge[k]) + notes,
             entries={path: judge.source.rows[path].item() for path, _ in judge.source.name},
         )
-        for k, (outcome, load_outcome) in enumerate(zip(velocity_texts, load_texts, strict=True))
+        for k, here in enumerate(temperatures.tolist())
     )
-    return [reason or next(margins) for reason in here.reasons]
+    return [reason or next(margins) for reason in found.reasons]
 
 
 def forbidding_words(judge: Judge) -> tuple[str, str]:

@@ -1,10 +1,11 @@
-"""The command that adds a load or a velocity to a sweep."""
+"""Why a place of a sweep is unknown, and the command that adds it."""
 
 from __future__ import annotations
 
 import json
 import math
 import shlex
+from collections.abc import Mapping
 from typing import Any
 
 from pipeline.analysis.results import Results
@@ -16,12 +17,41 @@ _ENTRIES = {"load": "sweep.loads", "velocity": "sweep.velocities"}
 _BESIDE = 1e-9  # rounding of a number of steps
 
 
-def adding_command(data: Results, name: str, value: float) -> str:
+def why_unknown(
+    data: Results,
+    ranges: Mapping[str, tuple[float, float]],
+    load: float,
+    velocity: float,
+    is_known: bool,
+) -> str:
+    """Why nothing is known at a load [N] and a velocity [m/s]; empty if `is_known` within `ranges`.
+
+    `ranges` has the lowest and the highest "load" and "velocity" of the sweep.
+    """
+    for name, value in (("load", load), ("velocity", velocity)):
+        lowest, highest = ranges[name]
+        if not (lowest <= value <= highest and value > 0):
+            unit = UNITS[name]
+            said = f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}"
+            if not 0 < value < math.inf:
+                return f"{said}: give one within"
+            return f"{said}; this adds it: {_adding_command(data, name, value)}"
+    if is_known:
+        return ""
+    return (
+        f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep to "
+        "its end, or add points there"
+    )
+
+
+def _adding_command(data: Results, name: str, value: float) -> str:
     """Command that computes the sweep at a further "load" [N] or "velocity" [m/s], too."""
     sweep, entry = data.stored, _ENTRIES[name]
     written = sweep.entries.get("sweep", {}).get(entry.partition(".")[2])
     axis = sweep.loads if name == "load" else sweep.velocities
-    setting = _longer_range(entry, written, value, UNITS[name]) or _list(entry, axis, value, name)
+    listed = [f"{one!r} {UNITS[name]}".replace(".0 ", " ") for one in sorted({*axis, value})]
+    longer = _longer_range(entry, written, value, UNITS[name])
+    setting = longer or f"{entry}={json.dumps(listed)}"
     store = str(data.store or "")
     usual = store.endswith(f"results/{sweep.name}.zarr") or not store
     out = [] if usual else ["-o", store]
@@ -39,9 +69,3 @@ def _longer_range(entry: str, written: Any, value: float, unit: str) -> str:
     count = math.ceil((first - value) / step - _BESIDE)
     lowest = first - count * step
     return f"{entry}.from={lowest:.10g} {unit}" if lowest > 0 else ""
-
-
-def _list(entry: str, axis: tuple[float, ...], value: float, name: str) -> str:
-    """Setting that lists the values of an axis, and a further one."""
-    listed = [f"{one!r} {UNITS[name]}".replace(".0 ", " ") for one in sorted({*axis, value})]
-    return f"{entry}={json.dumps(listed)}"

@@ -1,7 +1,4 @@
-"""`Results`: the results of a sweep as typed arrays, read once from a path or a dataset.
-
-Every answer takes `Results`. They are for one call: later changes of the dataset are not in them.
-"""
+"""`Results`: the results of a sweep as typed arrays, which every answer takes."""
 
 from __future__ import annotations
 
@@ -19,32 +16,20 @@ import xarray as xr
 from pipeline.analysis.dataset import (
     Layout,
     Origin,
-    dataset_of,
-    entry_dims,
     judged_sweep,
-    judged_values,
     name_at,
     require_kind,
     require_one_scene,
-    restore_step,
-    scene_sweep,
-    sweep_kind,
 )
 from pipeline.analysis.likelihood import Prior
-from pipeline.analysis.results_of_tests import TestResults, read_test_results
-from pipeline.store.place import PathLike
+from pipeline.analysis.results_of_tests import TestResults
 from pipeline.store.read import open_store
 from pipeline.store.schema import (
     ASKED,
     COORDINATES,
     DONE,
-    FILM,
-    MADE,
     PLANE,
-    SAMPLING,
     SCENE_ID,
-    STEPPED,
-    VARIABLES,
 )
 from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
 from pipeline.sweep.laws import StoredRule
@@ -57,40 +42,7 @@ from tribo import InputError
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
-_INNER = ("step", "bulk_ratio", "cooler_share")
-_MARKS = ("status", "warning_flags", "asked", "message")
-_RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
-
-
-def _with_both_axes(ds: xr.Dataset) -> xr.Dataset:
-    """Dataset with a load or velocity that was selected alone as an axis of size 1."""
-    for name, other in (PLANE, PLANE[::-1]):
-        if not ds[name].ndim and other in ds["status"].dims:
-            spread = {k: one.expand_dims(name) for k, one in ds.items() if other in one.dims}
-            return ds.drop_vars([name, *map(str, spread)]).assign(spread)
-    return ds
-
-
-def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
-    """Variable `name` of a dataset; `InputError` if it has lost an axis, or its numbers."""
-    given, axes = ds.variables[name], {*ds["status"].dims, *_INNER}
-    wanted = {*VARIABLES[name].dims} & {*ds.dims}
-    for words, dims in (("lost its axis", wanted - {*given.dims}), ("also", {*given.dims} - axes)):
-        if dims:
-            raise InputError(
-                f"{name} of the dataset has {words} {min(map(str, dims))}; take it as "
-                "pipeline.open_sweep gives it"
-            )
-    if given.dtype.kind in "fO" and name != "message":
-        try:
-            if name not in ("status", "asked"):
-                return given.astype(float)
-            numbers = given.astype(float)  # which interpolation may leave a little off
-            return numbers.round(6)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{name} of the dataset is no number: {error}") from error
-    return given
 
 
 @dataclass(frozen=True, eq=False)
@@ -443,104 +395,3 @@ class Results:
         columns["quantile"] = self.shares
         rises = worst_rises(columns, self.least_loads[:, None, None], conditions)
         return np.where(self.done, rises, np.nan)
-
-    def sampling(self, conditions: Conditions) -> Array:
-        """Relative deviation of the rise from patch to patch, as each point states it; see `rises`.
-
-        It is that of the contact at the end: the criterion's rise with each rise of the contact
-        lifted by its own deviation. It is NaN at a point that is not done.
-        """
-        self.require("rise_quantile", "mean_rise", *SAMPLING)
-        last = {
-            "rise_quantile": self.columns["rise_quantile"][..., -1, :],
-            "mean_rise": self.columns["mean_rise"][..., -1],
-        }
-        quantiles = last["rise_quantile"] * (1 + self.columns["rise_sampling"])
-        lifted = {
-            "rise_quantile": np.maximum.accumulate(quantiles, axis=-1),
-            "mean_rise": last["mean_rise"] * (1 + self.columns["mean_rise_sampling"]),
-        }
-        rise, above = (
-            conditions.criterion.rise(one | {"quantile": self.shares}) for one in (last, lifted)
-        )
-        relative = np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0)
-        return np.where(self.done, relative, np.nan)
-
-
-ResultsLike = xr.Dataset | PathLike | Results
-"""A dataset, the path of a store, or results that were read from either."""
-
-
-def results(ds: ResultsLike) -> Results:
-    """Read the results of a sweep once, for several answers.
-
-    Functions take the returned object instead of a dataset. It does not follow later changes of the
-    dataset.
-
-    Parameters
-    ----------
-    ds : Dataset, str or path
-        Dataset of `pipeline.open_sweep` or `pipeline.at`, or path or URL of the store.
-
-    Returns
-    -------
-    Results
-        The sweep under the conditions of `pipeline.at`, with its axes and columns.
-
-    Raises
-    ------
-    InputError
-        If the dataset has lost the attributes that describe its sweep.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> data = pipeline.results("results/first_try.zarr")
-    >>> data.columns["mean_rise"].shape, data.loads.tolist()
-    ((4, 6, 4), [200.0, 400.0, 600.0, 750.0])
-    >>> pipeline.margin(data, "400 N", "1.4 m/s").verdict
-    'mild'
-    """
-    if isinstance(ds, Results):
-        return ds
-    ds = _with_both_axes(restore_step(dataset_of(ds), "status"))
-    if "rise_quantile" in ds and "cooler_share" not in ds.indexes:
-        raise InputError("the dataset has no axis cooler_share; keep it, with all of its values")
-    kind, status = sweep_kind(ds), ds["status"]
-    front = (*entry_dims(ds), *(name for name in ("realization",) if name in status.dims))
-    # In the order of the dataset, so that labels keep their order.
-    labels = (name for name, one in ds.coords.items() if {*one.dims} <= {*front})
-    rows = dict.fromkeys((*labels, *front))
-    plane = {name: ds.sizes[name] if name in status.dims else 1 for name in PLANE}
-    sizes = {name: status.sizes[name] for name in front} | plane
-    wanted = {*_RISES, *NEEDED}
-    names = [
-        *_MARKS,
-        *SAMPLING,
-        *FILM,
-        *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted))),
-    ]
-    columns = {}
-    for name in names:
-        if name in ds.variables:
-            given = _checked(ds, name)
-            inner = {dim: given.sizes[dim] for dim in _INNER if dim in given.dims}
-            one = xr.Variable(given.dims, np.array(given.values))
-            columns[name] = one.set_dims(sizes | inner).values  # type: ignore[no-untyped-call]
-    stored = scene_sweep(ds)
-    return Results(
-        stored=stored,
-        judged=judged_values(ds),
-        kind=kind,
-        front=front,
-        rows=xr.Dataset(coords={name: ds[name].variable.copy() for name in rows}),
-        loads=np.array(ds["load"].values, ndmin=1),
-        velocities=np.array(ds["velocity"].values, ndmin=1),
-        cut=tuple(name for name in PLANE if not ds[name].ndim),
-        columns=columns,
-        shares=np.array(ds["cooler_share"].values) if "cooler_share" in ds.coords else np.empty(0),
-        tests=read_test_results(ds, stored),
-        rest=ds.drop_vars([name for name in names if name in ds.data_vars]),
-        store=status.encoding.get("store"),
-        origin=Origin.of(ds),
-    )

@@ -18,16 +18,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.analysis.curve import Curve, filled
+from pipeline.analysis.curve import Curve, filled, neighbours, slots
 from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.made import made_points
 from pipeline.analysis.outcomes import Turns, turns_of
-from pipeline.analysis.outside import adding_command
+from pipeline.analysis.outside import why_unknown
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.constants import FARTHEST, PARTS, PARTS_OF_CURVE
-from pipeline.quantities import UNITS
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions, row_conditions
 from pipeline.sweep.selection import velocity_error
@@ -108,7 +107,14 @@ class Rises:
         """ln(rise/limit) at k pairs within the sweep's range, and how each is known."""
         loads, velocities = places_of(loads, velocities)
         y = self.y(loads, np.where(velocities > 0, velocities, math.nan))
-        reasons = tuple(map(self._reason, loads.tolist(), velocities.tolist(), ~np.isnan(y)))
+        ranges = {
+            name: (min(axis[0], self.ends[name][0]), max(axis[-1], self.ends[name][1]))
+            for name, axis in zip(PLANE, (self.loads, self.velocities), strict=True)
+        }
+        if self.from_rest:
+            ranges["velocity"] = 0.0, ranges["velocity"][1]
+        places = zip(loads.tolist(), velocities.tolist(), ~np.isnan(y), strict=True)
+        reasons = tuple(why_unknown(self.source, ranges, *place) for place in places)
         return Known(
             np.where([not reason for reason in reasons], y, math.nan),
             self.is_done(loads, velocities),
@@ -121,25 +127,6 @@ class Rises:
         each, back = np.unique(velocities, return_inverse=True)
         marks = self._marks(each, self._is_within(each))[:, back]
         return np.asarray(Curve(self.loads, marks.T)(loads[:, None])[:, 0] != 1)
-
-    def _reason(self, load: float, velocity: float, is_known: bool) -> str:
-        """Why y at a load [N] and velocity [m/s] is unknown; empty if it is known."""
-        axes = self.loads, self.velocities
-        for name, x, value in zip(PLANE, axes, (load, velocity), strict=True):
-            lowest, highest = min(x[0], self.ends[name][0]), max(x[-1], self.ends[name][1])
-            lowest = 0.0 if self.from_rest and name == "velocity" else lowest
-            if not (lowest <= value <= highest and value > 0):
-                unit = UNITS[name]
-                said = f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}"
-                if not 0 < value < math.inf:
-                    return f"{said}: give one within"
-                return f"{said}; this adds it: {adding_command(self.source, name, value)}"
-        if is_known:
-            return ""
-        return (
-            f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the "
-            "sweep to its end, or add points there"
-        )
 
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """Mask (k,) of k pairs of load and velocity: True for computed points."""
@@ -321,8 +308,8 @@ class Rises:
         (k, 2, 2). At a computed point all indices are of this point. An index is -1 if there is no
         point.
         """
-        along = _slots(self.velocities, velocities)
-        rows = self._loads_around[along, _slots(self.loads, loads)]
+        along = slots(self.velocities, velocities)
+        rows = self._loads_around[along, slots(self.loads, loads)]
         return rows, self._velocities_around[rows, along[:, None]]
 
     def have_warning(self, loads: Array, velocities: Array, kind: WarningKind) -> Mask:
@@ -337,12 +324,12 @@ class Rises:
 
         The shape is (2 n_velocity + 1, 2 n_load + 1, 2), with axes for the slot of the velocity,
         the slot of the load, and the two loads. A slot is a value of the axis, a gap between two
-        values, or the range beyond an end, numbered by `_slots`.
+        values, or the range beyond an end, numbered by `slots`.
         """
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
-        return _neighbours(reached)
+        return neighbours(reached)
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
@@ -351,7 +338,7 @@ class Rises:
         The shape is (n_load, 2 n_velocity + 1, 2), with axes for the load, the slot of the
         velocity, and the two velocities. Beyond an end the two are the nearest.
         """
-        return _neighbours(self._is_done)
+        return neighbours(self._is_done)
 
 
 def rises_of(whole: Results, conditions: Conditions | None = None) -> Rises:
@@ -399,34 +386,3 @@ def places_of(loads: Places, velocities: Places) -> tuple[Array, Array]:
     """Convert loads and velocities to arrays of the same shape (k,); a single value is repeated."""
     pair = np.broadcast_arrays(*np.atleast_1d(loads, velocities))
     return np.asarray(pair[0], float), np.asarray(pair[1], float)
-
-
-def _slots(points: Array, places: Array) -> Indices:
-    """Number of the slot that each of `places` lies in, on an axis with n ascending `points`.
-
-    `places` are loads or velocities. A slot is a point, a gap, or the range beyond an end. Slot
-    2 i + 1 is point i. Slot 2 i is the gap between the points i − 1 and i. Slot 0 is the range
-    below the first point, and slot 2 n the range above the last.
-    """
-    slots: Indices = 2 * np.searchsorted(points, places) + np.isin(places, points)
-    return slots
-
-
-def _neighbours(is_done: Mask) -> Indices:
-    """Indices of the two done points to interpolate between, (r, 2 n + 1, 2).
-
-    `is_done` is the mask of done points (r, n) in r rows. The second axis of the result has the
-    slots of a row, numbered by `_slots`: points, gaps, and the ranges beyond both ends. A slot that
-    is a done point has this point twice. Other slots have the nearest done points on either side;
-    beyond the first or last one, the nearest two. In a row with a single done point all slots have
-    this point twice. In an empty row indices are -1.
-    """
-    order = np.argsort(~is_done, axis=1, kind="stable")
-    count = is_done.sum(axis=1)[:, None]
-    in_front = np.pad(np.cumsum(is_done, axis=1), ((0, 0), (1, 0))).repeat(2, axis=1)[:, :-1]
-    first = np.clip(in_front - 1, 0, np.maximum(count - 2, 0))
-    either_side = first, np.minimum(first + 1, count - 1)
-    found = np.stack([np.take_along_axis(order, side, axis=1) for side in either_side], axis=-1)
-    own = np.arange(is_done.shape[1])[:, None]
-    found[:, 1::2] = np.where(is_done[..., None], own, found[:, 1::2])
-    return np.where(count[..., None] > 0, found, -1)

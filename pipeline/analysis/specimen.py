@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from pipeline.analysis.results import Results
-from pipeline.store.schema import FAILED
+from pipeline.store.schema import FAILED, SAMPLING
 from pipeline.sweep.conditions import Conditions
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Mask
@@ -170,7 +170,7 @@ def specimen_of(data: Results, rises: Array, conditions: Conditions) -> Specimen
     shape, counts = (-1, len(data.loads), len(data.velocities)), counted(data)
     rises = rises.reshape(shape)[counts]
     y = np.log(np.where(rises < _COLDEST, _COLDEST, rises))
-    sampling = data.sampling(conditions).reshape(shape)[counts]
+    sampling = _sampling(data, conditions).reshape(shape)[counts]
     is_highest = conditions.criterion.is_highest
     return Specimen.of(data.loads, data.velocities, y, sampling, is_highest)
 
@@ -183,11 +183,37 @@ def _mean_square(sampling: Array) -> Array:
     return np.sqrt(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
+def _sampling(data: Results, conditions: Conditions) -> Array:
+    """Relative deviation of the rise from patch to patch, as each point states it.
+
+    It is that of the contact at the end: the criterion's rise with each rise of the contact lifted
+    by its own deviation. It is NaN at a point that is not done.
+    """
+    data.require("rise_quantile", "mean_rise", *SAMPLING)
+    last = {
+        "rise_quantile": data.columns["rise_quantile"][..., -1, :],
+        "mean_rise": data.columns["mean_rise"][..., -1],
+    }
+    quantiles = last["rise_quantile"] * (1 + data.columns["rise_sampling"])
+    lifted = {
+        "rise_quantile": np.maximum.accumulate(quantiles, axis=-1),
+        "mean_rise": last["mean_rise"] * (1 + data.columns["mean_rise_sampling"]),
+    }
+    rise, above = (
+        conditions.criterion.rise(one | {"quantile": data.shares}) for one in (last, lifted)
+    )
+    relative = np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0)
+    return np.where(data.done, relative, np.nan)
+
+
 def _extended(difference: Array, loads: Array) -> Array:
     """Differences from the first patch at all places, from those that both have."""
     known = np.isfinite(difference)
     rows = np.asarray(known.any(axis=1))
-    nearest = np.where(known, difference, _nearest_known(difference, known))
+    number = np.arange(difference.shape[1])
+    away = np.where(known[:, None, :], np.abs(number[:, None] - number), np.inf)
+    # At each place the nearest known one of its load; NaN at a load without any.
+    nearest = np.take_along_axis(difference, away.argmin(axis=-1), axis=1)
     between = [np.interp(np.log(loads), np.log(loads[rows]), one) for one in nearest[rows].T]
     return np.where(rows[:, None], nearest, np.transpose(between))
 
@@ -223,11 +249,3 @@ def failed_patches(data: Results) -> Mask:
     """Mask of the patches of one scene that failed at a point (m,)."""
     shape = -1, len(data.loads) * len(data.velocities)
     return np.asarray((data.columns["status"] == FAILED).reshape(shape).any(axis=1))
-
-
-def _nearest_known(values: Array, is_known: Mask) -> Array:
-    """For each element the nearest known value of its row, by index; NaN in an unknown row."""
-    number = np.arange(values.shape[1])
-    away = np.where(is_known[:, None, :], np.abs(number[:, None] - number), np.inf)
-    found: Array = np.take_along_axis(values, away.argmin(axis=-1), axis=1)
-    return found

@@ -14,7 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.results import Results, ResultsLike, results
+from pipeline.analysis.reading import ResultsLike, results
+from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.sweep.conditions import Conditions

@@ -21,7 +21,8 @@ from pipeline.analysis.film import OUTSIDE_WORDS, is_outside
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
-from pipeline.analysis.results import Results, results
+from pipeline.analysis.reading import results
+from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, rise_errors, totals
 from pipeline.analysis.rises import range_of, rises_of
 from pipeline.analysis.specimen import specimen_of

@@ -8,7 +8,7 @@ import pytest
 import zarr
 
 import pipeline
-from pipeline.analysis.results import results
+from pipeline.analysis.reading import results
 from pipeline.analysis.warned_points import warned, warning_flags
 from pipeline.cli import main
 from pipeline.sweep.model import Point
