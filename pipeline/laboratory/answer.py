@@ -29,7 +29,7 @@ from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.choices import Choices
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.format import Stages, Test
+from pipeline.scene.format_of_tests import Stages, Test
 from pipeline.scene.runs import run_faults
 from pipeline.scene.sheet import Sheet
 from pipeline.scene.units import in_si

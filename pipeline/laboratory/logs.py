@@ -21,7 +21,7 @@ from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.choices import Choices
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import quoted, row_text
-from pipeline.scene.format import Stages, Test, TransitionTable
+from pipeline.scene.format_of_tests import Stages, Test, TransitionTable
 from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
 

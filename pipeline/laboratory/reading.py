@@ -14,7 +14,7 @@ from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.choices import Choices, choose, choose_unit, require_known
 from pipeline.scene.declare import table_of
-from pipeline.scene.format import Stages, Test
+from pipeline.scene.format_of_tests import Stages, Test
 from pipeline.scene.lines import SheetRow, read_lines
 from pipeline.scene.sheet import Sheet, sheet_of
 from pipeline.scene.units import to_si

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from pipeline.laboratory.logs import Log
-from pipeline.scene.format import Test
+from pipeline.scene.format_of_tests import Test
 
 _STAGE = re.compile(r"\b(load |last)?(stages?|stufen?|steps?)\b", re.IGNORECASE)
 _NEEDED = ("run", "hold", "load", "velocity")

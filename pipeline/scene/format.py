@@ -7,11 +7,9 @@ from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
 import tribo
-from pipeline import extras
 from pipeline.scene.choices import TableFile
 from pipeline.scene.declare import (
     ByPath,
-    Changes,
     Declared,
     Each,
     Either,
@@ -24,6 +22,7 @@ from pipeline.scene.declare import (
     table_of,
 )
 from pipeline.scene.fidelity import FidelityTable
+from pipeline.scene.format_of_tests import Stages, Test, TransitionTable, list_of_tests
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
     BULK,
@@ -31,7 +30,6 @@ from pipeline.scene.kinds import (
     DURATION,
     FRICTION,
     HELD,
-    LEVEL,
     LOAD,
     SIZE,
     SPEED,
@@ -40,7 +38,6 @@ from pipeline.scene.kinds import (
     Kind,
     Number,
     OneOf,
-    OneQuantity,
     Quantity,
     Scalar,
     Share,
@@ -50,10 +47,8 @@ from pipeline.scene.kinds import (
     Whole,
 )
 from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
-from pipeline.sweep.measurement import OUTCOMES
 
 SEED = Whole(at_least=0)
-NAME = Either(Text(), Whole(at_least=0))
 LATER = "Acts after the simulation."
 FROM_TESTS = "from tests"
 
@@ -61,16 +56,6 @@ FROM_TESTS = "from tests"
 def one_or_two(kind: Kind) -> Either:
     """Kind of scene entry: two values along x and y, or one value for both."""
     return Either(kind, List(kind, length=2))
-
-
-def _list_of_tests(*own: type) -> List:
-    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`.
-
-    Classes of tests that optional parts of the program add are allowed, too.
-    """
-    first, *others = own
-    brought = (form for one in extras.modules("format") for form in one.FORMS)
-    return List(Either(*map(table_of, (first, *brought, *others))))
 
 
 # fmt: off
@@ -299,60 +284,6 @@ class SweepTable(Declared):
         'Steps to store: "course" for all, "end" for those that can decide. By default "course" '
         'for a ramp with wear and no hold, if no variants share contacts; else "end".'] = None
 
-class EvenLevels(Declared):
-    form_name = "even stages"
-    first: A[str, LEVEL, "Load or velocity of the first stage."]
-    step: A[str, LEVEL, "What each stage is above the one before."]
-    hold: A[float, HELD, "Time for which each stage is held."]
-
-class TestTable(Declared):
-    form_name = "entries"
-    load: A[float, LOAD, "Normal load on the pin."]
-    velocity: A[float, VELOCITY, "Sliding velocity."]
-    friction: A[float | None, FRICTION,
-        "Measured coefficient of friction; by default the scene's."] = None
-    bulk_temperature: A[float | None, BULK,
-        "Bulk temperature of both bodies; by default the scene's."] = None
-    hold: A[float | None, DURATION,
-        "Time at the full load; by default that of `[loading]`."] = None
-    with_: A[dict[str, Any] | None, Changes(),
-        "Other entries of the scene that differ in this test, by their paths, such as "
-        '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
-        "The critical temperature, its criterion, `[oil]` and `[model]` are those of the scene.",
-        Example({"pin.radius": "3 mm"})] = None
-    number: A[str | int | None, NAME,
-        "Number or name of the test in answers; by default its place in the file or log."] = None
-    oil: A[str | int | None, NAME,
-        "Oil of the test. A scene takes the tests of one oil."] = None
-
-class TransitionTable(TestTable):
-    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
-        "Step of velocity or of load by which the transition was reached: wear was still mild one "
-        "step before.", Example("0.25 m/s")] = None
-
-class _RunTable(TestTable):
-    run: A[str | int | None, NAME,
-        "Run of the test, by default its own. Tests of one run have one specimen, and count as "
-        "one."] = None
-    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
-        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
-        "default those of `[loading]`, whose rate leads from stage to stage.",
-        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})] = None
-
-class Test(_RunTable):
-    outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
-
-class Stages(_RunTable):
-    form_name = "run by stages"
-    load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
-    velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]
-    mild_up_to: A[Any, Scalar(),
-        "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
-        "velocity if `load` is; give it alone if no stage was severe.", Example("400 N")] = None
-    severe_at: A[Any, Scalar(),
-        "Severe stage of a run; give it alone if it was the first stage.",
-        Example("450 N")] = None
-
 class SceneFile(Declared):
     extends: A[str | None,
         "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
@@ -398,10 +329,10 @@ class SceneFile(Declared):
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None
     sweep: A[Any, table_of(SweepTable), "The points of the load–velocity plane to compute."]
-    measured: A[tuple[Any, ...], _list_of_tests(TransitionTable),
+    measured: A[tuple[Any, ...], list_of_tests(TransitionTable),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
-    tested: A[tuple[Any, ...], _list_of_tests(Test, Stages),
+    tested: A[tuple[Any, ...], list_of_tests(Test, Stages),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer`, and for the model's own error."] = ()
 # fmt: on

@@ -17,7 +17,6 @@ from pipeline.scene.choices import choices_of, read_sheet
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
-    EvenLevels,
     EvenStages,
     MaterialTable,
     MeasuredSurfaceTable,
@@ -28,6 +27,7 @@ from pipeline.scene.format import (
     StagesTable,
     Window,
 )
+from pipeline.scene.format_of_tests import EvenLevels
 from pipeline.scene.names import UNITS
 from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.conditions import Conditions

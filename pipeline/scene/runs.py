@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import Stages, Test, TestTable
+from pipeline.scene.format_of_tests import Stages, Test, TestTable
 from pipeline.scene.kinds import LOAD, VELOCITY
 from pipeline.scene.parts import levels_of
 from tribo import InputError

@@ -16,9 +16,8 @@ from pipeline.scene.format import (
     OilTable,
     RampTable,
     RandomSurface,
-    Test,
-    TransitionTable,
 )
+from pipeline.scene.format_of_tests import Test, TransitionTable
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.laws import add_laws
 from pipeline.scene.written import entries_of

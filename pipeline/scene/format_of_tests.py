@@ -1,0 +1,94 @@
+"""The format of tests in scene files: measured transitions, outcomes, and runs by stages."""
+
+from __future__ import annotations
+
+from typing import Annotated as A
+from typing import Any
+
+from pipeline import extras
+from pipeline.scene.declare import Changes, Declared, Each, Either, Example, List, table_of
+from pipeline.scene.kinds import (
+    BULK,
+    DURATION,
+    FRICTION,
+    HELD,
+    LEVEL,
+    LOAD,
+    VELOCITY,
+    OneOf,
+    OneQuantity,
+    Quantity,
+    Scalar,
+    Text,
+    Whole,
+)
+from pipeline.sweep.measurement import OUTCOMES
+
+NAME = Either(Text(), Whole(at_least=0))
+
+
+def list_of_tests(*own: type) -> List:
+    """Kind of scene entry: a list of tests, each a table declared by one of the classes `own`.
+
+    Classes of tests that optional parts of the program add are allowed, too.
+    """
+    first, *others = own
+    brought = (form for one in extras.modules("format") for form in one.FORMS)
+    return List(Either(*map(table_of, (first, *brought, *others))))
+
+
+# fmt: off
+class EvenLevels(Declared):
+    form_name = "even stages"
+    first: A[str, LEVEL, "Load or velocity of the first stage."]
+    step: A[str, LEVEL, "What each stage is above the one before."]
+    hold: A[float, HELD, "Time for which each stage is held."]
+
+class TestTable(Declared):
+    form_name = "entries"
+    load: A[float, LOAD, "Normal load on the pin."]
+    velocity: A[float, VELOCITY, "Sliding velocity."]
+    friction: A[float | None, FRICTION,
+        "Measured coefficient of friction; by default the scene's."] = None
+    bulk_temperature: A[float | None, BULK,
+        "Bulk temperature of both bodies; by default the scene's."] = None
+    hold: A[float | None, DURATION,
+        "Time at the full load; by default that of `[loading]`."] = None
+    with_: A[dict[str, Any] | None, Changes(),
+        "Other entries of the scene that differ in this test, by their paths, such as "
+        '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
+        "The critical temperature, its criterion, `[oil]` and `[model]` are those of the scene.",
+        Example({"pin.radius": "3 mm"})] = None
+    number: A[str | int | None, NAME,
+        "Number or name of the test in answers; by default its place in the file or log."] = None
+    oil: A[str | int | None, NAME,
+        "Oil of the test. A scene takes the tests of one oil."] = None
+
+class TransitionTable(TestTable):
+    step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
+        "Step of velocity or of load by which the transition was reached: wear was still mild one "
+        "step before.", Example("0.25 m/s")] = None
+
+class _RunTable(TestTable):
+    run: A[str | int | None, NAME,
+        "Run of the test, by default its own. Tests of one run have one specimen, and count as "
+        "one."] = None
+    stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
+        "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
+        "default those of `[loading]`, whose rate leads from stage to stage.",
+        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})] = None
+
+class Test(_RunTable):
+    outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
+
+class Stages(_RunTable):
+    form_name = "run by stages"
+    load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
+    velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]
+    mild_up_to: A[Any, Scalar(),
+        "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
+        "velocity if `load` is; give it alone if no stage was severe.", Example("400 N")] = None
+    severe_at: A[Any, Scalar(),
+        "Severe stage of a run; give it alone if it was the first stage.",
+        Example("450 N")] = None
+# fmt: on
