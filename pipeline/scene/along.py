@@ -116,16 +116,12 @@ class OperatingPoints:
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
         places = tuple(Place(row["load"], row["velocity"]) for row in rows)
-        remarks = *_taken_as(sheet), *sheet.remarks
-        return cls(places, others, conditions, remarks, sheet.counted)
-
-
-def _taken_as(sheet: Sheet) -> Iterator[str]:
-    """Yield a note for an oil temperature that is taken as the bulk temperature."""
-    if "bulk_temperature" in sheet.places:
-        text = sheet.heading("bulk_temperature").text
-        if sheet.heading("bulk_temperature").name != "bulk_temperature":
-            yield f"column {quoted(text)} is taken as the bulk temperature of both bodies"
+        remarks = [*sheet.remarks]
+        bulk = sheet.heading("bulk_temperature") if "bulk_temperature" in sheet.places else None
+        if bulk and bulk.name != "bulk_temperature":  # that of the oil
+            taken = f"column {quoted(bulk.text)} is taken as the bulk temperature of both bodies"
+            remarks.insert(0, taken)
+        return cls(places, others, conditions, tuple(remarks), sheet.counted)
 
 
 def columns_of(columns: Any) -> dict[str, list[Any]]:

@@ -18,7 +18,7 @@ from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.case import Case
 from pipeline.sweep.measurement import TEST, Measurement
 from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
-from tribo import Conditions, InputError, MeasuredLoad, Ramp, Scene, Stages
+from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages
 from tribo.simulation import widen_window
 
 _OWN = {
@@ -101,9 +101,21 @@ class TestReader:
         return tuple(made)
 
     def staged(self, scene: Scene, test: Measurement) -> Scene:
-        """The scene with the stages of a test; or with so many of its own that it has the test."""
+        """The scene with the stages of a test; or with so many of its own that it has the test.
+
+        Its window is wide enough for the stages.
+        """
         if test.stages is not None:
-            return _with_stages(scene, test)
+            if isinstance(scene.loading, MeasuredLoad):
+                problem = "stages need a rate of the load; give [loading] a rate, not a record"
+                raise InputError(problem)
+            name, _, _ = levels_of(test.stages, 0.0)
+            end = test.normal_load if name == "load" else test.velocity
+            _, levels, holds = levels_of(test.stages, end)
+            loads, velocities = (levels, ()) if name == "load" else ((test.normal_load,), levels)
+            own = Stages(loads, holds, scene.loading.rate, velocities)
+            own.count(test.normal_load, test.velocity)  # raises if it is no stage
+            return widen_window(replace(scene, loading=own), test.velocity)
         if not isinstance(scene.loading, Stages):
             return scene
         loading, stages = scene.loading, self.parts.declared.loading.stages
@@ -160,24 +172,18 @@ def attach_case(test: Measurement, number: int, case: Case) -> Measurement:
     if test.bulk_temperature is not None:
         own = replace(own, bulk_temperature=test.bulk_temperature, disk_temperature=None)
     own = own.replace_friction(test.friction)
-    _require_one_velocity(scene, own)
+    rises = isinstance(scene.loading, Stages) and scene.loading.velocities
+    if rises and (parts := own.corrections) and (parts.keeps_heat or own.has_friction_curve):
+        raise InputError(
+            "stages of velocity take one friction, and no body with a track_length or a diameter; "
+            "give the test its friction, and leave out the others"
+        )
     if own.friction and not scene.friction_heat:
         scene = replace(scene, friction_heat=True)
     own_case = replace(
         case, name=((TEST, number),), scene=scene, conditions=own, friction_band=None
     )
     return replace(test, own=own_case)
-
-
-def _require_one_velocity(scene: Scene, conditions: Conditions) -> None:
-    """Raise an `InputError` if the velocity rises in stages, and conditions depend on its past."""
-    parts = conditions.corrections
-    rises = isinstance(scene.loading, Stages) and scene.loading.velocities
-    if rises and parts and (parts.keeps_heat or conditions.has_friction_curve):
-        raise InputError(
-            "stages of velocity take one friction, and no body with a track_length or a diameter; "
-            "give the test its friction, and leave out the others"
-        )
 
 
 def with_changes(entries: Entries, tests: Iterable[Measurement]) -> dict[str, Any]:
@@ -210,21 +216,6 @@ def _misplaced(test: Measurement) -> Iterator[str]:
 def is_in(path: str, other: str) -> bool:
     """True if an entry is another one, or in its table, or its table has the other one."""
     return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")
-
-
-def _with_stages(scene: Scene, test: Measurement) -> Scene:
-    """The scene with a test's own stages, in a window that is wide enough for them."""
-    if isinstance(scene.loading, MeasuredLoad):
-        raise InputError("stages need a rate of the load; give [loading] a rate, not a record")
-    ends = {"load": test.normal_load, "velocity": test.velocity}
-    name, _, _ = levels_of(test.stages, 0.0)
-    _, levels, holds = levels_of(test.stages, ends[name])
-    if name == "load":
-        loading = Stages(levels, holds, scene.loading.rate)
-    else:
-        loading = Stages((test.normal_load,), holds, scene.loading.rate, levels)
-    loading.count(test.normal_load, test.velocity)  # raises if it is no stage
-    return widen_window(replace(scene, loading=loading), test.velocity)
 
 
 def _held(scene: Scene, hold: float | None) -> Scene:

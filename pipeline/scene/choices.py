@@ -75,7 +75,17 @@ def choose(sheet: Sheet, choices: Choices, chosen: Mapping[str, str]) -> None:
             sheet.faults.append(f"columns.{name}: no column {quoted(head)}; give one of {every}")
     _take_rows(sheet, choices.where or {}, is_kept=True)
     _take_rows(sheet, choices.skip or {}, is_kept=False)
-    _add_given(sheet, choices.given or {})
+    for name, value in (choices.given or {}).items():  # columns that the file lacks
+        if name not in sheet.units:  # a log ignores what only traces need, and the reverse
+            continue
+        like = sheet.units[name]
+        try:
+            if like is not None and (like or not re.fullmatch(r"[\d.eE+-]+", str(value))):
+                to_si(str(value), f"1 {like}")
+        except UnitError as error:
+            sheet.faults.append(f'given.{name}: {error}; give one such as "1 {like}"')
+            continue
+        sheet.add(name, "", [str(value)] * len(sheet.rows))
 
 
 def require_known(choices: Choices, known: set[str]) -> None:
@@ -113,24 +123,6 @@ def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
         left = found.keys() - wanted if is_kept else wanted
         reason = f"{'is not of' if is_kept else 'has'} {head} {value}"
         sheet.leave_out(dict.fromkeys(left, reason))
-
-
-def _add_given(sheet: Sheet, given: Mapping[str, Any]) -> None:
-    """Add columns for quantities that the file lacks, with the values `given` by the user.
-
-    Quantities that this kind of table does not use are ignored.
-    """
-    for name, value in given.items():
-        if name not in sheet.units:  # a log ignores what only traces need, and the reverse
-            continue
-        like = sheet.units[name]
-        try:
-            if like is not None and (like or not re.fullmatch(r"[\d.eE+-]+", str(value))):
-                to_si(str(value), f"1 {like}")
-        except UnitError as error:
-            sheet.faults.append(f'given.{name}: {error}; give one such as "1 {like}"')
-            continue
-        sheet.add(name, "", [str(value)] * len(sheet.rows))
 
 
 def read_sheet(

@@ -13,7 +13,7 @@ import itertools
 import keyword
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
 from types import NoneType, UnionType
 from typing import (
@@ -86,7 +86,18 @@ class Entry(NamedTuple):
 def table_of(table: type[Any]) -> Table:
     """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
     hints = get_type_hints(table, include_extras=True)
-    keys = {one.name.rstrip("_"): _entry(hints[one.name], one) for one in fields(table)}
+    keys = dict[str, Entry]()
+    for one in fields(table):
+        hint, is_needed = hints[one.name], one.default is MISSING
+        notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+        keys[one.name.rstrip("_")] = Entry(
+            kind_of(hint),
+            meaning=next((note for note in notes if isinstance(note, str)), ""),
+            example=next((note.value for note in notes if isinstance(note, Example)), None),
+            default=None if is_needed else one.default,
+            is_needed=is_needed,
+            is_store_only=any(isinstance(note, StoreOnly) for note in notes),
+        )
     name = table.__name__.removesuffix("Table")
     words = re.sub("(?<=.)(?=[A-Z])", " ", name).lower()
     return Table(keys, table, getattr(table, "form_name", words))
@@ -95,14 +106,6 @@ def table_of(table: type[Any]) -> Table:
 def attribute_of(key: str) -> str:
     """Name of the attribute with the value of a key; words of Python get an underscore."""
     return f"{key}_" if keyword.iskeyword(key) else key
-
-
-def _entry(hint: Any, field: Field[Any]) -> Entry:
-    notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-    meaning = next((note for note in notes if isinstance(note, str)), "")
-    example = next((note.value for note in notes if isinstance(note, Example)), None)
-    needed, kept = field.default is MISSING, any(isinstance(note, StoreOnly) for note in notes)
-    return Entry(kind_of(hint), meaning, example, None if needed else field.default, needed, kept)
 
 
 def kind_of(hint: Any) -> Kind:

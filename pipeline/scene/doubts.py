@@ -62,17 +62,13 @@ def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
         with suppress(Exception):  # of a user's own law, which fails where it is simulated
             for one in doubts(case, facts_of(case)):
                 found.setdefault(one.place or one.words, []).append(one)
-    of_cases = (_counted(each, len(chosen)) for each in found.values())
+    of_cases = list[Remark]()
+    for first, *others in found.values():
+        count = 1 + len(others)
+        more = f" (in {count} of {len(chosen)} cases)" * (count < len(chosen))
+        of_cases.append(first._replace(words=first.words + more))
     valued = (Remark(place, "warning", words) for place, words in values)
     return *valued, *noted, *of_cases
-
-
-def _counted(alike: Sequence[Remark], cases: int) -> Remark:
-    """The first of some doubts about one entry, with the number of cases that have it."""
-    first = alike[0]
-    if len(alike) == cases:
-        return first
-    return first._replace(words=f"{first.words} (in {len(alike)} of {cases} cases)")
 
 
 def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:

@@ -92,22 +92,18 @@ def read_lines(path: Path, names: Names, sheet: str | None, most: int = MOST_ROW
         if sheet:
             raise InputError(f'{path} has no sheet "{sheet}", as it is a text; leave the sheet out')
         text, form = decoded(content)
-        _require_few(path, lines := text.splitlines(), most)
+        lines = text.splitlines()
+        if len(lines) > most + _MOST_ABOVE:  # before they are split into cells
+            fewer = f"keep fewer, such as one of {math.ceil(len(lines) / most)}"
+            raise InputError(
+                f"{path} has {len(lines)} rows, and at most {most} can be used here; {fewer}"
+            )
         mark = find_separator(lines, names)
         rows = [row for row in split_lines(lines, mark) if any(row.cells)]
     except (OSError, csv.Error) as error:
         reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
         raise InputError(f"{path} cannot be read: {reason}") from error
     return [Lines(rows, [f"{BETWEEN[mark]} between cells", *form], mark)]
-
-
-def _require_few(path: Path, lines: Sequence[str], most: int) -> None:
-    """Raise an `InputError` for more than `most` rows, before they are split into cells."""
-    if len(lines) > most + _MOST_ABOVE:
-        raise InputError(
-            f"{path} has {len(lines)} rows, and at most {most} can be used here; keep fewer, such "
-            f"as one of {math.ceil(len(lines) / most)}"
-        )
 
 
 def headings_at(rows: Sequence[SheetRow], k: int) -> tuple[list[Heading], int]:

@@ -65,23 +65,19 @@ def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
     run = entry.run if entry.run is not None else f"number {entry.number}"
     common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
     if entry.stages is not None and ends:
+        last = max(ends.values())  # the last stage that is named ends the specimen
         with faults.at(f"{place}.stages"):
-            common["stages"] = _up_to(entry.stages, name, max(ends.values()))
+            found, levels, holds = levels_of(entry.stages, last)
+            if found != name:
+                problem = f"these are stages of {found}, which the test gives, too; leave out one"
+                raise InputError(problem)
+            common["stages"] = tuple(
+                (f"{level!r} {UNITS[name]}", hold)
+                for level, hold in zip(levels, holds, strict=True)
+                if level <= last * (1 + 1e-9)
+            )
     for outcome, value in ends.items():
         yield Test(**common | {"run": run, name: value, "outcome": outcome})
-
-
-def _up_to(stages: Any, name: str, end: float) -> tuple[tuple[str, float], ...]:
-    """Level and hold [s] of each stage of a specimen, which ends at the last stage that is named.
-
-    `name` is what rises from stage to stage, load or velocity, and `end` the last level of it.
-    """
-    found, levels, holds = levels_of(stages, end)
-    if found != name:
-        raise InputError(f"these are stages of {found}, which the test gives, too; leave out one")
-    pairs = zip(levels, holds, strict=True)
-    last = end * (1 + 1e-9)
-    return tuple((f"{level!r} {UNITS[name]}", hold) for level, hold in pairs if level <= last)
 
 
 def tests_of(scene: Any) -> tuple[Any, ...]:

@@ -14,7 +14,7 @@ from pipeline.scene.faults import Faults
 from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
-from pipeline.scene.uncertain import InputReader
+from pipeline.scene.uncertain import uncertain_inputs
 from pipeline.sweep.case import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
@@ -109,7 +109,7 @@ def read_sweep(
     entries = source.reader.complete(source.written, parts)
     test_reader = TestReader(source.reader, source.written, entries, parts)
     tests = test_reader.tests(base, found)
-    inputs = tuple(InputReader(test_reader, base).inputs(tests, found))
+    inputs = tuple(uncertain_inputs(test_reader, base, tests, found))
     if faults is None and found:
         raise InputError(f"{found[0].key}: {found[0].problem}")
     return Sweep(

@@ -30,48 +30,46 @@ _FACTOR = re.compile(r"\s*factor\s+([\d.]+)\s*")
 _MOST = 10.0  # factor
 
 
-@dataclass(frozen=True)
-class InputReader:
-    """Reads ``[uncertainty]``; `tests` reads the tests of a scene, and `base` is the scene."""
+def uncertain_inputs(
+    reader: TestReader, base: Case, tests: Sequence[Measurement], faults: Faults
+) -> Iterator[Input]:
+    """Yield the uncertain inputs of a scene, `base`, with its `tests`; faults go to `faults`."""
+    for path, text in (reader.parts.declared.uncertainty or {}).items():
+        try:
+            entry = numeric_entry(path, reader.entries)
+            from_tests = text == FROM_TESTS and path == CRITICAL
+            spread = None if from_tests else _spread(path, text)
+            made = Input(path, text, entry.values[0], entry.unit, spread, path in _KELVIN)
+            if path not in AFTER and spread is not None:
+                value = entry.scaled(math.exp(spread))
+                case = _in_window(_changed_case(reader, base, {path: value}), base)
+                own = dict(_cases_of_tests(reader, base, path, value, tests))
+                made = replace(made, case=case, tests=own)
+            yield made
+        except (UnfitError, InputError) as problem:
+            faults.refuse(f'uncertainty."{path}"', str(problem))
 
-    tests: TestReader
-    base: Case
 
-    def inputs(self, tests: Sequence[Measurement], faults: Faults) -> Iterator[Input]:
-        """Yield the uncertain inputs of a scene with these tests; faults are added to `faults`."""
-        for path, text in (self.tests.parts.declared.uncertainty or {}).items():
-            try:
-                entry = numeric_entry(path, self.tests.entries)
-                from_tests = text == FROM_TESTS and path == CRITICAL
-                spread = None if from_tests else _spread(path, text)
-                made = Input(
-                    path, text, entry.values[0], entry.unit, spread, is_kelvin=path in _KELVIN
-                )
-                if path not in AFTER and spread is not None:
-                    made = self._with_cases(made, entry.scaled(math.exp(spread)), tests)
-                yield made
-            except (UnfitError, InputError) as problem:
-                faults.refuse(f'uncertainty."{path}"', str(problem))
+def _cases_of_tests(
+    reader: TestReader, base: Case, path: str, value: Any, tests: Sequence[Measurement]
+) -> Iterator[tuple[int, Case]]:
+    """Yield number and case of each test with another value; what a test states is exact for it."""
+    for number, test in enumerate(tests):
+        is_stated = any(is_in(own, path) for own in test.changes)
+        if is_stated or (path == "loading.hold" and test.hold is not None):
+            continue
+        case = _changed_case(reader, base, {**test.changes, path: value})
+        case = replace(case, scene=reader.staged(case.scene, test))
+        case = attach_case(test, number, case).simulated
+        yield number, _in_window(case, test.simulated)
 
-    def _with_cases(self, made: Input, value: Any, tests: Sequence[Measurement]) -> Input:
-        """The input with its cases; what a test states itself is exact for it."""
-        own = {}
-        for number, test in enumerate(tests):
-            is_stated = any(is_in(path, made.path) for path in test.changes)
-            if is_stated or (made.path == "loading.hold" and test.hold is not None):
-                continue
-            case = self._case({**test.changes, made.path: value})
-            case = replace(case, scene=self.tests.staged(case.scene, test))
-            case = attach_case(test, number, case).simulated
-            own[number] = _in_window(case, test.simulated)
-        return replace(made, case=_in_window(self._case({made.path: value}), self.base), tests=own)
 
-    def _case(self, changes: dict[str, Any]) -> Case:
-        parts, found = self.tests.read_changed(json.dumps(changes))
-        if parts is None or found:
-            problem = found[0].problem if found else "it cannot be read"
-            raise UnfitError(f"one standard uncertainty more is refused: {problem}")
-        return case_of(parts, self.base)
+def _changed_case(reader: TestReader, base: Case, changes: dict[str, Any]) -> Case:
+    parts, found = reader.read_changed(json.dumps(changes))
+    if parts is None or found:
+        problem = found[0].problem if found else "it cannot be read"
+        raise UnfitError(f"one standard uncertainty more is refused: {problem}")
+    return case_of(parts, base)
 
 
 def _in_window(case: Case, other: Case) -> Case:
