@@ -13,7 +13,7 @@ from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.likelihood import Belief, condition
 from pipeline.analysis.margin_frame import margin
-from pipeline.analysis.results import ResultsLike
+from pipeline.analysis.reading import ResultsLike
 from pipeline.analysis.tables import frame_of
 from pipeline.constants import LITTLE_HELP
 from pipeline.sweep.shown import shown

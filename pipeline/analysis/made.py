@@ -27,16 +27,12 @@ def made_points(data: Results) -> Mask:
             near = np.abs(values[:, None] - own) <= _SAME * np.abs(own)
             made |= ~near.any(axis=1)[:, None] if name == "load" else ~near.any(axis=1)
     if data.store is None and all(name in data.variables for name in _BALANCE):
-        made |= ~_balances(data)
+        # The pressure at the end of a computed point carries the load on it.
+        pressure, fraction, load = (data.values(name)[..., -1] for name in _BALANCE)
+        grid, pin = data.sweep.scene.grid, data.sweep.scene.pin
+        carried = pressure * fraction * np.prod(grid.size) * pin.patches(grid)
+        made |= ~(np.abs(carried - load) <= _SAME * load)
     return made & data.done
-
-
-def _balances(data: Results) -> Mask:
-    """True where the pressure at the end of a point carries the load on it."""
-    pressure, fraction, load = (data.values(name)[..., -1] for name in _BALANCE)
-    grid, pin = data.sweep.scene.grid, data.sweep.scene.pin
-    carried = pressure * fraction * np.prod(grid.size) * pin.patches(grid)
-    return np.asarray(np.abs(carried - load) <= _SAME * load)
 
 
 def note_on_made(data: Results) -> str:

@@ -283,16 +283,18 @@ def margin_frame(
 ) -> pd.DataFrame:
     """Data frame with a row for each judged operating point in `found`.
 
-    Varied entries, and further columns of the user's `points`, come first.
+    Varied entries, and further columns of the user's `points`, come first; a heading that the
+    answers have gets the suffix "(given)".
     """
-    names = _label_names(found) if data.kind is Layout.PLACES else data.entry_dims
+    names = list(data.entry_dims)
+    if data.kind is Layout.PLACES:
+        labels = [name for one in found[:1] for name in one.source.labels]
+        names = [name for name in labels if name != VARIANT] or labels
     heads = heads_of(data.rows, names)
-    labels = pd.DataFrame(
-        {
-            head: [shown_label(data.rows[name], one.source.labels[name]) for one in found]
-            for name, head in heads.items()
-        }
-    )
+    columns: dict[str, list[Any]] = {
+        head: [shown_label(data.rows[name], one.source.labels[name]) for one in found]
+        for name, head in heads.items()
+    }
     rows = []
     for one in found:
         notes = [*doubts_of_row(one.own)]
@@ -305,7 +307,10 @@ def margin_frame(
             notes += [*filter(None, [film, one.margin.against]), *one.margin.caveats]
         rows.append((*one.place, *values, join_notes(notes)))
     answers = frame_of(("load [N]", "velocity [m/s]", *_COLUMNS.values(), "notes"), rows)
-    return pd.concat([labels, _copied_columns(points, answers), answers], axis="columns")
+    for head, given in points.others.items() if points else ():
+        name = f"{head} (given)" if head in answers or head in columns else head
+        columns[name] = [*given] * (len(answers) // len(given))  # points repeat for each scene
+    return pd.concat([pd.DataFrame(columns, answers.index), answers], axis="columns")
 
 
 _COLUMNS = column_heads(
@@ -320,30 +325,6 @@ LONG = (
     "critical load [N]", "velocity outcome", "load outcome", "conditions", "notes",
 )  # fmt: skip
 """Columns left out on a terminal or a page, which are too narrow."""
-
-
-def _label_names(found: Sequence[Asked]) -> list[str]:
-    """Names of the coordinates that identify the operating points `found`.
-
-    The number of a row of the sweep's table is left out, unless there is nothing else.
-    """
-    names = [name for one in found[:1] for name in one.source.labels]
-    return [name for name in names if name != VARIANT] or names
-
-
-def _copied_columns(points: OperatingPoints | None, answers: pd.DataFrame) -> pd.DataFrame:
-    """Frame of the columns of the user's table `points` other than load and velocity.
-
-    The frame has the rows of `answers`, in which the operating points are repeated for each scene.
-    A heading that `answers` already has gets the suffix "(given)". If `points` is None, the frame
-    has no columns.
-    """
-    taken, count = {*answers}, len(answers)
-    columns = {
-        f"{head} (given)" if head in taken else head: [*values] * (count // len(values))
-        for head, values in (points.others.items() if points else ())
-    }
-    return pd.DataFrame(columns, index=answers.index)
 
 
 def counts_in_words(frame: pd.DataFrame, points: OperatingPoints | None = None) -> str:

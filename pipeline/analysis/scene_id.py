@@ -101,12 +101,8 @@ def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
         among = wrong.any([other for other in wrong.dims if other != dim]).values
         if dim == "load" or not among.all():
             unit = ds[dim].attrs.get("units", "")
-            labels = f"{dim} {_listed(ds[dim].values[among])} {unit}"
-            words.append(labels.removesuffix(" 1").strip())
+            values = ds[dim].values[among].tolist()
+            shown = [f"{one:g}" if isinstance(one, float) else str(one) for one in values[:_NAMED]]
+            listed = ", ".join(shown) + ", …" * (len(values) > _NAMED)
+            words.append(f"{dim} {listed} {unit}".removesuffix(" 1").strip())
     return ", ".join(words) or "its place"
-
-
-def _listed(values: Array) -> str:
-    """First values of an axis [SI] in words."""
-    shown = [f"{value:g}" if isinstance(value, float) else str(value) for value in values.tolist()]
-    return ", ".join(shown[:_NAMED]) + (", …" if len(shown) > _NAMED else "")

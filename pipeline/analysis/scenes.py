@@ -31,8 +31,15 @@ def side_by_side(answers: list[xr.Dataset], axes: Sequence[xr.DataArray]) -> xr.
         if name not in {*alike, *names}
     }
     for axis in reversed(axes):
-        starts = range(0, len(answers), axis.size)
-        answers = [_joined(answers[start : start + axis.size], axis) for start in starts]
+        labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
+        parts = [one.drop_vars(labels, errors="ignore") for one in answers]
+        answers = [
+            xr.concat(
+                parts[start : start + axis.size], axis, data_vars="all", coords="minimal",
+                compat="override", join="override", combine_attrs="drop_conflicts",
+            ).assign_coords(labels)
+            for start in range(0, len(parts), axis.size)
+        ]  # fmt: skip
     whole = answers[0].assign_coords(others)
     whole.attrs = alike
     return whole
@@ -70,17 +77,6 @@ def _usual_unit(axis: xr.DataArray) -> str:
     path, unit = path_of_dimension(str(axis.name)), str(axis.attrs.get("units", ""))
     own = typeset(number_at(path).unit)
     return own if own and unit else _OWN.get(unit, unit)
-
-
-def _joined(results: Sequence[xr.Dataset], axis: xr.DataArray) -> xr.Dataset:
-    """Join results for the values of an entry along its dimension, `axis`."""
-    labels = {name: label for name, label in axis.coords.items() if label.dims == axis.dims}
-    parts = [part.drop_vars(labels, errors="ignore") for part in results]
-    joined = xr.concat(
-        parts, axis, data_vars="all", coords="minimal", compat="override", join="override",
-        combine_attrs="drop_conflicts",
-    )  # fmt: skip
-    return joined.assign_coords(labels)
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:

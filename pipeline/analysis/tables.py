@@ -208,21 +208,18 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     Raises an `InputError` unless it ends in one of `suffixes`, and its folder can be written.
     """
     path = user_path(out)
-    try:
-        return _checked(path, out, suffixes)
-    except OSError as error:  # such as a name that is too long
-        raise InputError(f"cannot write {out}: {error.strerror}") from error
-
-
-def _checked(path: Path, out: str | Path, suffixes: Sequence[str]) -> Path:
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
         raise InputError(f"cannot write {out}: the suffix must be {allowed}")
-    if not path.parent.is_dir():
-        raise InputError(f"cannot write {out}: there is no folder {path.parent}")
-    places = (path.parent, path) if path.exists() else (path.parent,)
-    if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
-        raise InputError(f"cannot write {out}: it is a folder, or it or its folder is not writable")
+    try:
+        if not path.parent.is_dir():
+            raise InputError(f"cannot write {out}: there is no folder {path.parent}")
+        places = (path.parent, path) if path.exists() else (path.parent,)
+        if path.is_dir() or not all(os.access(place, os.W_OK) for place in places):
+            problem = "it is a folder, or it or its folder is not writable"
+            raise InputError(f"cannot write {out}: {problem}")
+    except OSError as error:  # such as a name that is too long
+        raise InputError(f"cannot write {out}: {error.strerror}") from error
     return path
 
 

@@ -131,30 +131,26 @@ def evidence_of(
         if not (row.reason or row.is_outside):
             grouped.setdefault(row.specimen, []).append(row)
     members = tuple(map(tuple, grouped.values()))
-    results = tuple(_moved_result(own, effects, way) for own in members)
+    results = tuple(_result(own, effects, way) for own in members)
     return Evidence(rows, results, members, condition(results, data.prior, len(effects.inputs)))
 
 
-def _moved_result(rows: Sequence[Row], effects: Effects, way: float) -> Result:
+def _result(rows: Sequence[Row], effects: Effects, way: float) -> Result:
     """What one specimen says, with the inputs at their values before the tests."""
     found = [effects.of_test(row.place, row.test, row.conditions) for row in rows if row.conditions]
     a = tuple(np.mean(found, axis=0).tolist())
     moved = 0.0 if effects.critical is None else a[effects.critical] * way
-    result = _result(rows)
-    return replace(result, y=result.y - moved, a=a)
-
-
-def _result(rows: Sequence[Row]) -> Result:
-    """What one specimen says: an interval, or a transition where it contradicts itself."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.nan)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=math.nan)
     if math.isnan(mild):
-        return Result(severe)
-    if math.isnan(severe):
-        return Result(mild, sign=-1)
-    if severe >= mild:
-        return Result(severe, width=severe - mild)
-    return Result((severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3))
+        result = Result(severe)
+    elif math.isnan(severe):
+        result = Result(mild, sign=-1)
+    elif severe >= mild:
+        result = Result(severe, width=severe - mild)
+    else:  # the specimen contradicts itself, which counts as a transition
+        result = Result((severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3))
+    return replace(result, y=result.y - moved, a=a)
 
 
 def _rows(data: Results, oil: Conditions) -> Iterator[Row]:

@@ -102,18 +102,15 @@ def mend_store(path: PathLike, sweep: Sweep) -> int:
     with locked(place) as lock:
         root = read_root(place)
         require_same_scene(place, root, sweep)
-        store = Store(place, root, lock, is_damaged=True)
-        return sum(_mend(group) for group in (store, store.tests) if group)
-
-
-def _mend(store: Store) -> int:
-    """Mark damaged points as pending and repair shared files; return the number of both."""
-    damage = _find_damage(store, silent)
-    # Statuses first, so that a done point is whole even after a kill in between.
-    store.write({}, dict.fromkeys(damage.points, PENDING))
-    with io_errors(store.place, "written"):
-        store.place.put(store.encoder(damage.files.values()))
-    return len(damage.points) + len(damage.files)
+        store, count = Store(place, root, lock, is_damaged=True), 0
+        for group in filter(None, (store, store.tests)):
+            damage = _find_damage(group, silent)
+            # Statuses first, so that a done point is whole even after a kill in between.
+            group.write({}, dict.fromkeys(damage.points, PENDING))
+            with io_errors(place, "written"):
+                place.put(group.encoder(damage.files.values()))
+            count += len(damage.points) + len(damage.files)
+    return count
 
 
 class _Damage(NamedTuple):
