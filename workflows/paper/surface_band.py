@@ -42,7 +42,7 @@ def band(study: Study) -> Report:
     velocities = np.transpose(patches)
     spreads = velocities.std(axis=1, ddof=1) / velocities.mean(axis=1)
     at_ends = boundary(at(ds, friction=(least, most)))["critical_velocity"].sel(
-        {"load": loads, "friction.coefficient": [most, least]}
+        {"load": loads, "friction_coefficient": [most, least]}
     )
     ends = at_ends.transpose("load", ...).values
     within = np.quantile(velocities, (0.1, 0.9), axis=1).T
