@@ -21,10 +21,10 @@ from .scene.new import new_scene as new_scene
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import run_point as run_point
 from .scene.units import to_si as to_si
+from .store.checks import summary as summary
+from .store.checks import verify_store as verify_store
 from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError
-from .store.progress import summary as summary
-from .store.verify import verify_store as verify_store
 from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
 from .tradeoff.choose import choose_accuracy as choose_accuracy

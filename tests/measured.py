@@ -139,7 +139,7 @@ ROWS = {
         "two sets of patches differ as little as their errors by the surface say",
         ("tribo", "pipeline/analysis"),
         "python -m tests.promises.patches",
-        "--patches 2",
+        "--patches 6",
         "",
         last_line,
     ),

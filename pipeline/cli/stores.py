@@ -12,9 +12,9 @@ from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, records, short
 from pipeline.cli.given import dataset_in
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working, wrapped
+from pipeline.store.checks import states
 from pipeline.store.place import REMEDY, ROOT, StoreError
-from pipeline.store.progress import Summary, summary_of
-from pipeline.store.write import opened
+from pipeline.store.progress import Summary
 from pipeline.sweep.conditions import DIMENSIONS
 from pipeline.sweep.selection import error_in_words
 
@@ -30,8 +30,7 @@ def status(options: argparse.Namespace) -> Result:
         frame = frame_of(_HEADS, rows)
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
-    store = opened(path)
-    state, sweep = summary_of(store), store.sweep
+    state, sweep = states(path)
     counts = _counts(state) if state.left_out else f"{state.total} points: {_counts(state)}"
     text = [state.title, counts]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
@@ -83,8 +82,8 @@ def _listed(path: Path, name: str) -> list[object]:
     If the store cannot be read, the row says why.
     """
     try:
-        store = opened(path)
-        return _row(name, summary_of(store), store.sweep.preset)
+        state, sweep = states(path)
+        return _row(name, state, sweep.preset)
     except StoreError as error:
         reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
         return [name, f"unreadable: {reason}", *[None] * (len(_HEADS) - 2)]
@@ -106,9 +105,13 @@ def verify(options: argparse.Namespace) -> Result:
     text, rows = list[str](), list[tuple[object, ...]]()
     for kind, one in kinds.items():
         if one:
-            text.append(f"{kind}: {one.done} done and intact, {len(one.damaged)} damaged")
+            state = "intact" if one.has_checksums else "read"
+            text.append(f"{kind}: {one.done} done and {state}, {len(one.damaged)} damaged")
             text += [f"damaged: {damage}" for damage in (*one.damaged, *one.shared)]
             rows += [(p.load, p.velocity, p.place, p.message) for p in one.damaged]
+    text += ["a copy by xarray has no checksums: its data were read, not compared"] * (
+        not check.has_checksums
+    )
     frame = frame_of(("load [N]", "velocity [m/s]", "place", "message"), rows)
     counts = {
         kind: {"done": one.done, "damaged": len(one.damaged)} for kind, one in kinds.items() if one

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED, LEFT_OUT, NOT_ASKED, PENDING
-from pipeline.store.write import Store, opened
+from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import Variant
@@ -75,26 +74,3 @@ def summary_of(store: Store) -> Summary:
         running=holder_of(store.place),
         tests=summary_of(store.tests) if store.tests and store.tests.root.points else None,
     )
-
-
-def summary(path: PathLike) -> Summary:
-    """Count the points of a store by state, and those with warnings, without reading results.
-
-    Parameters
-    ----------
-    path : str or path
-        Folder or address of the store.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> summary = pipeline.summary("results/first_try.zarr")
-    >>> summary.done, summary.pending, summary.failed
-    (24, 0, ())
-    """
-    return summary_of(opened(path))

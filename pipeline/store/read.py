@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-import zipfile
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
-from zarr.storage import ZipStore
 
+from pipeline.store.copies import open_copy
 from pipeline.store.layout import blocks
 from pipeline.store.place import (
-    ROOT,
-    Folder,
     Memory,
     PathLike,
     StoreError,
-    StorePlace,
     damaged,
     io_errors,
     place_of,
     read_errors,
 )
 from pipeline.store.schema import (
-    ABOUT,
     AT_END,
     AT_ENDS,
     AT_TESTS,
@@ -52,38 +45,10 @@ def open_store(path: PathLike) -> xr.Dataset:
     `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
-    if (copy := _open_copy(place)) is not None:
+    if (copy := open_copy(place)) is not None:
         words = [name for name, values in copy.coords.items() if values.dtype.kind == "T"]
         return copy.assign_coords({name: copy[name].astype(object) for name in words})
     return xr.open_dataset(str(place), engine=_Backend, chunks=None)
-
-
-def _open_copy(place: StorePlace) -> xr.Dataset | None:
-    """Open a copy of a sweep that xarray wrote as netCDF or Zarr; None for anything else."""
-    with io_errors(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
-        if isinstance(place, Folder) and zipfile.is_zipfile(place.path):
-            copy = _open_zip(place.path)
-        elif isinstance(place, Folder) and place.path.is_file():
-            copy = xr.open_dataset(place.path, chunks=None)
-        elif place.read(f"{ABOUT}/{ROOT}") is None:
-            form = 2 if place.read(ROOT) is None else 3
-            copy = xr.open_zarr(place.zarr(), zarr_format=form, consolidated=False, chunks=None)
-        else:
-            return None
-        if "scene" in copy.attrs:
-            return copy
-    return None
-
-
-def _open_zip(path: Path) -> xr.Dataset:
-    """Open a zip file of a Zarr group, also if the group is a folder in the file."""
-    with zipfile.ZipFile(path) as archive:
-        names = (Path(name) for name in archive.namelist())
-        roots = [name for name in names if name.name in (ROOT, ".zgroup")]
-    group = min(roots, key=lambda name: len(name.parts)).parent.as_posix().strip(".")
-    held = ZipStore(path, mode="r")
-    copy: xr.Dataset = xr.open_zarr(held, group=group, consolidated=False, chunks=None)
-    return copy
 
 
 class _Backend(BackendEntrypoint):

@@ -29,9 +29,7 @@ from pipeline.store.schema import (
     INPUTS,
     OF_TESTS,
     SCENE_ID,
-    VARIABLES,
     Variable,
-    is_coordinate,
     path_of,
     variables_of,
 )
@@ -244,7 +242,7 @@ class Root(Group):
         )  # fmt: skip
         facts = dict(zip(_FACTS, values, strict=True))
         arrays = self.paths()
-        facts["digest"] = digest_of(facts, arrays)
+        facts["digest"] = digest_of(facts)
         places = {ABOUT: _group(facts), AT_ENDS: _group({})}
         if self.tests:
             places |= {OF_TESTS: _group({}), f"{self.tests.prefix}{ABOUT}": _group({})}
@@ -270,9 +268,7 @@ def with_others(found: Any, new: Document) -> Document:
     return new | {"attributes": {**(others or {}), **new["attributes"]}}
 
 
-def digest_of(facts: Document, arrays: Document) -> str:
-    """SHA-256 of the facts and the arrays' metadata, without texts and users' additions."""
-    names = [INPUTS, *(name for name in VARIABLES if not is_coordinate(name))]
-    numbers = [arrays.get(path_of(name), {}) | {"attributes": {}} for name in names]
-    said = [facts[name] for name in _FACTS], numbers
+def digest_of(facts: Document) -> str:
+    """SHA-256 of the facts, from which the arrays' metadata follow."""
+    said = [facts[name] for name in _FACTS]
     return hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest()

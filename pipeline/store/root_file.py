@@ -42,7 +42,7 @@ from pipeline.sweep.points_of_tests import (
 from tribo.loading.ramp import MOST_STEPS
 from tribo.types import Array
 
-_COPY = "that of a copy by xarray, which can be read, but not verified or resumed"
+_COPY = "that of a copy by xarray, which can be read, but not resumed"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
@@ -109,7 +109,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
             fault = _COPY
         found = metadata[ABOUT]["attributes"]
         version = found["format"]
-        is_own = version == FORMAT and found["digest"] == digest_of(found, metadata)
+        is_own = version == FORMAT and found["digest"] == digest_of(found)
         if is_own and _are_facts(found):
             facts = found
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):

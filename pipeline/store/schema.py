@@ -13,7 +13,7 @@ from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 
-FORMAT = 20
+FORMAT = 21
 """Version of the layout of stores."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

@@ -45,6 +45,7 @@ class Verification:
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
     shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
     tests: Verification | None = None  #: Result for the points of tests, if there are any.
+    has_checksums: bool = True  #: False for a copy by xarray, whose data are read, not compared.
 
     @property
     def is_clean(self) -> bool:
@@ -52,40 +53,15 @@ class Verification:
         return not (self.damaged or self.shared) and (self.tests is None or self.tests.is_clean)
 
 
-def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
-    """Check a whole store for damage; nothing is written.
-
-    Parameters
-    ----------
-    path : str or path
-        Path of the store, which may be in use.
-    progress : callable, optional
-        Called now and then with a `Progress` that counts chunks of points.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store, or one of its files cannot be read now.
-
-    Examples
-    --------
-    >>> import pipeline
-    >>> verification = pipeline.verify_store("results/first_try.zarr")
-    >>> verification.done, verification.damaged, verification.is_clean
-    (24, (), True)
-    """
-    store = Store(place := place_of(path), read_root(place), is_damaged=True)
-    return _verify(store, progress or silent)
-
-
-def _verify(store: Store, progress: Report) -> Verification:
+def verified(store: Store, progress: Report) -> Verification:
+    """Check an open store for damage."""
     damage = _find_damage(store, progress)
     return Verification(
         done=int(np.count_nonzero(store.flags == DONE))
         - sum(bool(store.flags[index] == DONE) for index in damage.points),
         damaged=tuple(damage.points.values()),
         shared=tuple(damage.files),
-        tests=_verify(store.tests, silent) if store.tests else None,
+        tests=verified(store.tests, silent) if store.tests else None,
     )
 
 

@@ -22,12 +22,12 @@ from pathlib import Path
 import dask
 import numpy as np
 from distributed import Client
-from pipeline.sweep.station_choice import choose_stations
 
 import pipeline
 from pipeline.run import schedule
 from pipeline.run.cluster import CONFIGURATION, processes
 from pipeline.run.work import Work
+from pipeline.sweep.plan import choose_stations
 
 _LOADS, _WORKERS = 10, 2
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"

@@ -21,10 +21,10 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.store.checks import verify_store
 from pipeline.store.files import PARTIAL
 from pipeline.store.root_file import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.crash.drive import drive
 from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES

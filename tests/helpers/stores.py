@@ -130,7 +130,7 @@ def sealed(document):
     """Content of a store's root document as bytes, with its digest recomputed."""
     metadata = document["consolidated_metadata"]["metadata"]
     about = metadata["about"]["attributes"]
-    about["digest"] = root.digest_of(about, metadata)
+    about["digest"] = root.digest_of(about)
     return json.dumps(document).encode()
 
 

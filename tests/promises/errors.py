@@ -19,7 +19,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from pipeline.sweep.station_choice import choose_stations
 from scipy.interpolate import PchipInterpolator
 
 import pipeline
@@ -29,7 +28,7 @@ from pipeline.analysis.warned_points import exponents
 from pipeline.constants import BETWEEN, PRESET_BOUNDS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_point
+from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import conclude, table

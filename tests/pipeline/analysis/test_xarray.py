@@ -18,11 +18,6 @@ SWEEP = tiny.sweep(fields=False)
 WAYS = ("open_sweep", "open_zarr", "netCDF", "Zarr 2")
 
 
-def ways(name):
-    """Two of the ways for each operation, which are others from one operation to the next."""
-    return WAYS[0], WAYS[1 + sum(map(ord, name)) % 3]
-
-
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory):
     """Dataset of a store of 3 loads and 3 velocities, by each way to open it."""
@@ -130,7 +125,7 @@ WRITES = {
 @pytest.mark.parametrize("name", KEEPS)
 def test_an_operation_that_keeps_points_keeps_the_answer(name, opened):
     right = crossings(opened["open_sweep"])
-    for way in ways(name):
+    for way in WAYS:
         with np.errstate(all="ignore"):
             done = KEEPS[name](opened[way])
         np.testing.assert_array_equal(crossings(done), right, err_msg=way)
@@ -139,7 +134,7 @@ def test_an_operation_that_keeps_points_keeps_the_answer(name, opened):
 @pytest.mark.parametrize("name", WRITES)
 def test_a_copy_answers_as_its_store(name, opened, tmp_path):
     right = crossings(opened["open_sweep"])
-    for way in ways(name):
+    for way in WAYS:
         (folder := tmp_path / way).mkdir()
         np.testing.assert_array_equal(crossings(WRITES[name](opened[way], folder)), right)
 
@@ -159,7 +154,7 @@ MAKES = {
 @pytest.mark.parametrize("name", MAKES)
 def test_points_that_an_operation_makes_are_answered_and_told_to_be_none_of_the_scene(name, opened):
     own, answers = crossings(opened["open_sweep"]), []
-    for way in ways(name):
+    for way in WAYS:
         with np.errstate(all="ignore"):
             made = MAKES[name](opened[way])
         boundary = pipeline.boundary(made)
@@ -206,7 +201,7 @@ BREAKS = {
 @pytest.mark.parametrize("name", BREAKS)
 def test_what_breaks_a_dataset_is_named(name, opened):
     broken, said = BREAKS[name]
-    for way in ways(name):
+    for way in WAYS:
         with pytest.raises(InputError, match=said):
             pipeline.boundary(broken(opened[way]))
 

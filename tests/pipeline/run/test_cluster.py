@@ -27,7 +27,7 @@ from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected
 from pipeline.run.sweep import run_sweep
 from pipeline.run.work import CODE, ExecutionError, hash_of_code
-from pipeline.store.progress import summary
+from pipeline.store.checks import summary
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE

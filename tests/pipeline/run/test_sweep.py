@@ -23,11 +23,11 @@ from pipeline.run import schedule
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
 from pipeline.store import create, files, versions
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError, StoreMismatchError
-from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
 from tests.helpers import tiny

@@ -5,10 +5,10 @@ import pytest
 import pipeline
 import tribo
 from pipeline.analysis.dataset import open_sweep
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.helpers import tiny

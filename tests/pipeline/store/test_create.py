@@ -19,13 +19,12 @@ import pipeline
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.scene.stored_text import parse_sweep
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
 from pipeline.store.place import StoreError, StoreMismatchError, place_of
-from pipeline.store.progress import summary
 from pipeline.store.take import take_points
-from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points

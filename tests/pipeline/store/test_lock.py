@@ -10,10 +10,9 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from pipeline.store import files
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, StoreError
-from pipeline.store.progress import summary
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.helpers.heard import Heard

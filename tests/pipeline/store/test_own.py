@@ -14,6 +14,7 @@ import zarr
 import pipeline
 import tribo
 from pipeline.store.create import writing
+from pipeline.store.schema import FAILED
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
@@ -93,6 +94,36 @@ def test_a_copy_by_xarray_is_read_as_the_store_is(copy, tmp_path, irg, kind):
     found = pipeline.boundary(target)["critical_velocity"]
     np.testing.assert_array_equal(found, pipeline.boundary(copy)["critical_velocity"])
     assert "mine" in pipeline.open_sweep(target)
+    assert irg("status", target).splitlines()[1] == "9 points: 9 done, 0 failed, 0 pending"
+    assert "points: 9 done and read, 0 damaged" in irg("verify", target)
+    (number,) = irg("status", target, "--json")
+    assert (number["points"], number["done"], number["failed"]) == (9, 9, 0)
+
+
+def test_points_without_results_in_a_copy_are_named(copy, tmp_path, irg):
+    ds = xr.open_zarr(copy, chunks=None).load()
+    ds["max_rise"][0, 1] = np.nan
+    ds["status"][2, 2] = FAILED
+    ds.drop_encoding().to_netcdf(tmp_path / "copy.nc")
+    place = f"{ds['load'].values[0]:g} N, {ds['velocity'].values[1]:g} m/s"
+    said = irg("verify", tmp_path / "copy.nc", code=1)
+    assert f"damaged: {place}: the point is done, and has no results" in said
+    assert "7 done and read, 1 damaged" in said
+    assert "its reason is in the store alone" in irg("status", tmp_path / "copy.nc", code=1)
+
+
+@pytest.mark.parametrize("dim", ["load", "velocity"])
+def test_what_is_appended_to_an_axis_is_taken_off_by_a_run(copy, dim):
+    boundary, sizes = pipeline.boundary(copy), dict(xr.open_zarr(copy).sizes)
+    more = xr.open_zarr(copy, chunks=None).isel({dim: [0]}).drop_encoding().load()
+    more = more.assign_coords({dim: 2 * more[dim] + 5000})
+    kept = [name for name in more.variables if dim in more[name].dims]
+    more[kept].drop_vars({*more[kept].coords} - {*kept}).to_zarr(copy, append_dim=dim)
+    assert xr.open_zarr(copy).sizes[dim] == sizes[dim] + 1
+    pipeline.run_sweep(SWEEP, copy, workers=1)
+    assert dict(xr.open_zarr(copy).sizes) == sizes
+    assert pipeline.verify_store(copy).is_clean
+    xr.testing.assert_identical(pipeline.boundary(xr.open_zarr(copy)), boundary)
 
 
 PLAIN = {

@@ -9,9 +9,9 @@ import zarr
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.store import lock
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of
-from pipeline.store.progress import summary
 from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
 from tests.helpers.entries import placed_rows
@@ -99,7 +99,15 @@ def grown():
 
 def by_xarray():
     open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
-    summary("a.zarr")
+    commit("a.zarr", SWEEP, ())
+
+
+def copy_cut():
+    open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
+    for file in Path("a.zarr/max_rise/c").rglob("0"):
+        if file.is_file():
+            file.write_bytes(b"1")
+    verify_store("a.zarr")
 
 
 def below_file():
@@ -156,6 +164,7 @@ REFUSALS = {
     "labels": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
                "zarr.json is damaged, or not"),
     "lost": (changed(lambda path: (path / ROOT).unlink()), "it has lost its zarr.json; restore it"),
+    "copy, cut": (copy_cut, "the copy cannot be read"),
     "copy": (by_xarray, "zarr.json is that of a copy by xarray, which can be read"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),

@@ -11,10 +11,9 @@ from aiobotocore.endpoint import AioEndpoint
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run.sweep import run_sweep
+from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.place import Bucket, StoreError, StoreMismatchError
-from pipeline.store.progress import summary
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
