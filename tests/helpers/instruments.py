@@ -8,10 +8,8 @@ import zlib
 import numpy as np
 
 
-def x3p(
-    heights, pixel, kind="matrix", folder="", revision="ISO5436 - 2000", dtype="D", edit=("", "")
-):
-    """Content of an ISO 25178-72 file: heights in a binary matrix with a mask, or in a list."""
+def x3p(heights, pixel, folder="", revision="ISO5436 - 2000", dtype="D", edit=("", "")):
+    """Content of an ISO 25178-72 file: heights in a binary matrix with a mask."""
     nx, ny = heights.shape
     step = 1.0 if dtype in "DF" else 1e-9
     axes = "".join(
@@ -19,9 +17,6 @@ def x3p(
         f"<DataType>{'D' if axis != 'CZ' else dtype}</DataType>"
         f"<Increment>{size}</Increment><Offset>0</Offset></{axis}>"
         for axis, size in (("CX", pixel[0]), ("CY", pixel[1]), ("CZ", step))
-    )
-    lists = "".join(
-        f"<Datum>{'' if np.isnan(z) else repr(float(z))}</Datum>" for z in heights.T.flat
     )
     links = (
         "<DataLink><PointDataLink>bindata/data.bin</PointDataLink>"
@@ -32,19 +27,17 @@ def x3p(
         '<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1>'
         f"<Revision>{revision}</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
         f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ>"
-        f"</MatrixDimension>{links if kind == 'matrix' else f'<DataList>{lists}</DataList>'}"
-        "</Record3></p:ISO5436_2>"
+        f"</MatrixDimension>{links}</Record3></p:ISO5436_2>"
     )
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w") as archive:
         archive.writestr(f"{folder}main.xml", xml.replace(*edit))
-        if kind == "matrix":
-            values = np.where(np.isnan(heights), 0, heights).T / step
-            form = {"D": "<f8", "F": "<f4", "L": "<i4", "I": "<i2"}[dtype]
-            values = values if dtype in "DF" else np.round(values)
-            archive.writestr(f"{folder}bindata/data.bin", values.astype(form).tobytes())
-            valid = np.packbits(np.isfinite(heights.T).ravel(), bitorder="little")
-            archive.writestr(f"{folder}bindata/valid.bin", valid.tobytes())
+        values = np.where(np.isnan(heights), 0, heights).T / step
+        form = {"D": "<f8", "F": "<f4", "L": "<i4", "I": "<i2"}[dtype]
+        values = values if dtype in "DF" else np.round(values)
+        archive.writestr(f"{folder}bindata/data.bin", values.astype(form).tobytes())
+        valid = np.packbits(np.isfinite(heights.T).ravel(), bitorder="little")
+        archive.writestr(f"{folder}bindata/valid.bin", valid.tobytes())
     return buffer.getvalue()
 
 

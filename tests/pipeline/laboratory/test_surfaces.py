@@ -38,14 +38,14 @@ def library(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.opd").touch()
 
-    def open_topography(path):
+    def open_topography(path, format=None):
         def read():
             if isinstance(stand_in.topography, Exception):
                 raise stand_in.topography
             return stand_in.topography
 
         channel = SimpleNamespace(physical_sizes=SIDES)
-        return SimpleNamespace(topography=read, default_channel=channel)
+        return SimpleNamespace(topography=read, default_channel=channel, channels=[channel])
 
     module = ModuleType("SurfaceTopography.IO")
     module.open_topography = open_topography
