@@ -62,7 +62,7 @@ UNITS = {
     "decisive_temperature": "°C", "temperature_error": "K", "surface_error": "K",
     "distance": "K", "friction": "",
     "failing_share": "", "viscosities": "mm²/s",
-    "unmodelled_rise": "", "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
+    "thermal_diffusivity": "mm²/s", "heat_capacity": "MJ/(m³ K)",
     "pressure_coefficients": "1/GPa",
 }  # fmt: skip
 """Units in which quantities are shown, by the names of columns and fields; empty for a number."""

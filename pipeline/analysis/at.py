@@ -30,8 +30,8 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.kinds import OIL_WORKS
-from pipeline.scene.reference import all_keys, find_entry
+from pipeline.scene.kinds import OIL_WORKS, Share
+from pipeline.scene.reference import all_keys, find_entry, number_at
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
@@ -198,7 +198,7 @@ def _si_value(path: str, value: Any) -> Any:
             return {body: oil_temperature(name, one) for body, one in value.items()}
         case "bulk_temperature" | "critical_temperature":
             return oil_temperature(name, value)
-        case "share" | "unmodelled_rise":
+        case str() if isinstance(number_at(path), Share):
             return share_of(value)
     return value
 

@@ -22,7 +22,7 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.conditions import Conditions, with_own
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.severity import rise_limit
 from tribo import InputError
@@ -163,7 +163,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
         specimen = specimen_at(data.take_moving(), oil)
     for number, test in enumerate(data.stored.tests):
         try:
-            own = own_conditions(test, oil)
+            own = with_own(oil, test.simulated.conditions)
             limit = rise_limit(own)
         except InputError as error:
             yield Row(test, None, reason=f"cannot be compared: {error}")
@@ -199,16 +199,6 @@ def _why_missing(held: TestResults, place: int) -> str:
         case code if code == ABSENT:
             return "is not in this dataset: irg run SCENE, or leave tests out (--without-tests)"
     return "waits for its point: irg run SCENE"
-
-
-def own_conditions(test: Measurement, oil: Conditions) -> Conditions:
-    """Conditions of a test: its own friction and bulk temperature, and what is the oil's."""
-    return replace(
-        test.simulated.conditions,
-        critical_temperature=oil.critical_temperature,
-        criterion=oil.criterion,
-        unmodelled_rise=oil.unmodelled_rise,
-    )
 
 
 def forbidden(
@@ -251,15 +241,8 @@ def is_alike(data: Results, conditions: Conditions, row: Row) -> bool:
     """True if a place and a test differ in nothing but what may be compared."""
     if row.conditions is None:
         return False
-    here = replace(
-        row.conditions,
-        friction=conditions.friction,
-        bulk_temperature=conditions.bulk_temperature,
-        disk_temperature=conditions.disk_temperature,
-        corrections=conditions.corrections,
-    )
-    scene = row.test.simulated.scene
-    return here == conditions and (scene is data.sweep.scene or scene == data.sweep.scene)
+    scene, alike = row.test.simulated.scene, with_own(row.conditions, conditions) == conditions
+    return alike and (scene is data.sweep.scene or scene == data.sweep.scene)
 
 
 def _bulks(conditions: Conditions) -> tuple[float, float]:

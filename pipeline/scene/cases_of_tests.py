@@ -16,6 +16,7 @@ from pipeline.scene.reading import SceneReader
 from pipeline.scene.runs import tests_of
 from pipeline.scene.units import si_unit, to_si
 from pipeline.sweep.case import Case
+from pipeline.sweep.conditions import with_own
 from pipeline.sweep.measurement import TEST, Measurement
 from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages
@@ -159,9 +160,7 @@ class TestReader:
 
 def case_of(parts: Parts, base: Case) -> Case:
     """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
-    names = "friction", "bulk_temperature", "disk_temperature", "corrections"
-    own = {name: getattr(parts.conditions, name) for name in names}
-    conditions = replace(base.conditions, critical_temperature=None, **own)
+    conditions = with_own(replace(base.conditions, critical_temperature=None), parts.conditions)
     return replace(base, scene=parts.scene, preset=parts.preset, conditions=conditions)
 
 

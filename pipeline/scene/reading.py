@@ -31,7 +31,7 @@ from pipeline.scene.parts import (
 )
 from pipeline.scene.runs import expand_tests
 from pipeline.scene.written import entries_of, keep_written
-from pipeline.sweep.conditions import Conditions, bulk_entries, criterion_of
+from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
 from pipeline.sweep.remarks import FromLibrary
 from pipeline.sweep.tables import Entries, entry_at
 from tribo.simulation import widen_window
@@ -172,15 +172,11 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
 
 def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
     """Make the `Conditions` of a `SceneFile`; `rule` is the user's own criterion, if any."""
-    temperature = scene.temperature
-    return Conditions(
-        friction=scene.friction.coefficient,
-        critical_temperature=temperature.critical,
-        unmodelled_rise=(scene.model and scene.model.rise) or 0.0,  # a store may lack it
-        criterion=criterion_of(rule or temperature.criterion, temperature.failing_share),
-        corrections=corrections_of(scene, made.pin, made.disk, made.motion),
-        **_bulks_of(scene),
-    )
+    values = {name: entry_at(scene, path) for name, path in PATHS.items()} | _bulks_of(scene)
+    values["criterion"] = criterion_of(rule or values["criterion"], values.pop("share"))
+    values["corrections"] = corrections_of(scene, made.pin, made.disk, made.motion)
+    # A store of an earlier version may lack an entry.
+    return Conditions(**{name: one for name, one in values.items() if one is not None})
 
 
 def _bulks_of(scene: Any) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -100,7 +101,12 @@ def find_entry(path: str) -> Entry | None:
     parts = path.split(".")
     if parts[0] == "materials" and len(parts) > 2:
         parts[1] = "NAME"
-    return dict(all_keys()).get(".".join(parts))
+    return _by_path().get(".".join(parts))
+
+
+@functools.cache
+def _by_path() -> dict[str, Entry]:
+    return dict(all_keys())
 
 
 def number_in(kind: Kind) -> Quantity | Number | None:

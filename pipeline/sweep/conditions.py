@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-from pipeline.quantities import units_in_si
 from pipeline.sweep.laws import StoredRule, name_of
 from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
@@ -30,12 +29,13 @@ DIMENSIONS = {dimension_of(path): path for path in PATHS.values()}
 """Those entries by the name of the dimension that several values make."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """Entries of the scene file that act after the simulation, by the names of `plain_values`."""
-_NUMBERS = (
-    "friction", "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
-    "unmodelled_rise",
-)  # fmt: skip
-UNITS = {name: unit or "1" for name, unit in units_in_si(*_NUMBERS).items()}
+UNITS = {
+    "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
+    "failing_share": "1", "unmodelled_rise": "1",
+}  # fmt: skip
 """Units of those of `plain_values` that are numbers."""
+OF_TESTS = "friction", "bulk_temperature", "disk_temperature", "corrections"
+"""Conditions that each test has of its own; all others are the oil's."""
 
 
 def plain_values(conditions: Conditions) -> dict[str, Any]:
@@ -79,27 +79,22 @@ def criterion_of(kind: str | Rule | StoredRule, share: float) -> Criterion:
     return Criterion(name_of(rule), share, rule)
 
 
-def changes_of(
-    friction: float | None = None,
-    bulk_temperature: float | Mapping[str, float | None] | None = None,
-    critical_temperature: float | None = None,
-    share: float | None = None,
-    criterion: str | Rule | None = None,
-    unmodelled_rise: float | None = None,
-) -> dict[str, Any]:
-    """Changes for `changed_conditions`, by name, from those arguments that are not None.
+def changes_of(**given: Any) -> dict[str, Any]:
+    """Changes for `changed_conditions`, from values by the names in `PATHS` that are not None.
 
     If a share is given without a criterion, the criterion becomes "share".
     """
-    entries: dict[str, Any] = {
-        "friction": friction,
-        "critical_temperature": critical_temperature,
-        "share": share,
-        "unmodelled_rise": unmodelled_rise,
-        "criterion": "share" if criterion is None and share is not None else criterion,
-    }
-    changes = {name: value for name, value in entries.items() if value is not None}
-    return changes | ({} if bulk_temperature is None else bulk_entries(bulk_temperature))
+    changes = {name: value for name, value in given.items() if value is not None}
+    if "share" in changes:
+        changes.setdefault("criterion", "share")
+    if "bulk_temperature" in changes:
+        changes |= bulk_entries(changes["bulk_temperature"])
+    return changes
+
+
+def with_own(conditions: Conditions, own: Conditions) -> Conditions:
+    """The `conditions` with what each test has of its own taken from `own`."""
+    return replace(conditions, **{name: getattr(own, name) for name in OF_TESTS})
 
 
 def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Conditions:
