@@ -1,7 +1,7 @@
 """The boundary between mild and severe wear, from a stored sweep and without a new simulation.
 
 It has two lines: where y = ln(rise/limit) is 0, as computed; and where severe wear is 50 % likely,
-with tests.
+with tests. A data frame states both.
 """
 
 from __future__ import annotations
@@ -9,11 +9,12 @@ from __future__ import annotations
 from typing import Any, Unpack
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
-from pipeline.analysis.dataset import Layout, require_kind
+from pipeline.analysis.dataset import Layout, entry_dims, require_kind
 from pipeline.analysis.decisive import attributes_by
 from pipeline.analysis.film import inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
@@ -22,14 +23,31 @@ from pipeline.analysis.outcomes import outcomes
 from pipeline.analysis.reading import ResultsLike
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, totals, velocity_errors
-from pipeline.analysis.scenes import side_by_side
-from pipeline.quantities import UNITS
+from pipeline.analysis.scenes import heads_of, side_by_side
+from pipeline.analysis.tables import frame_of
+from pipeline.quantities import UNITS, column_heads
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
+from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.variants import dimension_of
 from tribo.types import Array
+
+JUDGED = column_heads(
+    "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share", "criterion"
+)
+"""Column headings of the conditions that wear is judged by."""
+
+
+WITH_TESTS = {
+    "tested_velocity": "with tests [m/s]",
+    "tested_velocity_low": "5 % [m/s]",
+    "tested_velocity_high": "95 % [m/s]",
+}
+"""Column headings of the velocities at which severe wear is 50, 5 and 95 % likely."""
+ERRORS = {"velocity_error": "error [%]", "surface_error": "by surface [%]"}
+"""Column headings of the numerical error of critical velocities, and of its part by the surface."""
 
 
 @np.errstate(under="ignore")
@@ -196,3 +214,34 @@ def _transitions(judge: Judge, axis: str, line: str) -> dict[str, Any]:
         ),
         f"outcome_at_{line}": (line, found.outcome.astype(np.int8), meanings),
     }
+
+
+def boundary_frame(boundaries: xr.Dataset, axis: str = "load") -> pd.DataFrame:
+    """Data frame of a boundary, with a row for each scene and each value of `axis`.
+
+    `axis` is "load" for critical velocities at each load, or "velocity" for critical loads at each
+    velocity.
+    """
+    name = "critical_velocity" if axis == "load" else "critical_load"
+    values = {column_heads(name)[name]: boundaries[name]}
+    if axis == "load":
+        values |= {head: boundaries[name] for name, head in ERRORS.items()}
+        values |= {head: boundaries[name] for name, head in WITH_TESTS.items()}
+    values["outcome"] = boundaries[f"words_at_{axis}"]
+    if (film := f"film_parameter_at_{axis}") in boundaries:
+        values["film parameter Λ"] = boundaries[film]
+    rows = next(iter(values.values()))
+    dims = [*entry_dims(rows), axis]
+    crossings = xr.Dataset({head: data.drop_attrs() for head, data in values.items()})
+    frame = crossings.to_dataframe(dims).reset_index()
+    names = ["friction", *JUDGED, "caveats"]
+    judged = [one for one in names if dimension_of(FIELDS.get(one, "")) not in dims]
+    for one in judged:
+        if one not in frame:
+            frame[one] = boundaries.attrs.get(one)
+    heads = heads_of(boundaries, dims[:-1]) | column_heads(axis) | JUDGED | {"caveats": "notes"}
+    # Friction leads even if it is a single value.
+    front = [*dims[:-1], *{"friction"}.intersection(judged), axis]
+    names = [*dict.fromkeys([*front, *values, *judged])]
+    found = frame[names].itertuples(index=False, name=None)
+    return frame_of([heads.get(column, column) for column in names], found)

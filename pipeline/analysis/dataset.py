@@ -18,7 +18,6 @@ from pipeline.analysis.scene_id import identify, require_one_sweep
 from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si
-from pipeline.store.inputs import split_arrays
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import (
@@ -29,6 +28,7 @@ from pipeline.store.schema import (
     PLANE,
     STEPPED,
     VARIABLES,
+    split_arrays,
 )
 from pipeline.sweep.conditions import PATHS, UNITS, changes_of
 from pipeline.sweep.laws import name_of

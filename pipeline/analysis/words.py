@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pipeline.analysis.frames import ERRORS
+from pipeline.analysis.boundary import ERRORS
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin import AT_EDGE, PASSED, Margin, percent
 from pipeline.analysis.margin_frame import forbidding_words

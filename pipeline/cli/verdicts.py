@@ -11,10 +11,10 @@ import pandas as pd
 
 import pipeline
 from pipeline.analysis import words
+from pipeline.analysis.boundary import ERRORS, JUDGED, boundary_frame
 from pipeline.analysis.budget import budget_at
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.frames import ERRORS, JUDGED, boundary_frame
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import (
     LONG,

@@ -11,10 +11,19 @@ import xarray as xr
 from zarr.storage import ZipStore
 
 from pipeline.scene.stored_text import parse_sweep
-from pipeline.store.inputs import split_arrays
 from pipeline.store.place import ROOT, Folder, StoreError, StorePlace, damaged, io_errors
 from pipeline.store.progress import FailedPoint, Summary
-from pipeline.store.schema import ABOUT, DONE, FAILED, INPUTS, LEFT_OUT, NOT_ASKED, PENDING, PLANE
+from pipeline.store.schema import (
+    ABOUT,
+    DONE,
+    FAILED,
+    INPUTS,
+    LEFT_OUT,
+    NOT_ASKED,
+    PENDING,
+    PLANE,
+    split_arrays,
+)
 from pipeline.store.verify import Verification
 from pipeline.sweep.model import Sweep
 from tribo.types import Mask

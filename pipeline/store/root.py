@@ -16,7 +16,6 @@ import numpy as np
 
 from pipeline.scene.stored_text import file_contents
 from pipeline.store.arrays import Document, array_documents
-from pipeline.store.inputs import DIM, inputs_variable
 from pipeline.store.layout import Axes, grown_axes, made_coordinates
 from pipeline.store.place import (
     ROOT,
@@ -25,11 +24,13 @@ from pipeline.store.schema import (
     ABOUT,
     AT_END,
     AT_ENDS,
+    DIM,
     FORMAT,
     INPUTS,
     OF_TESTS,
     SCENE_ID,
     Variable,
+    inputs_variable,
     path_of,
     variables_of,
 )

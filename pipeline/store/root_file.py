@@ -12,7 +12,6 @@ from pipeline.scene.resume import misfits
 from pipeline.scene.stored_text import SweepTextError, parse_sweep
 from pipeline.store.arrays import Document, array_documents, open_arrays
 from pipeline.store.files import PARTIAL
-from pipeline.store.inputs import DIM, inputs_variable, split_arrays
 from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     LOCK,
@@ -30,9 +29,12 @@ from pipeline.store.place import (
 from pipeline.store.root import CONSOLIDATED, Root, TestLayout, digest_of
 from pipeline.store.schema import (
     ABOUT,
+    DIM,
     FORMAT,
     INPUTS,
+    inputs_variable,
     is_coordinate,
+    split_arrays,
 )
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.points_of_tests import (

@@ -6,12 +6,15 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH
 from pipeline.sweep.stations import ramp_of
 from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
+from tribo.types import Array
 
 FORMAT = 21
 """Version of the layout of stores."""
@@ -19,6 +22,8 @@ PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
 COMPRESSION: dict[str, Any] = {"level": 1, "checksum": True}
 """Settings of the codec Zstandard, which compresses the chunks."""
+DIM = "input"
+"""Dimension of the variable `INPUTS`, which has no coordinate."""
 
 
 class Variable(NamedTuple):
@@ -234,3 +239,25 @@ def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
         return tuple(table.axes)
     ramps = {ramp_of(case.scene) for case in sweep.given}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
+
+
+def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
+    """The variable that holds the arrays read from a scene's files, one after the other.
+
+    It is returned as {name: variable}, or {} without arrays. `sizes` has the number of values of
+    each array, by SHA-256.
+    """
+    table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
+    meaning = "arrays that the attribute scene names by their digests, one after the other"
+    return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
+
+
+def split_arrays(values: Array, attributes: Mapping[str, Any]) -> dict[str, Array]:
+    """Split the values of the variable `INPUTS` into its arrays; return them by their SHA-256.
+
+    `values` and the arrays have one dimension. `attributes` are those of the variable: ``digests``
+    lists the SHA-256 of each array, and ``sizes`` the number of its values, in the same order.
+    """
+    digests = str(attributes["digests"]).split()
+    ends = np.cumsum([int(size) for size in str(attributes["sizes"]).split()])
+    return dict(zip(digests, np.split(np.asarray(values, float), ends[:-1]), strict=True))

@@ -14,8 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.analysis.at import at
-from pipeline.analysis.boundary import boundary
-from pipeline.analysis.frames import boundary_frame
+from pipeline.analysis.boundary import boundary, boundary_frame
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.constants import USUAL_TOLERANCE
 from pipeline.run.cluster import Client

@@ -7,8 +7,7 @@ import tribo
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.source import Source, read_sweep
 from pipeline.scene.stored_text import file_contents, sweep_text
-from pipeline.store.inputs import split_arrays
-from pipeline.store.schema import INPUTS, PLANE
+from pipeline.store.schema import INPUTS, PLANE, split_arrays
 from pipeline.sweep.variants import Variants
 from tests.helpers.entries import FIELDS, changed
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.frames import boundary_frame
+from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.outcomes import ABOVE, BELOW, CROSSES, MILD, SEVERAL, SEVERE, outcomes
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps

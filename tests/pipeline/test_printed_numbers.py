@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.frames import boundary_frame
+from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.margin_frame import asked_of
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tables import records

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.frames import WITH_TESTS
+from pipeline.analysis.boundary import WITH_TESTS
 from pipeline.analysis.outcomes import CROSSES, SEVERAL
 from pipeline.store.schema import PENDING
 from pipeline.sweep.measurement import Measurement
