@@ -19,7 +19,8 @@ help:     ## what there is to make
 	touch $@ .venv/run
 
 diagram: .venv/run    ## compute and draw the transition diagram of the paper's system
-	$(BIN)/irg run workflows/irg_transition.toml --patches 8
+	$(BIN)/irg run workflows/irg_transition.toml --set sweep.realizations=1
+	$(BIN)/irg run workflows/irg_transition.toml --accuracy 3%
 	$(BIN)/irg plot results/irg_transition.zarr --kind diagram -o results/irg_transition.png
 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page

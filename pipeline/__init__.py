@@ -22,7 +22,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - dataset: `open_sweep`, `end_of_point`, `results`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`, `budget`,
   `warned`, `diff`, `vary`, `infer`
-- accuracy: `choose_accuracy`, `trade`
+- accuracy: `trade`
 - figures: `plot`, `explore`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`

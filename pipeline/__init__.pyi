@@ -27,7 +27,6 @@ from .store.place import StoreError as StoreError
 from .store.place import StoreMismatchError as StoreMismatchError
 from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
-from .tradeoff.choose import choose_accuracy as choose_accuracy
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
 from .tradeoff.vary import vary as vary

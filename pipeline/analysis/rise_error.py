@@ -156,42 +156,28 @@ def _interpolation(
     NaN outside the two loads, or if `rises` has too few points to estimate the error.
     """
     lowest, highest = rises.loads[rows].T
-    if rises.is_left_out.any():
-        along = _along_searched(rises, loads, velocities)
-    else:
-        along = _along_plane(rises, rises.velocities[columns], velocities[:, None])
-    errors = np.hypot(along, _gap_errors(rises, "load", np.log(highest / lowest)))
+    along = _along_velocity(rises, loads, velocities)
+    errors = np.hypot(along, _between_loads(rises, np.log(highest / lowest)))
     # Rises are not extrapolated beyond the loads.
     is_known = (rows[:, 0] >= 0) & (lowest <= loads) & (loads <= highest)
     return np.where(is_known, errors, math.nan)
 
 
-def _along_plane(rises: Rises, between: Array, places: Array) -> Array:
-    """Relative errors (k,) at velocities (k, 1) between or beyond two at each of two loads."""
-    first, last = np.moveaxis(between, -1, 0)
-    gaps = np.log(last / first)
-    way = np.maximum(np.log(first / places), np.log(places / last))
-    slope_error = np.hypot(_slope_spread(rises), BEYOND * (way + gaps))
-    beyond = np.where((gaps > 0) & (way > 0), way * slope_error, 0.0).max(axis=1)
-    return np.where(beyond > 0, beyond, _gap_errors(rises, "velocity", gaps.max(axis=1)))
+def _between_loads(rises: Rises, gaps: Array) -> Array:
+    """Relative errors (k,) of rises that are interpolated along load.
 
-
-def _gap_errors(rises: Rises, axis: str, gaps: Array) -> Array:
-    """Relative errors (k,) of rises that are interpolated along `axis`, "load" or "velocity".
-
-    Each of `gaps` (k,) is the difference of ln(load) or ln(velocity) between the two computed
-    points on either side. A gap is 0 at a computed point, and so is the error. An error is NaN if
-    `rises` has too few points to estimate it.
+    Each of `gaps` (k,) is the difference of ln(load) between the two computed loads on either side.
+    A gap is 0 at a computed load, and so is the error. An error is NaN if `rises` has too few loads
+    to estimate it.
     """
-    is_searched = axis == "load" and rises.is_left_out.any()
-    factor, power = (BETWEEN_LOADS, 2) if is_searched else (BETWEEN, 1)
-    return np.where(gaps > 0, factor * _left_out_error(rises, axis) * gaps**power, 0.0)
+    factor, power = (BETWEEN_LOADS, 2) if rises.is_left_out.any() else (BETWEEN, 1)
+    return np.where(gaps > 0, factor * _left_out_error(rises) * gaps**power, 0.0)
 
 
-def _along_searched(rises: Rises, loads: Array, velocities: Array) -> Array:
-    """Relative errors (k,) of rises between or beyond the velocities that a search has computed.
+def _along_velocity(rises: Rises, loads: Array, velocities: Array) -> Array:
+    """Relative errors (k,) of rises between or beyond the computed velocities.
 
-    At a load that it left out they are those of the loads beside, along lines of equal rise.
+    At a load without points they are those of the loads beside, along lines of equal rise.
     """
     aligned = Alignment.of(rises.loads, rises.velocities, rises.plane)
     errors = np.full(len(loads), math.nan)
@@ -214,7 +200,7 @@ def _along_searched(rises: Rises, loads: Array, velocities: Array) -> Array:
 
 
 def _along_row(rises: Rises, row: int, places: Array) -> Array:
-    """Relative errors (k,) at velocities of one load of a search."""
+    """Relative errors (k,) at velocities of one computed load."""
     known = np.flatnonzero(np.isfinite(rises.plane[row]) & (rises.plane[row] > 0))
     if not known.size:
         return np.full(len(places), math.nan)
@@ -231,22 +217,21 @@ def _along_row(rises: Rises, row: int, places: Array) -> Array:
 
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
-def _left_out_error(rises: Rises, axis: str) -> float:
-    """Root mean square of error of ln(rise) over gap, over points that are left out in turn.
+def _left_out_error(rises: Rises) -> float:
+    """Root mean square of error of ln(rise) over gap, over loads that are left out in turn.
 
-    A left-out point is interpolated from the others along `axis`, load or velocity. The gap is the
-    difference of ln(load) or ln(velocity) between the neighbours of the point; its square along the
-    loads of a search. The result is NaN if no point can be interpolated.
+    A left-out load is interpolated from the others, and the gap is the difference of ln(load)
+    between its neighbours; its square where a search has left loads out. The result is NaN if no
+    load can be interpolated.
     """
-    if axis == "load" and rises.is_left_out.any():
+    if rises.is_left_out.any():
         every = _left_out_loads(rises)
         return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
-    lines = (rises.velocities, rises.plane) if axis == "velocity" else (rises.loads, rises.plane.T)
     room = (0, 0), (1, 1)
     # The cubic at a place is made of two points on either side.
     x, y = (
         sliding_window_view(np.pad(part, room, constant_values=math.nan), 5, axis=1)
-        for part in _logarithms(*lines)
+        for part in _logarithms(rises.loads, rises.plane.T)
     )
     curves = Curve(*(np.exp(np.delete(part, 2, axis=-1)) for part in (x, y)))
     gaps = x[..., 3] - x[..., 1]

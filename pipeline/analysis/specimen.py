@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from scipy.special import stdtrit
@@ -18,6 +18,7 @@ from scipy.special import stdtrit
 from pipeline.analysis.results import Results
 from pipeline.store.schema import FAILED, SAMPLING
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.severity import relative_sampling
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Mask
 
@@ -154,9 +155,14 @@ def patches_needed(count: int, ratio: float, most: int, is_highest: bool = False
     if ratio <= 1:
         return count
     numbers = np.arange(1, most + 1)
-    shares = stdtrit(GROUPS - 2 + numbers, _BOUND) / (1.0 if is_highest else np.sqrt(numbers))
+    shares = patches_share(numbers, is_highest)
     enough = numbers[shares <= shares[count - 1] / ratio]
     return int(enough[0]) if enough.size else most
+
+
+def patches_share(count: Any, is_highest: bool = False) -> Array:
+    """Bound by `count` patches over the deviation of one; all state their own deviation."""
+    return np.asarray(stdtrit(GROUPS - 2 + count, _BOUND) / (1.0 if is_highest else np.sqrt(count)))
 
 
 def specimen_at(data: Results, conditions: Conditions) -> Specimen:
@@ -184,25 +190,9 @@ def _mean_square(sampling: Array) -> Array:
 
 
 def _sampling(data: Results, conditions: Conditions) -> Array:
-    """Relative deviation of the rise from patch to patch, as each point states it.
-
-    It is that of the contact at the end: the criterion's rise with each rise of the contact lifted
-    by its own deviation. It is NaN at a point that is not done.
-    """
+    """`relative_sampling` at each point; NaN at a point that is not done."""
     data.require("rise_quantile", "mean_rise", *SAMPLING)
-    last = {
-        "rise_quantile": data.columns["rise_quantile"][..., -1, :],
-        "mean_rise": data.columns["mean_rise"][..., -1],
-    }
-    quantiles = last["rise_quantile"] * (1 + data.columns["rise_sampling"])
-    lifted = {
-        "rise_quantile": np.maximum.accumulate(quantiles, axis=-1),
-        "mean_rise": last["mean_rise"] * (1 + data.columns["mean_rise_sampling"]),
-    }
-    rise, above = (
-        conditions.criterion.rise(one | {"quantile": data.shares}) for one in (last, lifted)
-    )
-    relative = np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0)
+    relative = relative_sampling(data.columns, conditions, data.shares)
     return np.where(data.done, relative, np.nan)
 
 

@@ -16,9 +16,8 @@ from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import FILES
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import KEPT_FIELDS, error_in_words
+from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.sweep.variants import dimension_of
-from pipeline.tradeoff.choose import choose_accuracy
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -107,20 +106,14 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     conditions = {PATHS[name]: one for name, one in conditions_in(options).items()}
     if several := [path for path, value in conditions.items() if isinstance(value, tuple)]:
         raise InputError(f"{several[0]} takes one value at a time here; give one")
-    if (patches := getattr(options, "patches", None)) is not None:
-        if "sweep.realizations" in settings:
-            raise InputError("--patches gives sweep.realizations; leave one of them out")
-        settings["sweep.realizations"] = patches
     if "share" in conditions_in(options):
         conditions[PATHS["criterion"]] = "share"
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
-    if (accuracy := getattr(options, "accuracy", None)) is not None:
+    if getattr(options, "accuracy", None) is not None:
         named = ["--preset"] if options.preset else []
         named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
         if named:
             raise InputError(f"--accuracy picks the preset; leave out {', '.join(named)}")
-        sweep = choose_accuracy(sweep, accuracy)
-        tell(error_in_words(sweep))
     return sweep
 
 

@@ -104,17 +104,8 @@ SET = several(
 )  # fmt: skip
 OF_SCENE = (SCENE, PRESET, SET)
 ACCURACY = value(
-    "--accuracy BOUND", "take the cheapest preset whose boundary errs by this at most, such as 2%%",
-    values.share,
-)  # fmt: skip
-BOUNDARY_ONLY = value(
-    "--boundary-only TOL", "compute only the points that the boundary needs: the others move its "
-    "velocity by about TOL at most, such as 0.5%%; default: 1%%. They stay pending, and the same "
-    "command without this option computes them", values.share, nargs="?", const=0.01,
-)  # fmt: skip
-PATCHES = value(
-    "--patches N", "compute N patches of the surface: the first at all points, of each other one a "
-    "point beside the boundary at each load", values.count,
+    "--accuracy BOUND", "compute until the whole numerical error of the boundary is below this, "
+    "such as 2%%: it chooses preset, points and patches of the surface", values.share,
 )  # fmt: skip
 
 STORE = value(
@@ -182,8 +173,6 @@ OF_RUN = (
     ),
     flag("--dashboard", "print the link of Dask's dashboard, which all on this machine can read"),
     flag("--retry-failed", "compute the points again that failed in an earlier run"),
-    BOUNDARY_ONLY,
-    PATCHES,
     ACCURACY,
 )  # fmt: skip
 

@@ -34,7 +34,7 @@ COMMANDS = (
     ),
     Command(
         "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
-        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.ACCURACY, o.TABLE),
+        "scene.toml", (*o.OF_SCENE, o.WORKERS, o.TABLE),
     ),
     Command(
         "status", "stores:status",

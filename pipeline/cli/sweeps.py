@@ -12,13 +12,14 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
+from pipeline.analysis.reached import Reached, percent, reached
 from pipeline.analysis.words import next_run_line
 from pipeline.cli import output
 from pipeline.cli.given import scene_in, values_in
 from pipeline.cli.output import Result, tell
 from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.selection import error_in_words, has_unknown_error
+from pipeline.sweep.selection import error_in_words, has_unknown_error, velocity_error
 from tribo import InputError
 
 
@@ -30,8 +31,7 @@ def run(options: argparse.Namespace) -> Result:
     for line in doubt_lines(sweep):
         output.complain(line)  # with --quiet, too
     require_bearable_load(sweep, min(sweep.loads), "sweep.loads")
-    choices = values_in(options, "workers", "dashboard", "retry_failed", "boundary_only", "source")
-    choices |= {"further_patches": True} if options.patches else {}
+    choices = values_in(options, "workers", "dashboard", "retry_failed", "accuracy", "source")
     is_elsewhere = options.scheduler or options.scheduler_file
     elsewhere = None
     if is_elsewhere:
@@ -49,12 +49,20 @@ def run(options: argparse.Namespace) -> Result:
         *[output.counted_tests(outcome.tests)] * bool(outcome.tests),
         *(f"failed: {point}" for point in failed),
     ]
-    if has_unknown_error(stored):
+    told = list[Reached]()
+    if options.accuracy is not None:
+        from pipeline.run.goal import why_fixed
+
+        told = reached(judged, counts_surface=not (fixed := why_fixed(sweep)))
+        text += [line for one in told for line in one.lines(options.accuracy, fixed)]
+    elif has_unknown_error(stored):
         text.append(error_in_words(stored))
     if failed:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         text += _ending(judged, shlex.quote(str(out)))
+        if options.accuracy is not None:
+            text.append(f"to go on: {_growing(options, out, velocity_error(stored) or 0.0)}")
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),
@@ -64,8 +72,21 @@ def run(options: argparse.Namespace) -> Result:
         document["tests"] = {
             "points": tests.total, "done": tests.done, "failed": len(tests.failed),
         }  # fmt: skip
+    if options.accuracy is not None:
+        document["accuracy"] = {"goal": options.accuracy, "scenes": [x._asdict() for x in told]}
     code = output.SOME_FAILED if failed else output.DONE
     return Result(document, text, pipeline.warned(judged), code=code)
+
+
+def _growing(options: argparse.Namespace, out: Path | str, promised: float) -> str:
+    """The command that goes on with the store of a goal, to half the error if the preset allows."""
+    changes = [f"--set {shlex.quote(f'{key}={value}')}" for key, value in options.set]
+    where = [] if options.output is None else [f"-o {shlex.quote(str(out))}"]
+    scene = shlex.quote(str(options.scene))
+    half = options.accuracy / 2
+    accuracy = half if half > promised else options.accuracy
+    finer = f"--accuracy {percent(accuracy).replace(' ', '')}"
+    return " ".join(["irg run", scene, *changes, *where, finer])
 
 
 def _ending(judged: xr.Dataset, store: str) -> list[str]:

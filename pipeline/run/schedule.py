@@ -28,16 +28,25 @@ _OTHERS = "a Dask worker computes by"
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
 
 
-def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, tally: Tally) -> None:
+def compute(
+    link: Connection,
+    sweep: Sweep,
+    writer: Writer,
+    queue: TaskQueue,
+    tally: Tally,
+    with_fields: bool = True,
+) -> None:
     """Compute all tasks of a queue, and write their points to the store as done or failed.
 
     `link` is the connection to the workers, `writer` writes to the store, and `tally` reports
-    progress. Raises a `StoreError` if points cannot be written, an `ExecutionError` if the
-    scheduler is lost or no worker can compute.
+    progress. Without `with_fields` the fields of the store are NaN. Raises a `StoreError` if
+    points cannot be written, an `ExecutionError` if the scheduler is lost or no worker can compute.
     """
     losses = Losses()
     wanted = replace(sweep, stations=writer.store.sweep.stations)
-    with Jobs(link, wanted, "pressure" in writer.store.arrays) as jobs:
+    has_fields = "pressure" in writer.store.arrays
+    blank = {} if with_fields or not has_fields else writer.store.blank_fields()
+    with Jobs(link, wanted, has_fields and not blank) as jobs:
         while queue or losses or jobs:
             has_looked = link.update()
             busy = Counter(job.worker for job in jobs.running.values())
@@ -64,6 +73,8 @@ def compute(link: Connection, sweep: Sweep, writer: Writer, queue: TaskQueue, ta
                 writer.add([PointRecord(point, None, why)])
             for result in jobs.results():
                 record, versions = pickle.loads(result)
+                if blank and record.data is not None:
+                    record = replace(record, data={**record.data, **blank}, checksum=None)
                 writer.add([record])
                 if versions != VERSIONS:
                     link.report(f"{_OTHERS} {versions}, and not {VERSIONS}; last digits may differ")

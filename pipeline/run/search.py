@@ -18,7 +18,7 @@ import numpy as np
 
 from pipeline.analysis.rise_error import INTERPOLATION, SURFACE, velocity_errors
 from pipeline.analysis.rises import Rises
-from pipeline.analysis.specimen import Specimen, patches_needed
+from pipeline.analysis.specimen import Specimen, patches_needed, patches_share
 from pipeline.constants import OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from pipeline.sweep.severity import rise_limit
@@ -179,6 +179,26 @@ class Search:
                     self._specimen.is_highest,
                 )
         return found
+
+    def to_come(self) -> int:
+        """About how many points further patches take, by what is known."""
+        needed, tried = self.needed(), self.asked.any(axis=2).sum(axis=0)
+        lacking = np.maximum(needed - tried, 0)[needed > 0]
+        more = len(self._loads_between()) if lacking.size else 0
+        return int(lacking.sum() + more * (3 + lacking.mean())) if lacking.size else 0
+
+    def best(self) -> tuple[float, int]:
+        """Least error that can be reached, and the load where it is largest; NaN if not known."""
+        parts = self.errors[:, self._searched].copy()
+        counts = np.isfinite(self._rises[:, self._searched]).any(axis=2).sum(axis=0)
+        shares = [patches_share(n, self._specimen.is_highest) for n in (self.goal.patches, counts)]
+        parts[SURFACE] *= shares[0] / shares[1] if self.goal.counts_surface else 0.0
+        whole = np.sqrt(np.square(parts).sum(axis=0))[np.isfinite(self.critical[self._searched])]
+        if not whole.size:
+            return 0.0, 0
+        crossed = np.flatnonzero(np.isfinite(self.critical[self._searched]))
+        worst = int(np.argmax(whole))
+        return float(whole[worst]), self._searched[int(crossed[worst])]
 
     def _between(self, load: int) -> float:
         """Error by points left out at a load, and at those beside that are interpolated from it."""

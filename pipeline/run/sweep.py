@@ -4,31 +4,28 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
-from pipeline.run.boundary_search import (
-    beside_boundary,
-    on_first_patch,
-    on_further_patches,
-    require_boundary,
-    require_tolerance,
-)
-from pipeline.run.cluster import PATIENCE, connected
+from pipeline.run.cluster import PATIENCE, Connection, connected
 from pipeline.run.forkserver import end_if_imported
+from pipeline.run.goal import Searches
+from pipeline.run.goal_preset import begin_goal
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
 from pipeline.scene.resume import effective_changes
 from pipeline.scene.scenefile import sweep_of
 from pipeline.scene.units import require_count
-from pipeline.store.create import writing
+from pipeline.store.create import open_grown, writing
 from pipeline.store.place import PathLike
 from pipeline.store.progress import FailedPoint, Summary, summary_of
 from pipeline.store.root_file import find_sweep
-from pipeline.store.schema import ASKED, FAILED, require_free_names
+from pipeline.store.schema import ASKED, DONE, FAILED, require_free_names
 from pipeline.store.take import take_points
 from pipeline.store.verify import mend_store
 from pipeline.store.versions import in_words, package_versions
@@ -36,7 +33,7 @@ from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.sweep.stages import Progress, Report, duration, silent
 from pipeline.sweep.task_queue import TaskQueue
 from tribo import InputError
 from tribo.errors import require_positive
@@ -64,8 +61,7 @@ def run_sweep(
     client: Client | None = None,
     progress: Report | None = None,
     retry_failed: bool = False,
-    boundary_only: float | None = None,
-    further_patches: bool = False,
+    accuracy: float | str | None = None,
     patience: float = PATIENCE,
     dashboard: bool = False,
     source: PathLike | None = None,
@@ -93,15 +89,13 @@ def run_sweep(
         of progress.
     retry_failed : bool, optional
         True to compute points again that failed in an earlier run.
-    boundary_only : float, optional
-        Compute only the points that the boundary needs, so that the points left out move its
-        velocity by about this share at most, such as 0.01. The rest stays pending, which answers
-        do not report as missing; a later run without this argument computes it. By default all
-        points are computed.
-    further_patches : bool, optional
-        True to compute only the first patch of the surface (``sweep.realizations``) at all points.
-        Of each other one a point at each load follows, beside the boundary: patches differ by
-        nearly a constant along velocity.
+    accuracy : float or str, optional
+        Relative error of the boundary's velocity to reach, such as 0.02 or "2%". It is the whole
+        numerical error at each load with a crossing, a bound at 95 %: by the preset, the points
+        left out and the choice of patches of the surface. The preset is chosen, and only the points
+        that are needed are computed, on as many patches as it takes. The part by the patches is
+        left out of the goal if the surface is not random, or its seeds are listed. A later run with
+        a smaller accuracy goes on with the store. By default all points are computed.
     patience : float, optional
         Time to wait for an answer of the scheduler, and for a worker if there is none [s]. Choose
         it long if workers wait in a queue.
@@ -114,8 +108,8 @@ def run_sweep(
     Raises
     ------
     InputError
-        If `workers`, `client`, `patience` or `boundary_only` cannot be used; with
-        `boundary_only` also if the sweep has no boundary, such as without friction.
+        If `workers`, `client`, `patience` or `accuracy` cannot be used; with `accuracy` also if the
+        sweep has no boundary, such as without friction, or the accuracy is out of reach.
     StoreMismatchError
         If `out` is the store of another scene.
     StoreError
@@ -134,15 +128,40 @@ def run_sweep(
         require_count("workers", workers)
     require_positive(patience=patience)
     _require_cluster(client)
-    sweep = sweep_of(sweep)
+    sweep, searches = sweep_of(sweep), None
     require_free_names(sweep)  # before a folder is made
-    if boundary_only is not None:
-        require_tolerance(boundary_only)
-    is_chosen = further_patches or boundary_only is not None
-    if is_chosen:
-        require_boundary(sweep, "--patches" if further_patches else "--boundary-only")
-    began = time.monotonic()
-    report = progress or silent
+    if accuracy is not None:
+        searches = begin_goal(sweep, find_sweep(out), accuracy, progress or silent)
+        sweep = searches.sweep
+    cluster = Cluster(workers, client, patience, dashboard)
+    return run_points(sweep, out, searches, cluster, progress, retry_failed, source)
+
+
+class Cluster(NamedTuple):
+    """Workers to compute on, as in `run_sweep`."""
+
+    workers: int | None = None
+    client: Client | None = None
+    patience: float = PATIENCE
+    dashboard: bool = False
+
+    def connected(self, most: int, report: Report) -> AbstractContextManager[Connection]:
+        """Context manager: a connection to at most this many workers."""
+        workers = min(self.workers or cores(), most)
+        return connected(self.client, workers, self.patience, report, self.dashboard)
+
+
+def run_points(
+    sweep: Sweep,
+    out: PathLike,
+    searches: Searches | None,
+    cluster: Cluster,
+    progress: Report | None,
+    retry_failed: bool = False,
+    source: PathLike | None = None,
+) -> Outcome:
+    """Compute the points of a sweep, see `run_sweep`; with `searches` those that these ask for."""
+    began, report = time.monotonic(), progress or silent
     if damaged := mend_store(out, sweep):
         report(Progress(f"{out} had {damaged} damaged points or files, which are made anew"))
     before, other = find_sweep(out), None if source is None else opened(source)
@@ -155,41 +174,67 @@ def run_sweep(
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
-        if is_chosen:
+        if searches:
             store.leave_out_pending()
-
-        def waiting() -> TaskQueue:
-            if boundary_only is not None:
-                store.ask_for(beside_boundary(store, sweep, boundary_only, further_patches))
-            elif further_patches:
-                store.ask_for(on_first_patch(sweep))
-            if further_patches and not store.pending():
-                store.ask_for(on_further_patches(store, sweep))
-            return TaskQueue(tasks(store.pending(), sweep))
-
-        of_tests = TaskQueue(_tasks_of_tests(store))
-        queue, tally, at_tests = waiting(), Tally(store, shown_progress(progress)), 0
+        run = _Run(store, sweep, searches, Tally(store, shown_progress(progress)), report)
+        of_tests, queue = TaskQueue(_tasks_of_tests(store)), run.next_tasks()
         if queue or of_tests:
-            most = cores() if is_chosen else len(queue) + len(of_tests)
-            with connected(
-                client, min(workers or cores(), most), patience, report, dashboard
-            ) as link:
+            most = cores() if searches else len(queue) + len(of_tests)
+            with cluster.connected(most, report) as link:
                 if store.tests and of_tests:
                     with Writer(store.tests) as writer:
-                        compute(link, store.tests.sweep, writer, of_tests, tally)
-                    at_tests = tally.computed
+                        compute(link, store.tests.sweep, writer, of_tests, run.tally)
+                at_tests = run.tally.computed
                 while queue:
-                    with Writer(store) as writer:
-                        compute(link, sweep, writer, queue, tally)
-                    queue = waiting()  # the next points of a search; none without one
-        summary = summary_of(store)
-    counts = summary.total, summary.done, tally.computed - at_tests
+                    run.compute(link, queue)
+                    queue = run.next_tasks()  # the next points of a search; none without one
+                run.tally.computed -= at_tests
+        summary = summary_of(run.store)
     return Outcome(
-        *counts,
+        summary.total,
+        summary.done,
+        run.tally.computed,
         failed=summary.failed,
         wall_time=time.monotonic() - began,
         tests=summary.tests,
     )
+
+
+@dataclass
+class _Run:
+    """A run into a store, which grows as searches ask for further patches."""
+
+    store: Store
+    sweep: Sweep
+    searches: Searches | None
+    tally: Tally
+    report: Report
+
+    def next_tasks(self) -> TaskQueue:
+        """Tasks to compute next; empty at the end."""
+        if self.searches:
+            wanted = self.searches.next_points(self.store)
+            if self.searches.sweep is not self.sweep:
+                self.sweep = self.searches.sweep
+                self.store = open_grown(self.store.place, self.sweep, self.store.lock)
+                self.store.leave_out_pending()
+                self.tally.follow(self.store)
+            self.store.ask_for(wanted)
+            self._tell_forecast()
+        return TaskQueue(tasks(self.store.pending(), self.sweep))
+
+    def compute(self, link: Connection, queue: TaskQueue) -> None:
+        """Compute the tasks of a queue; fields of a goal are those of the first patch."""
+        with_fields = self.searches is None or self.searches.is_on_first_patch
+        with Writer(self.store) as writer:
+            compute(link, self.sweep, writer, queue, self.tally, with_fields)
+
+    def _tell_forecast(self) -> None:
+        if self.searches and (more := self.searches.forecast()):
+            done = self.store.flags == DONE
+            each = float(np.nanmean(self.store.read("wall_time", ...)[done]))
+            words = f"roughly {duration(more * each)} of processor time"
+            self.report(Progress(f"first patch done; about {more} points are to come, {words}"))
 
 
 def _tasks_of_tests(store: Store) -> Iterable[Task]:

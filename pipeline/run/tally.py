@@ -22,11 +22,15 @@ class Tally:
     """
 
     def __init__(self, store: Store, progress: Report) -> None:
-        self._groups = [group for group in (store, store.tests) if group]
         self._progress, self._began = progress, time.monotonic()
         self._seconds = 0.0
         self.computed = 0
+        self.follow(store)
         self.count((), 1)
+
+    def follow(self, store: Store) -> None:
+        """Count the points of a store that has grown."""
+        self._groups = [group for group in (store, store.tests) if group]
 
     def count(self, records: Collection[PointRecord], workers: int) -> None:
         """Count written points, and report progress; `workers` is the number of workers."""

@@ -14,6 +14,8 @@ from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, TriboError
 
+GROWING = "a store that was run for an accuracy is grown by: irg run SCENE --accuracy 2%"
+
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store that is continued: variants of both runs, other data from `sweep`.
@@ -47,13 +49,15 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
         by = "by sweep.over or realizations"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         if {*old.axes} - {*new.axes} == {"realization"}:
-            yield "to go on with the patches of the store: irg run SCENE --patches N"
+            yield GROWING
         return
     for name in (name for name in new.names if name in old.by_name):
         before, after = (one.take_case(name) for one in (stored, sweep))
         if different := [*effective_changes(before, after, lambda one: one.scene)]:
             row = f"scene with {', '.join(variant_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
+            if all(words.startswith("fidelity.") for words in different):
+                yield GROWING
             break  # one variant that differs is enough
     labels = {column.name: values for column, values in old.coordinates.items()}
     for column, values in new.coordinates.items():

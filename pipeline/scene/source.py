@@ -19,8 +19,8 @@ from pipeline.sweep.case import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
-from pipeline.sweep.tables import Entries, replace_value, replace_values
-from pipeline.sweep.variants import SEED, Variant, Variants
+from pipeline.sweep.tables import Entries, entry_at, replace_value, replace_values
+from pipeline.sweep.variants import SEED, Variant, Variants, surfaces
 from tribo import InputError, SelfAffineRoughness
 
 
@@ -51,6 +51,13 @@ class Source:
             stations=sweep.stations,
         )
         return made.judge(sweep.judged)
+
+    def with_patches(self, sweep: Sweep, count: int) -> Sweep:
+        """`sweep` on this many random surfaces, counted from its own seed on."""
+        first = entry_at(sweep.entries, SEED)
+        written = replace_values(self.written, {"sweep.realizations": count})
+        variants = sweep.variants.without_surfaces * surfaces(range(first, first + count))
+        return self.read_again(sweep, written, variants)
 
     @cached_property
     def parts(self) -> Parts:

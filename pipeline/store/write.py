@@ -37,6 +37,7 @@ from pipeline.store.root import Group
 from pipeline.store.root_file import read_root
 from pipeline.store.schema import (
     ASKED,
+    AT_END,
     DONE,
     FAILED,
     LEFT_OUT,
@@ -135,19 +136,28 @@ class Store:
         with read_errors(self.place, name):
             return self.arrays[name][key]
 
-    def read_steps(self) -> dict[str, Any]:
-        """Read, by name, all variables that have a value at each step.
+    def read_steps(self, box: tuple[slice, ...]) -> dict[str, Any]:
+        """Read, by name, all variables that have a value at each step, of the points in a box.
 
-        Time, load and sliding distance at each step are added, with the shape of all points and
-        steps.
+        Time, load and sliding distance at each step are added, with the shape of these points and
+        their steps.
         """
-        columns = {name: self.read(name, ...) for name in STEPPED if name in self.arrays}
+        columns = {name: self.read(name, box) for name in STEPPED if name in self.arrays}
         wanted, made = self.root.variables, self.root.coordinates()
-        sizes = dict(zip(wanted["max_rise"].dims, columns["max_rise"].shape, strict=True))
+        shape = *self.flags.shape, columns["max_rise"].shape[-1]
+        sizes = dict(zip(wanted["max_rise"].dims, shape, strict=True))
         for name in MADE:
             values: Any = xr.Variable(wanted[name].dims, made[name])
-            columns[name] = values.set_dims(sizes).values
+            columns[name] = values.set_dims(sizes).values[box]
         return columns
+
+    def blank_fields(self) -> dict[str, Any]:
+        """Fields of a point whose fields are not kept, by name: NaN everywhere."""
+        return {
+            name: np.full(self.arrays[name].shape[len(self.dims) :], np.nan, np.float32)
+            for name in AT_END
+            if name in self.arrays
+        }
 
     def pending(self) -> list[Point]:
         """Points that the last run was to compute, and that are neither done nor failed."""

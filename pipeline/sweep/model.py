@@ -248,6 +248,11 @@ class Sweep:
         made: Self = self.source.changed(self, path, value)
         return made
 
+    def with_patches(self, count: int) -> Self:
+        """The sweep on this many random surfaces, counted from its own seed on."""
+        made: Self = self.source.with_patches(self, count)
+        return made
+
     def description(self) -> tuple[str, dict[str, Any]]:
         """Title, and a dictionary of the entries and the number of variants, for printing."""
         return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self.rows))}

@@ -81,6 +81,30 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     return decisive
 
 
+def relative_sampling(
+    columns: Mapping[str, Any], conditions: Conditions, shares: Array | None = None
+) -> Array:
+    """Relative deviation of the rise from patch to patch, as each point states it (...).
+
+    It is that of the contact at the end: the criterion's rise with each rise of the contact lifted
+    by its own deviation. `columns` has the rises at the steps, and ``rise_sampling`` and
+    ``mean_rise_sampling``; `shares` of cooler area belong to the quantiles, if they are others than
+    `tribo.QUANTILES`.
+    """
+    last = {
+        "rise_quantile": columns["rise_quantile"][..., -1, :],
+        "mean_rise": columns["mean_rise"][..., -1],
+    }
+    quantiles = last["rise_quantile"] * (1 + columns["rise_sampling"])
+    lifted = {
+        "rise_quantile": np.maximum.accumulate(quantiles, axis=-1),
+        "mean_rise": last["mean_rise"] * (1 + columns["mean_rise_sampling"]),
+    }
+    named = {} if shares is None else {"quantile": shares}
+    rise, above = (conditions.criterion.rise(one | named) for one in (last, lifted))
+    return np.asarray(np.where(rise > 0, above / np.where(rise > 0, rise, 1.0) - 1, 0.0))
+
+
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
     """Mild or severe wear at a point, from its values at each step and its full load [N].
 

@@ -136,6 +136,18 @@ class Variants:
         """
         return combinations({one.name: self.axes[one.name] for one in self.chosen})
 
+    @property
+    def without_surfaces(self) -> Variants:
+        """Table of the variants that the user chose, without random surfaces."""
+        seeds = {one.name for one in self.columns if one.is_seed}
+        columns = tuple(one for one in self.columns if not one.is_seed)
+        rows = dict[Variant, Row]()
+        for labels, values in self.rows:
+            own = {name: label for name, label in labels.items() if name not in seeds}
+            others = {path: value for path, value in values.items() if path != SEED}
+            rows.setdefault((*own.items(),), Row(own, others))
+        return Variants(columns, tuple(rows.values()))
+
     def labels(self, name: str) -> tuple[Any, ...] | None:
         """Label of each row in a column; None if there is no such column."""
         is_there = any(one.name == name for one in self.columns)

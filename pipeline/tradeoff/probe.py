@@ -20,7 +20,6 @@ from pipeline.sweep.severity import momentary_rise, rise_limit
 from pipeline.sweep.variants import Variant
 from tribo import PRESETS, Fidelity, InputError, State, simulate
 from tribo.simulation import Trunks, forget_contacts
-from tribo.simulation.present_heat import excess_of_present_heat
 
 
 class Target(NamedTuple):
@@ -121,20 +120,6 @@ def points_near_boundary(
         ratio = rise(velocity * math.exp(_STEP)) / rise(velocity * math.exp(-_STEP))
         exponents.append(max(math.log(ratio) / (2 * _STEP), _FLATTEST))
     return tuple(points), tuple(exponents)
-
-
-def present_heat_beside_boundary(sweep: Sweep) -> float:
-    """Relative error of the rise, beside the boundary, if present heat acts since the start.
-
-    It is the larger one at the lowest and the highest load.
-    """
-    places = tuple(place for place in spread_places(sweep, 2) if any(sweep.velocities))
-    points, _ = points_near_boundary(sweep, places) if places else ((), ())
-    cases = ((sweep.case(point.variant), point) for point in points)
-    states = (
-        (case.scene, _simulated_rise(case, point.load, point.velocity)[1]) for case, point in cases
-    )
-    return max((excess_of_present_heat(scene, state) for scene, state in states), default=0.0)
 
 
 def critical_velocity(

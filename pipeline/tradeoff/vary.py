@@ -18,7 +18,8 @@ from pipeline.analysis.boundary import boundary, boundary_frame
 from pipeline.analysis.warned_points import Warned, warned
 from pipeline.constants import USUAL_TOLERANCE
 from pipeline.run.cluster import Client
-from pipeline.run.sweep import run_sweep
+from pipeline.run.goal import Searches
+from pipeline.run.sweep import Cluster, run_points
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.scenefile import PresetName, load_scene
 from pipeline.scene.units import NUMBER
@@ -121,7 +122,8 @@ def vary(
     varied = _combine(sweep, variations, scenes)
     with store_path(out) as path:
         varied = replace(varied, inputs=())  # they move no computed boundary
-        run_sweep(varied, path, workers, client, progress, boundary_only=USUAL_TOLERANCE)
+        searches = Searches(varied, USUAL_TOLERANCE, only_first=True)
+        run_points(varied, path, searches, Cluster(workers, client), progress)
         store = opened(path)
         done = store.points_at(np.nonzero(store.flags == DONE))
         contacts = {

@@ -20,7 +20,7 @@ MODES = {
         for name in ("pixels_per_element", "increments", "fewest_elements", "contact_tolerance")
     ),
     "standard": (),
-    "standard, boundary alone": ("--boundary-only", "1%"),
+    "to 2 %": ("--accuracy", "2%"),
 }
 
 
@@ -51,4 +51,4 @@ def test_whole_diagram(benchmark, scene, tmp_path, mode):
     line = f"\n{mode}: {done} points in {seconds:.1f} s on {WORKERS} workers, "
     line += f"of which points {points_take / WORKERS:.1f} s"
     print(line)
-    assert done == ds["status"].size or "--boundary-only" in MODES[mode]
+    assert done == ds["status"].size or "--accuracy" in MODES[mode]

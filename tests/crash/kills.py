@@ -1,7 +1,7 @@
 """Kills of drivers, workers and everything at random moments, while a sweep grows.
 
 A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run``, and by
-``irg run --boundary-only``. The others do without Dask: there half of the time is spent in commits.
+``irg run --accuracy``. The others do without Dask: there half of the time is spent in commits.
 A quarter takes over the points of another store.
 """
 
@@ -15,6 +15,7 @@ from pathlib import Path
 import psutil
 
 import pipeline
+from pipeline.run.search import MOST_PATCHES
 from pipeline.store.write import opened
 from tests.crash.loop import PATIENCE, Forked, code_of, job, started
 from tests.crash.sweeps import STAGES, Expected
@@ -28,18 +29,20 @@ _TARGETS = ("worker", "worker", "everything", "driver", "any")
 _SCENE = Path(__file__).parents[2] / "workflows" / "{}.toml"
 _COARSE = ["fidelity.pixels_per_element=8", "fidelity.increments=6", "sweep.fields=true"]
 _FASTER = 'sweep.velocities={from="0.5 m/s",to="4 m/s",step="0.25 m/s"}'
-# Scene and options of each command, and its settings at each stage.
+# Scene and options of each command, its settings, and more settings at each stage.
 _COMMANDS = {
     "command": (
         ["irg_transition"],
+        _COARSE,
         [
             ['sweep.loads=["200 N","400 N"]'],
             ['sweep.loads=["200 N","400 N","750 N"]'],
             ['sweep.loads=["200 N","400 N","750 N"]', _FASTER],
         ],
     ),
-    "boundary": (
-        ["irg_transition", "--boundary-only"],
+    "goal": (
+        ["irg_transition", "--accuracy", "3%"],
+        ["sweep.fields=true"],
         [['sweep.loads=["200 N","400 N","750 N"]']],
     ),
 }
@@ -119,14 +122,15 @@ def _with_workers(trial, way):
 
     trial.start = by_job
     if way in _COMMANDS:
-        (name, *options), trial.stages = _COMMANDS[way]
+        (name, *options), always, trial.stages = _COMMANDS[way]
         scene = str(_SCENE).format(name)
-        overrides = dict(map(_entry, _COARSE))
-        trial.expected = _AsStored(pipeline.load_scene(scene, overrides=overrides), trial.path)
+        sweep = pipeline.load_scene(scene, overrides=dict(map(_entry, always)))
+        sweep = sweep.with_patches(MOST_PATCHES) if options else sweep
+        trial.expected = _AsStored(sweep, trial.path)
         command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
 
         def by_command(stage):
-            settings = [word for entry in (*_COARSE, *stage) for word in ("--set", entry)]
+            settings = [word for entry in (*always, *stage) for word in ("--set", entry)]
             return started(trial.log, *command, *settings, mistake=trial.run.mistake)
 
         trial.start = by_command

@@ -65,7 +65,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     assert "K below the critical" in judged.replace("\n    ", " ")
     out = str(tmp_path / "out.zarr")
     assert "temperature.critical" in irg(
-        "run", scene, "--boundary-only", "-o", out, "--workers", "1", code=2
+        "run", scene, "--accuracy", "2%", "-o", out, "--workers", "1", code=2
     )
 
 

@@ -41,15 +41,13 @@ def places(name, patches=16, **changes):
     """Yield for each load the place, and what the two halves and the patches say there."""
     scene, entries, loads = SCENES[name]
     overrides = {"sweep.loads": list(loads), "sweep.fields": False, "sweep.steps": "end"}
-    overrides |= {"sweep.realizations": patches} | entries | changes
+    overrides |= {"sweep.realizations": list(range(patches))} | entries | changes
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "patches.zarr"
-        pipeline.run_sweep(
-            pipeline.load_scene(scene, overrides=overrides), path, further_patches=True
-        )
+        pipeline.run_sweep(pipeline.load_scene(scene, overrides=overrides), path, accuracy=0.05)
         ds = pipeline.open_sweep(path).load()
     done = (ds["status"] == 1).all("realization")
-    for load in ds["load"].values:
+    for load in ds["load"].values[done.any("velocity").values]:
         (velocity,) = ds["velocity"].values[done.sel(load=load).values]
         here = ds.sel(load=[load], velocity=[velocity])
         half = patches // 2

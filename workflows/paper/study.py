@@ -87,11 +87,11 @@ class Study:
         return staged(items, self.progress, name, weight)
 
     def sweep(
-        self, sweep: Sweep, name: str, further_patches: bool = False
+        self, sweep: Sweep, name: str, accuracy: float | None = None
     ) -> tuple[Outcome, xr.Dataset]:
         """Run or resume a sweep in the store `name`; return its outcome and dataset.
 
-        With `further_patches` only the first patch is computed at all points, see `run_sweep`.
+        With `accuracy` only the points are computed that it takes, see `run_sweep`.
         """
         store = Path(self.results, f"{name}.zarr")
         self.tell(f"the sweep in {store}, including what is there already")
@@ -101,7 +101,7 @@ class Study:
                 store,
                 workers=self.workers,
                 progress=progress,
-                further_patches=further_patches,
+                accuracy=accuracy,
             )
         return outcome, open_sweep(store)
 

@@ -34,7 +34,8 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     result = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
     assert result.decisive_temperature == pytest.approx(warm, rel=1e-12)
-    assert result.error.interpolation == pytest.approx(0.0, abs=1e-9)
+    # The least that is stated between two of four velocities: its points may be bent or rough.
+    assert 0.0 < result.error.interpolation < 0.004 * (warm - 298.15)
     assert result.distance == pytest.approx(418.15 - warm, abs=1e-9)
     assert (result.probability > 0.5) == (warm > 418.15)
     critical = synthetic.critical_velocity(load, LIMIT)

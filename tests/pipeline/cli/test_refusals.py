@@ -85,8 +85,6 @@ REFUSALS = {
                  "leave out --preset"),
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
-    "patches": (irg("run", "first_try", "--patches", "2", "--set", "sweep.realizations=3"),
-                "--patches gives sweep.realizations; leave one of them out"),
     "budget of two": (two_points, "--budget is for one place in one scene; give --load and"),
     "no until": (irg("margin", "tiny.zarr", *PLACE, "--entries", "pin.radius"),
                  "--entries belongs to --until, which is not given; add --until mild"),

@@ -153,9 +153,10 @@ def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(
     assert kills > 1
 
 
-def test_a_search_of_the_boundary_computes_the_tests_too_and_once(tmp_path):
+def test_a_run_with_a_goal_computes_the_tests_too_and_once(tmp_path):
     sweep, path = load(tmp_path, STEP, WORN), tmp_path / "lab.zarr"
-    outcome = pipeline.run_sweep(sweep, path, workers=1, boundary_only=0.01)
+    sweep = sweep.changed("fidelity.preset", "standard").with_patches(1)
+    outcome = pipeline.run_sweep(sweep, path, workers=1, accuracy=0.6)
     assert (outcome.tests.total, outcome.tests.done) == (3, 3)
     assert compute(path, sweep) == 0
 

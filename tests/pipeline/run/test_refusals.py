@@ -33,17 +33,24 @@ def no_file():
     return client_of(file=Path("scheduler.json"))
 
 
-def searched(sweep, tolerance=0.01):
-    return lambda: pipeline.run_sweep(sweep, "a.zarr", boundary_only=tolerance)
+def searched(sweep, accuracy=0.02):
+    return lambda: pipeline.run_sweep(sweep, "a.zarr", workers=1, accuracy=accuracy)
 
 
 ROWS = tiny.sweep(
     variants=labelled_rows("row", {"a": {}, "b": {}}, load=[200.0, 300.0], velocity=[1.0, 2.0])
 )
 
+VARIED = pipeline.load_scene("first_try", overrides={"sweep.over": {"fidelity.increments": [6, 8]}})
+
+COARSE = tiny.sweep(velocities=(0.5, 1.0, 2.0, 4.0, 8.0))
+
 REFUSALS = {
-    "tolerance": (searched(SWEEP, 1.0), "boundary_only is 1.0, the boundary's relative error"),
-    "bool": (searched(SWEEP, True), "boundary_only is True"),
+    "accuracy": (searched(SWEEP, 1.0), "accuracy is 1.0, the boundary's relative error"),
+    "bool": (searched(SWEEP, True), "accuracy is True"),
+    "too small": (searched(SWEEP, "0.5%"), "accuracy is 0.5 %, and the preset fine errs by up to"),
+    "fidelity": (searched(VARIED), "sweep.over varies [fidelity], which the accuracy chooses"),
+    "warned": (searched(COARSE), "points at 600 N have warnings whose error is not known"),
     "rows": (searched(ROWS), "each row of the sweep has its own load and velocity"),
     "at rest": (searched(tiny.sweep(velocities=(0.0,))), "sweep.velocities has none above 0"),
     "frictionless": (searched(COLD), "there is no boundary without friction"),
@@ -58,6 +65,8 @@ ELSEWHERE = {
     "cluster._start_cluster ExecutionError": "test_cluster.py, by processes that do not start",
     "cluster.reached ExecutionError": "test_driver.py, by a client or cluster that is closed",
     "cluster.update ExecutionError": "test_cluster.py, without a worker",
+    "goal._require_reach InputError": "test_goal.py, by a goal out of reach",
+    "goal_preset.begin_goal InputError": "test_goal.py, by a store of another preset",
     "jobs._loss ExecutionError": "test_cluster.py, by a scheduler that is lost",
     "work.compute_point ExecutionError": "test_cluster.py, by a worker with other code",
 }

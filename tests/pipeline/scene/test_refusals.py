@@ -318,7 +318,6 @@ ENTRIES = {
                         'row 2: "1.200" is 1200 or 1.200; say decimal="." or decimal=","'),
     "points marks": (points("load [N];velocity [m/s]\n1.2;1,5\n"),
                      'row 2: "1.2", where others have another decimal mark'),
-    "points width": (points("load [N]," * 400 + "\n"), "row 1: 401 cells; at most 300 columns are"),
     "points choice": (lambda: OperatingPoints.read("a.csv", Choices(columns={"lod": "F"})),
                       'columns.lod: no such quantity (did you mean "load"?)'),
     "points type": (lambda: OperatingPoints.read(3), "points are of type int"),

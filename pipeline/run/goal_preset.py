@@ -1,0 +1,137 @@
+"""Begin a run with a goal: choose preset and heat model by a few points, or keep the store's."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.analysis.reached import percent
+from pipeline.run.goal import Searches, require_boundary, why_fixed
+from pipeline.run.search import Goal, Search
+from pipeline.scene.units import share_of
+from pipeline.scene.written import with_fidelity
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import PointResult, choose_stations, run_point
+from pipeline.sweep.selection import presets_for, velocity_error
+from pipeline.sweep.severity import worst_rises
+from pipeline.sweep.stages import Progress, Report
+from tribo import PRESETS, Fidelity, InputError, WarningKind
+from tribo.simulation import forget_contacts
+
+_WORTH = 0.9  # costs below this share of those of a faster preset choose a slower one
+_NEAR = 0.1  # error of a crossing beside which heat is looked at
+
+
+def begin_goal(
+    sweep: Sweep, before: Sweep | None, accuracy: float | str, report: Report
+) -> Searches:
+    """Searches that reach an accuracy of a sweep, with the preset that this takes.
+
+    `before` is the sweep of the store, if there is one; its preset is kept where it suffices.
+    """
+    accuracy = share_of(accuracy)
+    if isinstance(accuracy, bool) or not 0 < accuracy < 1:
+        raise InputError(
+            f"accuracy is {accuracy!r}, the boundary's relative error; give a share between 0 and "
+            '1, such as 0.02 or "2%"'
+        )
+    require_boundary(sweep)
+    if any(one.key.startswith("fidelity.") for one in sweep.variants.columns):
+        raise InputError("sweep.over varies [fidelity], which the accuracy chooses; leave it out")
+    if before is None:
+        chosen = _choose(sweep, accuracy)
+    else:
+        chosen = with_fidelity(sweep, before.scene.fidelity, before.preset)
+        if (error := velocity_error(chosen)) is None or error >= accuracy:
+            known = "is not known" if error is None else f"is up to {percent(error)}"
+            raise InputError(
+                f"accuracy is {percent(accuracy)}, and the error of the store's numerical choices "
+                f"({before.preset or 'its own'}) {known}; give another store by -o OUT.zarr"
+            )
+    promised = percent(velocity_error(chosen) or 0.0)
+    words = f"preset {chosen.preset} (up to {promised})"
+    has_past = chosen.scene.remembers_heat and not sweep.scene.remembers_heat
+    words += ', heat_model "history"' * has_past
+    words += ", in place of the scene's own [fidelity]" * (sweep.preset is None)
+    report(Progress(words))
+    patches = before.variants.axes.get("realization", ()) if before else ()
+    return Searches(chosen, accuracy, patches=max(len(patches), 1))
+
+
+def _choose(sweep: Sweep, accuracy: float) -> Sweep:
+    """The sweep with the preset whose points are likely to cost least for an accuracy."""
+    presets = presets_for(sweep.scene, [name for name in PRESETS if name != "reference"])
+    if not sweep.scene.remembers_heat and _needs_history(_with(sweep, presets, "standard")):
+        presets = {name: replace(one, heat_model="history") for name, one in presets.items()}
+    chosen = [_with(sweep, presets, name) for name in presets]
+    errors = [velocity_error(one) or 0.0 for one in chosen]
+    able = [pair for pair in zip(chosen, errors, strict=True) if pair[1] < accuracy]
+    if not able:
+        best = min(zip(errors, presets, strict=True))
+        raise InputError(
+            f"accuracy is {percent(accuracy)}, and the preset {best[1]} errs by up to "
+            f"{percent(best[0])}; give more than that"
+        )
+    if len(able) == 1 or why_fixed(sweep):
+        return able[0][0]
+    # The number of patches goes with the square of the error that a preset leaves.
+    costs = [_seconds(one) / (accuracy**2 - error**2) for one, error in able]
+    cheapest = int(np.argmin(costs))
+    return able[cheapest if costs[cheapest] < _WORTH * costs[0] else 0][0]
+
+
+def _with(sweep: Sweep, presets: dict[str, Fidelity], name: str) -> Sweep:
+    return with_fidelity(sweep, presets[name], name)
+
+
+def _slowest(sweep: Sweep) -> float:
+    return min(velocity for velocity in sweep.velocities if velocity > 0)
+
+
+def _simulate(sweep: Sweep, load: float, velocity: float) -> PointResult:
+    """A point of the first scene of a sweep."""
+    case = sweep.given[0]
+    return run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name))
+
+
+def _seconds(sweep: Sweep) -> float:
+    """Processor time of a point at the highest load, without making surfaces and kernels."""
+    place = sweep.loads[-1], _slowest(sweep)
+    _simulate(sweep, *place)
+    forget_contacts()
+    began = time.process_time()
+    _simulate(sweep, *place)
+    return time.process_time() - began
+
+
+def _needs_history(sweep: Sweep) -> bool:
+    """True if points beside the boundary have the warning "present heat"."""
+    loads = sorted({sweep.loads[0], sweep.loads[-1]})
+    # Present heat errs most where a pin is slow.
+    if not _warned(_simulate(sweep, load, _slowest(sweep)) for load in loads):
+        return False
+    conditions = sweep.given[0].conditions
+    velocities = np.array([one for one in sweep.velocities if one > 0])
+    search = Search(np.array(loads), velocities, conditions, Goal(_NEAR, 0.0, 1, False))
+    found = dict[tuple[int, int], PointResult]()
+    while batch := search.ask():
+        for place in batch:
+            result = _simulate(sweep, loads[place.load], float(velocities[place.velocity]))
+            found[place.load, place.velocity] = result
+            rise = worst_rises(result.columns, np.array([result.least_load]), conditions)
+            factor = conditions.friction_factor(velocities[[place.velocity]])
+            search.tell([place], np.atleast_1d(rise) / factor, np.zeros(1))
+    beside = list[PointResult]()
+    for load in np.flatnonzero(np.isfinite(search.critical)).tolist():
+        away = {at: abs(velocities[at] - search.critical[load]) for one, at in found if one == load}
+        beside.append(found[load, min(away, key=away.__getitem__)])
+    return _warned(beside)
+
+
+def _warned(results: Iterable[PointResult]) -> bool:
+    return any(
+        one.kind is WarningKind.PRESENT_HEAT for result in results for one in result.warnings
+    )

@@ -1,0 +1,166 @@
+"""A run with a goal: it computes until the whole error of the boundary is below an accuracy."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.store.schema import DONE, LEFT_OUT, PENDING
+from tribo import InputError
+
+LOADS = {"sweep.loads": ["400 N", "750 N"]}
+
+
+def scene(**entries):
+    return pipeline.load_scene("first_try", overrides=LOADS | entries)
+
+
+def run(sweep, path, accuracy=0.03, **more):
+    return pipeline.run_sweep(sweep, path, workers=1, accuracy=accuracy, **more)
+
+
+def done(path):
+    """Mask of the points that are done, by patch, load and velocity."""
+    dims = "realization", "load", "velocity"
+    return pipeline.open_sweep(path)["status"].transpose(..., *dims).values == DONE
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    path = tmp_path_factory.mktemp("goal") / "small.zarr"
+    told = []
+    outcome = run(scene(), path, progress=lambda one: told.append(str(one)))
+    assert outcome.computed == outcome.done < 30
+    assert told[0] == "preset standard (up to 1.5 %)"
+    assert any("first patch done; about" in words for words in told)
+    return path
+
+
+def test_the_stated_error_is_below_the_goal(small):
+    found = pipeline.boundary(small)
+    assert (found["velocity_error"] < 0.03).all()
+    assert found.attrs["missing_points"] == 0
+    ds = pipeline.open_sweep(small)
+    assert np.array_equal(ds["asked"] == LEFT_OUT, ds["status"] == PENDING)
+
+
+def test_further_patches_have_one_point_a_load_and_no_fields(small):
+    mask, ds = done(small), pipeline.open_sweep(small)
+    assert (mask[1:].sum(axis=-1) <= 1).all()
+    assert mask[0].any(axis=-1).all()
+    stored = np.isfinite(ds["pressure"].transpose("realization", ...).values).any(axis=(3, 4))
+    assert np.array_equal(stored[0], mask[0])
+    assert not stored[1:].any()
+    assert pipeline.verify_store(small).is_clean
+
+
+def test_a_smaller_goal_goes_on_with_the_store_and_a_larger_one_computes_nothing(small, tmp_path):
+    path = tmp_path / "grown.zarr"
+    first = run(scene(), path, 0.05).done
+    grown = run(scene(), path, 0.03)
+    assert first + grown.computed == grown.done <= done(small).sum() + 3
+    assert (pipeline.boundary(path)["velocity_error"] < 0.03).all()
+    assert run(scene(), path, 0.05).computed == 0
+
+
+class KilledError(Exception):
+    """Stands for a kill, which leaves the store as it is."""
+
+
+@pytest.mark.parametrize("count", [5, 9, 14])  # four of them are of tests
+def test_a_run_that_was_stopped_ends_with_the_same_points(tmp_path, small, count):
+    def stop(progress):
+        if progress.done >= count:
+            raise KilledError
+
+    path = tmp_path / "stopped.zarr"
+    with pytest.raises(KilledError):
+        run(scene(), path, progress=stop)
+    assert 0 < done(path).sum() < done(small).sum()
+    pipeline.boundary(path)  # a half-done search answers
+    run(scene(), path)
+    assert np.array_equal(done(path), done(small))
+
+
+def test_each_case_has_the_goal(tmp_path):
+    path = tmp_path / "cases.zarr"
+    run(scene(**{"sweep.over": {"pin.radius": ["2 mm", "3 mm"]}}), path, 0.05)
+    found = pipeline.boundary(path)
+    assert found["velocity_error"].dims == ("pin_radius", "load")
+    known = np.isfinite(found["critical_velocity"])
+    assert known.any("load").all()
+    assert (found["velocity_error"].where(known, 0.0) < 0.05).all()
+
+
+def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_path, irg):
+    out = tmp_path / "seeds.zarr"
+    words = irg(
+        "run", "first_try", "--set", 'sweep.loads=["400 N"]', "--set", "sweep.realizations=[3, 5]",
+        "--accuracy", "2%", "-o", out, "--workers", "1",
+    )  # fmt: skip
+    assert "accuracy 2 % reached: at most ± 1.5" in words
+    assert "2 listed seeds, not reduced by computing" in words
+    assert done(out)[1].sum() == 1
+
+
+def test_a_later_run_computes_the_plane_of_the_first_patch(small, tmp_path):
+    path = tmp_path / "plane.zarr"
+    run(scene(), path)
+    few = done(path).sum()
+    plane = scene(**{"sweep.realizations": 1})
+    outcome = pipeline.run_sweep(plane, path, workers=1)
+    assert outcome.done == outcome.total == done(path)[0].size
+    assert done(path).sum() == few + outcome.computed
+
+
+def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
+    for plain in (scene(), scene(**{"fidelity.preset": "fine", "sweep.realizations": 2})):
+        with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --accuracy 2%"):
+            pipeline.run_sweep(plain, small, workers=1)
+    with pytest.raises(InputError, match=r"store's numerical choices \(standard\) is up to"):
+        run(scene(), small, 0.012)
+
+
+def test_the_command_tells_what_it_reached_and_how_it_goes_on(tmp_path, irg):
+    out = tmp_path / "out.zarr"
+    arguments = (
+        "run",
+        "first_try",
+        "--set",
+        'sweep.loads=["100 N", "750 N"]',
+        "-o",
+        out,
+        "--workers",
+        "1",
+    )
+    words = irg(*arguments, "--accuracy", "5%")
+    assert "accuracy 5 % reached: at most ± 4" in words
+    assert "at 750 N (points left out" in words
+    assert "no crossing in the plane at 100 N" in words
+    assert f"-o {out} --accuracy 2.5%" in words.replace("\n    ", " ")
+    document = irg(*arguments, "--accuracy", "5%", "--json")
+    assert document["accuracy"]["scenes"][0]["total"] < 0.05
+
+
+def test_own_numbers_of_the_scene_are_replaced_in_a_line(tmp_path):
+    told = []
+    own = scene(**{"fidelity.increments": 7, "sweep.loads": ["750 N"]})
+    run(own, tmp_path / "own.zarr", 0.05, progress=lambda one: told.append(str(one)))
+    assert told[0] == "preset standard (up to 1.5 %), in place of the scene's own [fidelity]"
+
+
+def test_the_whole_history_is_chosen_where_beside_the_boundary_present_heat_errs(tmp_path):
+    told = []
+    short = scene(**{"loading.rate": "150 kN/s", "sweep.loads": ["400 N"]})
+    run(short, tmp_path / "short.zarr", 0.06, progress=lambda one: told.append(str(one)))
+    assert 'heat_model "history"' in told[0]
+
+
+def test_a_goal_out_of_reach_is_refused_before_the_long_work(tmp_path):
+    coarse = scene(**{"sweep.velocities": ["1 m/s", "4 m/s"]})
+    with pytest.raises(InputError, match="out of reach: the least error at"):
+        run(coarse, tmp_path / "far.zarr", 0.016)
+
+
+def test_the_whole_history_needs_no_second_entry(irg):
+    said = irg("check", "first_try", "--set", "heat_model=history")
+    assert "points   24" in said
