@@ -8,7 +8,7 @@ import threading
 import time
 import uuid
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures import Future as Answer
 from contextlib import suppress
@@ -60,7 +60,7 @@ class Jobs:
         self._name = uuid.uuid4().hex[:8]  # a scheduler may know other runs
         self._sweep, self._stations = sweep, choose_stations(sweep)
         self._with_fields, self._works = with_fields, dict[str, bytes]()
-        self._numbers = itertools.count()
+        self._numbers, self._calls = itertools.count(), 0
         self._ended, self._news = deque[str](), threading.Event()
         # Pending requests for results, each with the futures that it asks for, by key.
         self._gathering: dict[Answer[dict[str, Any]], dict[str, Future]] = {}
@@ -92,21 +92,34 @@ class Jobs:
             self._works[scene_hash] = work.pickled()
         return self._works[scene_hash]
 
-    def submit(self, job: Job) -> None:
-        """Give a task to Dask."""
-        number, first = next(self._numbers), job.task.point
-        key = f"point-{first.load:g}N-{first.velocity:g}ms-{self._name}-{number}"
-        given = CODE, FOLDER, self._work(first.variant), tuple(first)
-        with self._link.reached():
+    def submit(self, jobs: Sequence[Job]) -> None:
+        """Give tasks for one worker to Dask, in their order."""
+        first, places = jobs[0], [job.task.point for job in jobs]
+        keys = [
+            f"point-{point.load:g}N-{point.velocity:g}ms-{self._name}-{next(self._numbers)}"
+            for point in places
+        ]
+        given = [
+            {"given": (CODE, FOLDER, self._work(point.variant), tuple(point))} for point in places
+        ]
+        options: dict[str, Any] = {
             # Without a priority Dask orders tasks of one moment by chance.
-            job.future = self._client.submit(
-                eval, TASK, {"given": given}, key=key,
-                priority=-number,
-                workers=job.worker or None,
-                allow_other_workers=bool(job.worker) and not job.is_alone,
-            )  # fmt: skip
-        self.running[key] = job
-        job.future.add_done_callback(self._note)
+            "priority": -self._calls,
+            "workers": first.worker or None,
+            "allow_other_workers": bool(first.worker) and not first.is_alone,
+        }
+        self._calls += 1
+        with self._link.reached():
+            # A task takes client and scheduler 0.8 ms in a group of eight, 1.9 ms by `submit`, and
+            # 2.3 ms by `map` alone.
+            if len(jobs) == 1:
+                futures = [self._client.submit(eval, TASK, given[0], key=keys[0], **options)]
+            else:
+                futures = self._client.map(eval, [TASK] * len(jobs), given, key=keys, **options)
+        for key, job, future in zip(keys, jobs, futures, strict=True):
+            job.future = future
+            self.running[key] = job
+            future.add_done_callback(self._note)
 
     def _note(self, future: Future) -> None:
         self._ended.append(future.key)

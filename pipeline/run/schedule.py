@@ -1,15 +1,16 @@
 """Compute the points of a sweep as independent tasks of Dask.
 
 Two policies decide: `TaskQueue` which task is next, `Losses` what to do about one that was lost. A
-worker has one task that it computes and one that waits.
+worker has one task that it computes and one that waits; of tasks of milliseconds it has a group.
 """
 
 from __future__ import annotations
 
 import pickle
-from collections import Counter, defaultdict
+from collections import Counter, defaultdict, deque
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
+from statistics import fmean
 
 from pipeline.run.cluster import Connection
 from pipeline.run.jobs import ANYWHERE, Job, Jobs, Loss
@@ -26,6 +27,9 @@ TRIALS = 5
 _TO_COME = 16  # tasks handed out for workers that are still to come
 _OTHERS = "a Dask worker computes by"
 _AHEAD = 2  # tasks for each worker: one that it computes, and one that waits
+_GROUP = 8  # tasks that are given to Dask together where points are short, so that two groups wait
+_SHORT = 0.02  # mean time of short points [s]: to lose a group of them with a worker costs little
+_RECENT = 50  # points for the mean
 
 
 def compute(
@@ -42,7 +46,7 @@ def compute(
     progress. Without `with_fields` the fields of the store are NaN. Raises a `StoreError` if
     points cannot be written, an `ExecutionError` if the scheduler is lost or no worker can compute.
     """
-    losses = Losses()
+    losses, recent = Losses(), deque[float](maxlen=_RECENT)  # `recent`: durations of points [s]
     wanted = replace(sweep, stations=writer.store.sweep.stations)
     has_fields = "pressure" in writer.store.arrays
     blank = {} if with_fields or not has_fields else writer.store.blank_fields()
@@ -50,16 +54,22 @@ def compute(
         while queue or losses or jobs:
             has_looked = link.update()
             busy = Counter(job.worker for job in jobs.running.values())
-            free = [one for ahead in range(_AHEAD) for one in link.workers if busy[one] <= ahead]
+            is_short = bool(recent) and fmean(recent) < _SHORT
+            ahead = 2 * _GROUP if is_short else _AHEAD
+            able = [one for one in link.workers if busy[one] <= ahead // 2]
+            free = [one for count in range(ahead) for one in able if busy[one] <= count]
             # A cluster that adapts starts as many workers as its tasks need.
             if getattr(link.client.cluster, "_adaptive", None) or not link.workers:
                 free += [ANYWHERE] * (_TO_COME - busy[ANYWHERE])
+            groups = defaultdict[str, list[Job]](list)
             for worker in free:
                 if queue:
-                    jobs.submit(Job(queue.take(worker or object()), worker))
+                    groups[worker].append(Job(queue.take(worker or object()), worker))
+            for group in groups.values():
+                jobs.submit(group)
             on_workers = [*jobs.running.values(), *jobs.computed.values()]  # results die with them
             for job in losses.trials(on_workers, link.workers):
-                jobs.submit(job)
+                jobs.submit([job])
             jobs.wait()
             for job, loss in jobs.lost(has_looked):
                 link.workers.pop(job.worker, None)  # gets no task until it is listed again
@@ -76,6 +86,7 @@ def compute(
                 if blank and record.data is not None:
                     record = replace(record, data={**record.data, **blank}, checksum=None)
                 writer.add([record])
+                recent += [record.wall_time] * (record.data is not None)
                 if versions != VERSIONS:
                     link.report(f"{_OTHERS} {versions}, and not {VERSIONS}; last digits may differ")
             if written := writer.written():

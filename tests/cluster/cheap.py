@@ -3,10 +3,12 @@
     python -m tests.cluster.cheap --points 10000
     python -m tests.cluster.cheap --points 100000 --for 600
     python -m tests.cluster.cheap --points 1000 --scan 1000
+    python -m tests.cluster.cheap --points 10000 --fields
 
 A sweep on smooth bodies, whose points take some milliseconds, and as many empty tasks. Both run on
-two workers of this machine with encrypted connections. With ``--scan`` the sweep is also computed
-on a scan of so many heights squared, on as few elements. Prints a JSON document.
+two workers of this machine with encrypted connections. ``--fields`` stores fields, too. With
+``--scan`` the sweep is also computed on a scan of so many heights squared, on as few elements.
+Prints a JSON document.
 """
 
 import argparse
@@ -33,7 +35,7 @@ _LOADS, _WORKERS = 10, 2
 RANDOM = "ra", "hurst_exponent", "correlation_length", "seed"
 
 
-def scene_of(points, scan=0, folder=Path()):
+def scene_of(points, scan=0, folder=Path(), fields=False):
     """Scene of few loads and many velocities, on 24 × 1 elements.
 
     Bodies are smooth, or the disk is a scan of `scan` × `scan` heights in a file in `folder`.
@@ -60,6 +62,7 @@ def scene_of(points, scan=0, folder=Path()):
         "standard",
         own
         | {
+            "sweep.fields": fields,
             "sweep.loads": [f"{load} N" for load in range(200, 700, 50)],
             "sweep.velocities": [
                 f"{velocity:.6g} m/s" for velocity in np.linspace(1.0, 4.0, points // _LOADS)
@@ -110,10 +113,11 @@ def empty_tasks(client, points):
         news.set()
 
     while left or running:
-        while left and running < schedule._AHEAD * _WORKERS:
-            future = client.submit(bool, 0, key=f"empty-{left.popleft()}")
-            future.add_done_callback(ended)
-            running += 1
+        while left and running <= schedule._GROUP * _WORKERS:
+            keys = [f"empty-{left.popleft()}" for _ in range(min(schedule._GROUP, len(left)))]
+            for future in client.map(bool, [0] * len(keys), key=keys):
+                future.add_done_callback(ended)
+            running += len(keys)
         news.wait()
         news.clear()
         while done:
@@ -127,6 +131,7 @@ def main():
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--for", dest="duration", type=float, default=3600.0, help="seconds")
     parser.add_argument("--scan", type=int, default=0, help="heights along a side of a scan")
+    parser.add_argument("--fields", action="store_true", help="store fields, too")
     options = parser.parse_args()
     with (
         tempfile.TemporaryDirectory() as folder,
@@ -140,7 +145,7 @@ def main():
         }
         for name, scan in {"sweep": 0, "scan": options.scan}.items():
             if scan or name == "sweep":
-                sweep = scene_of(options.points, scan, Path(folder))
+                sweep = scene_of(options.points, scan, Path(folder), options.fields)
                 out = Path(folder) / f"{name}.zarr"
                 compute = partial(swept, client, sweep, out, options.duration)
                 report[name] = timed(client, compute)

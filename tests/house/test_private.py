@@ -5,7 +5,7 @@ import ast
 from tests.house.measure import ROOT
 
 _ALLOWED = {
-    "cluster/cheap.py _AHEAD": "as many tasks are sent ahead as by a run",
+    "cluster/cheap.py _GROUP": "as many tasks are sent together as by a run",
     "cluster/scaling.py _count_steps": "steps of a ramp, by which times are divided",
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
