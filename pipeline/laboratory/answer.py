@@ -17,7 +17,7 @@ from pipeline.cli.given import table_choices_in
 from pipeline.cli.output import WRONG_USE, Result, counted, working
 from pipeline.laboratory.exports import Export
 from pipeline.laboratory.instruments import RawScan
-from pipeline.laboratory.logs import Log, read_log
+from pipeline.laboratory.logs import Log, log_of
 from pipeline.laboratory.profile import data_sheet_toml, profile_statistics, profiles_in
 from pipeline.laboratory.reading import OF_TRACE, Read, is_one_run, is_trace, read_table
 from pipeline.laboratory.records import read_trace
@@ -104,7 +104,8 @@ def tests(options: argparse.Namespace) -> Result:
             raise InputError(
                 f"{path} is no record of friction over time, which {option} needs; leave it out"
             )
-    return _log_result(path, read_log(path, choices, options.form, dict(options.word)), options)
+    log = log_of(read_table(path, choices, options.form), dict(options.word))
+    return _log_result(path, log, options)
 
 
 def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:

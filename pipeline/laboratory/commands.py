@@ -75,7 +75,7 @@ _TESTS = (
     Option(
         "--form", metavar="NAME",
         help="export of a machine, where it was not recognised: compend, mtm, rtec, srv, "
-        ", t11, trb3, twin_disc or umt",
+        "t11, trb3 or umt",
     ),
     *o.OF_TABLE_FILE,
     Option("--outcome", choices=("mild",), help="print the lines of a trace that stayed mild"),

@@ -52,13 +52,13 @@ def _read_tests(
     file, choices = choices_of(read.file)
     place, path = f"{place}.file", folder / user_path(file)
     with faults.at(place):
-        log = read_log(path, choices, read.form, read.words, key)
+        log = read_log(path, choices, read.form, read.words or {}, key)
         log.sheet.written = "scene"
         for problem in log.sheet.told_faults:
             faults.refuse(place, f"{path.name}, {problem}")
         if log.sheet.faults and not log.tests:
             faults.refuse(place, f"what is understood of it is printed by: irg tests {path}")
-        for note in log.notes:
+        for note in filter(None, (log.sheet.counted, *log.sheet.remarks)):
             faults.note(place, note)
         if is_alone:
             return log.tests

@@ -35,7 +35,6 @@ class Export:
     units: Mapping[str, str] = field(default_factory=dict)  # units of headings without a unit
     restarts: bool = False  # True if time restarts with each step
     sine: str = ""  # pattern of a cell which tells that the velocity is the peak of a sine
-    stages: bool = False  # True if rows of a log are stages of one specimen
     step: str = ""  # load step of a stepwise test
 
 

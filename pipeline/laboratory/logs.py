@@ -80,22 +80,14 @@ class Log:
         known = table_of(self.row_class).keys
         return {name: x.text for name, x in heads.items() if name in known and x.name != name}
 
-    @property
-    def notes(self) -> list[str]:
-        """Notes on the number of rows, and on columns not used."""
-        unused = ", ".join(self.sheet.unused)
-        return [*filter(None, (self.sheet.counted, unused and f"columns not used: {unused}"))]
-
 
 def read_log(
-    path: Path, choices: Choices, form: str | None = None, words: Mapping[str, str] | None = None,
-    key: str | None = None,
-) -> Log:  # fmt: skip
-    """Read the tests of a log; faults are listed in the sheet of the result.
+    path: Path, choices: Choices, form: str | None, words: Mapping[str, str], key: str
+) -> Log:
+    """Read the tests of a log for the scene's list `key`; faults are listed in the result's sheet.
 
     `form` is the name of the export that it is, and `words` has the outcomes that the user gives to
-    words. `key` is the scene's list that needs the tests ("measured" or "tested"); if it is None,
-    the columns of the log tell which list.
+    words.
     """
     read = read_table(path, choices, form)
     if is_one_run(read_table(path, choices, form, OF_TRACE).sheet):
@@ -103,7 +95,7 @@ def read_log(
             "this is a record of friction over time: one run, no list of tests"
         )
         return Log(read.sheet, read.export, Test)
-    return log_of(read, words or {}, key)
+    return log_of(read, words, key)
 
 
 def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
@@ -138,8 +130,6 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
         no_end = [row.number for row in sheet.rows if not any(row.cells[k] for k in ends)]
         sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
     _leave_out_copies(sheet)
-    if export.stages and row_class is Test and "run" not in sheet.places:
-        _number_runs(sheet, log.words)
     log.tests, log.in_si = sheet.entries(row_class, log.words, MAY_LACK)
     add_hints(sheet)
     sheet.faults += _double_transitions(log)
@@ -214,23 +204,6 @@ def _leave_out_copies(sheet: Sheet) -> None:
         if is_distinct and first.setdefault((*cells,), number) != number:
             twice[number] = "repeats an earlier row"
     sheet.leave_out(twice)
-
-
-def _number_runs(sheet: Sheet, words: Mapping[str, str]) -> None:
-    """Add a column with the number of each row's run to the sheet of a log.
-
-    A new run begins if the load does not rise, wear was severe before, or the oil changes. `words`
-    has the outcome meant by each word.
-    """
-    loads, outcome, oil = sheet.numbers("load"), sheet.places["outcome"], sheet.places.get("oil")
-    labels, run, last, before = list[str](), 0, 0.0, ""
-    for (_, cells), load in zip(sheet.rows, loads, strict=True):
-        now = cells[oil] if oil is not None else ""
-        run += not labels or now != before or not load > last
-        labels.append(str(run))
-        is_severe = words.get(cells[outcome], cells[outcome]) == "severe"
-        last, before = float("inf") if is_severe else load, now
-    sheet.add("run", "", labels)
 
 
 def _double_transitions(log: Log) -> list[str]:

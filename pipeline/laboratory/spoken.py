@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.laboratory.staged import run_by_stages
 from pipeline.laboratory.trace import COMMANDS, Level, LoadStage, Trace
 from pipeline.quantities import UNITS, display
 from pipeline.scene.document import as_toml
@@ -53,12 +54,10 @@ def _tests(trace: Trace, scuffed_at: float | None) -> list[dict[str, Any]]:
     if varied := _varied(trace, stages):
         (other,) = {*COMMANDS} - {varied}
         held = [
-            [str(place[varied]), f"{trace.duration_of(stage):.4g} s"]
+            (place[varied], f"{trace.duration_of(stage):.4g} s")
             for place, stage in zip(places, stages, strict=True)
         ]
-        run: dict[str, Any] = {"stages": held}
-        run |= {"mild_up_to": held[-1 if at is None else -2][0]}
-        run |= {} if at is None else {"severe_at": held[-1][0]}
+        run = run_by_stages(held, at is not None)
         return [run | {other: places[-1][other]} | _conditions(trace, rows[-1])]
     return [
         place | _conditions(trace, own) | {"outcome": outcome, "run": 1}

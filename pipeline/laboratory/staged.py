@@ -54,13 +54,14 @@ def _run(in_si: Sequence[Mapping[str, Any]], tests: Sequence[Mapping[str, Any]])
     if not all(a[name] < b[name] for a, b in pairwise(in_si)):
         return {}
     (other,) = {"load", "velocity"} - {name}
-    severe = outcomes[-1] == "severe"
-    mild = tests[:-1] if severe else tests
+    run = run_by_stages([(row[name], row["hold"]) for row in tests], outcomes[-1] == "severe")
     last = {key: value for key, value in tests[-1].items() if key not in _OF_STAGE}
-    return {
-        "stages": [[row[name], row["hold"]] for row in tests],
-        other: tests[-1][other],
-        **({"mild_up_to": mild[-1][name]} if mild else {}),
-        **({"severe_at": tests[-1][name]} if severe else {}),
-        **last,
-    }
+    return run | {other: tests[-1][other]} | last
+
+
+def run_by_stages(held: Sequence[tuple[Any, Any]], is_severe: bool) -> dict[str, Any]:
+    """Entries of a run by its stages, each a level and its hold; the last may be severe."""
+    levels = [level for level, _ in held]
+    mild = {"mild_up_to": levels[-2]} if is_severe and levels[1:] else {}
+    ends = mild | {"severe_at": levels[-1]} if is_severe else {"mild_up_to": levels[-1]}
+    return {"stages": [*map(list, held)]} | ends

@@ -137,16 +137,6 @@ def mtm():
     return text(parts, end="\r\n")
 
 
-TWIN_DISC = """Twin disc rig 2
-Oil,Load [N],n1 [rpm],n2 [rpm],Disc diameter [mm],Result
-A,500,1000,800,80,ok
-A,700,1000,800,80,ok
-A,900,1000,800,80,scuffing
-B,500,1000,800,80,ok
-B,700,1000,800,80,scuffing
-"""
-
-
 def srv():
     """Content of a workbook with a cover sheet, and units below the headings."""
     import openpyxl
