@@ -152,6 +152,15 @@ ROWS = {
         "",
         shares,
     ),
+    "linear": Row(
+        "change of the rise of `first_try` by a doubled input, at most, and how far half the input "
+        "is off the straight line in logarithms",
+        ("tribo",),
+        "python -m tests.promises.linear",
+        "",
+        None,
+        last_line,
+    ),
     "past heat": Row(
         "the heat model `elapsed` makes Θ₁₀ of `first_try` at 400 N and 1 m/s too high",
         ("tribo",),
