@@ -169,18 +169,10 @@ MOST_FACTOR = 2.0
 It is chosen. Judged by `python -m pytest tests/pipeline/analysis/test_budget.py`.
 """
 
-# Comparison of numerical choices
+# Speed against accuracy
 
-LARGEST_TIMES, DEVIATIONS = 1.3, 2.5
-"""Factor on the largest error, and standard deviations above the mean error.
+GOALS = 0.1, 0.05, 0.03, 0.02, 0.015, 0.01
+"""Errors of the boundary whose cost `irg trade` states.
 
-The larger result is the error to expect at loads that were not measured, where other summits
-touch. Judged by `make promises`.
-"""
-OF_REFERENCE = 2e-3
-"""Error of the reference itself, due to its steps and tolerances. Judged by `make promises`."""
-OF_ONE_ELEMENT = 0.1
-"""Error if a single element touches: quantiles of few elements are coarse.
-
-It falls with the number of elements. Judged by `make promises`.
+They are chosen. Judged by `make promises`.
 """

@@ -10,7 +10,6 @@ import tribo
 
 # These take minutes, or a cluster of their own.
 LONG = {
-    "trade",
     "vary",
 }
 PUBLIC = [

@@ -175,5 +175,5 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     if has_unknown_error(sweep):
         yield (
             "error",
-            "not known for own numerical choices: irg trade compares them with the presets",
+            "not known for own numerical choices; --accuracy 2% replaces them by a preset",
         )

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.analysis.reached import percent
 from pipeline.run.goal import Searches, require_boundary, why_fixed
-from pipeline.run.search import Goal, Search
+from pipeline.run.search import Goal, Place, Search
 from pipeline.scene.units import share_of
 from pipeline.scene.written import with_fidelity
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult, choose_stations, run_point
 from pipeline.sweep.selection import presets_for, velocity_error
-from pipeline.sweep.severity import worst_rises
-from pipeline.sweep.stages import Progress, Report
+from pipeline.sweep.severity import relative_sampling, worst_rises
+from pipeline.sweep.stages import Progress, Report, silent
 from tribo import PRESETS, Fidelity, InputError, WarningKind
 from tribo.simulation import forget_contacts
 
@@ -42,7 +42,7 @@ def begin_goal(
     if any(one.key.startswith("fidelity.") for one in sweep.variants.columns):
         raise InputError("sweep.over varies [fidelity], which the accuracy chooses; leave it out")
     if before is None:
-        chosen = _choose(sweep, accuracy)
+        chosen = choose_preset(goal_presets(sweep), accuracy, seconds_of_point)
     else:
         chosen = with_fidelity(sweep, before.scene.fidelity, before.preset)
         if (error := velocity_error(chosen)) is None or error >= accuracy:
@@ -61,24 +61,33 @@ def begin_goal(
     return Searches(chosen, accuracy, patches=max(len(patches), 1))
 
 
-def _choose(sweep: Sweep, accuracy: float) -> Sweep:
-    """The sweep with the preset whose points are likely to cost least for an accuracy."""
+def goal_presets(sweep: Sweep) -> tuple[Sweep, ...]:
+    """The sweep with each preset that a goal may take, the fastest first.
+
+    Heat acts at its own time if points beside the boundary have the warning "present heat".
+    """
     presets = presets_for(sweep.scene, [name for name in PRESETS if name != "reference"])
     if not sweep.scene.remembers_heat and _needs_history(_with(sweep, presets, "standard")):
         presets = {name: replace(one, heat_model="history") for name, one in presets.items()}
-    chosen = [_with(sweep, presets, name) for name in presets]
-    errors = [velocity_error(one) or 0.0 for one in chosen]
-    able = [pair for pair in zip(chosen, errors, strict=True) if pair[1] < accuracy]
+    return tuple(_with(sweep, presets, name) for name in presets)
+
+
+def choose_preset(
+    presets: Sequence[Sweep], accuracy: float, seconds: Callable[[Sweep], float]
+) -> Sweep:
+    """The sweep of `goal_presets` that is likely to cost least; `seconds` are those of a point."""
+    errors = [velocity_error(one) or 0.0 for one in presets]
+    able = [pair for pair in zip(presets, errors, strict=True) if pair[1] < accuracy]
     if not able:
-        best = min(zip(errors, presets, strict=True))
+        best, sweep = min(zip(errors, presets, strict=True), key=lambda pair: pair[0])
         raise InputError(
-            f"accuracy is {percent(accuracy)}, and the preset {best[1]} errs by up to "
-            f"{percent(best[0])}; give more than that"
+            f"accuracy is {percent(accuracy)}, and the preset {sweep.preset} errs by up to "
+            f"{percent(best)}; give more than that"
         )
-    if len(able) == 1 or why_fixed(sweep):
+    if len(able) == 1 or why_fixed(presets[0]):
         return able[0][0]
     # The number of patches goes with the square of the error that a preset leaves.
-    costs = [_seconds(one) / (accuracy**2 - error**2) for one, error in able]
+    costs = [seconds(one) / (accuracy**2 - error**2) for one, error in able]
     cheapest = int(np.argmin(costs))
     return able[cheapest if costs[cheapest] < _WORTH * costs[0] else 0][0]
 
@@ -97,7 +106,7 @@ def _simulate(sweep: Sweep, load: float, velocity: float) -> PointResult:
     return run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name))
 
 
-def _seconds(sweep: Sweep) -> float:
+def seconds_of_point(sweep: Sweep) -> float:
     """Processor time of a point at the highest load, without making surfaces and kernels."""
     place = sweep.loads[-1], _slowest(sweep)
     _simulate(sweep, *place)
@@ -105,6 +114,31 @@ def _seconds(sweep: Sweep) -> float:
     began = time.process_time()
     _simulate(sweep, *place)
     return time.process_time() - began
+
+
+def simulate_search(
+    sweep: Sweep, search: Search, report: Report = silent
+) -> dict[Place, tuple[PointResult, float]]:
+    """Simulate what a search on the first patch asks for; return points and processor times [s]."""
+    conditions, found = search.conditions, dict[Place, tuple[PointResult, float]]()
+    while batch := search.ask():
+        for place in batch:
+            began = time.process_time()
+            load, velocity = search.loads[place.load], search.velocities[place.velocity]
+            result = _simulate(sweep, float(load), float(velocity))
+            found[place] = result, time.process_time() - began
+            rise = worst_rises(result.columns, np.array([result.least_load]), conditions)
+            factor = conditions.friction_factor(np.atleast_1d(velocity))
+            own = {**result.columns, **result.sampling}
+            search.tell(
+                [place],
+                np.atleast_1d(rise) / factor,
+                np.atleast_1d(relative_sampling(own, conditions)),
+                sum({int(one.kind) for one in result.warnings}),
+                float(np.nan_to_num(result.columns["time"]).max()),
+            )
+        report(Progress(f"{len(found)} points"))
+    return found
 
 
 def _needs_history(sweep: Sweep) -> bool:
@@ -116,18 +150,12 @@ def _needs_history(sweep: Sweep) -> bool:
     conditions = sweep.given[0].conditions
     velocities = np.array([one for one in sweep.velocities if one > 0])
     search = Search(np.array(loads), velocities, conditions, Goal(_NEAR, 0.0, 1, False))
-    found = dict[tuple[int, int], PointResult]()
-    while batch := search.ask():
-        for place in batch:
-            result = _simulate(sweep, loads[place.load], float(velocities[place.velocity]))
-            found[place.load, place.velocity] = result
-            rise = worst_rises(result.columns, np.array([result.least_load]), conditions)
-            factor = conditions.friction_factor(velocities[[place.velocity]])
-            search.tell([place], np.atleast_1d(rise) / factor, np.zeros(1))
+    found = simulate_search(sweep, search)
     beside = list[PointResult]()
     for load in np.flatnonzero(np.isfinite(search.critical)).tolist():
-        away = {at: abs(velocities[at] - search.critical[load]) for one, at in found if one == load}
-        beside.append(found[load, min(away, key=away.__getitem__)])
+        own = [place for place in found if place.load == load]
+        nearest = min(own, key=lambda at: abs(velocities[at.velocity] - search.critical[load]))
+        beside.append(found[nearest][0])
     return _warned(beside)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from pipeline.constants import BOUNDS_OF_HIGHEST, HIGHEST_SHARE, PRESET_BOUNDS
@@ -43,18 +43,6 @@ def preset_of(scene: Scene) -> str | None:
     return next((name for name, fidelity in adapted if fidelity == scene.fidelity), None)
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """One set of numerical choices: its cost, and its error compared with the reference set."""
-
-    name: str  # a preset's, or "the scene's own fidelity"
-    fidelity: Fidelity
-    velocity_errors: tuple[float, ...]  # relative, of the boundary at each point, with sign
-    velocity_error: float  # largest at any point, without sign
-    error_at_any_load: float  # largest error to expect: at the points, plus a margin
-    seconds: float  # processor time of the points [s]
-
-
 def velocity_error(sweep: Sweep) -> float | None:
     """Largest relative error to expect of a sweep's critical velocity; None if unknown.
 
@@ -80,9 +68,7 @@ def error_in_words(sweep: Sweep) -> str:
     """Describe the error of a sweep's critical velocity, and how the error is known."""
     error = velocity_error(sweep)
     if error is None:
-        return (
-            "own numerical choices: how far boundary velocities err is not known (irg trade SCENE)"
-        )
+        return "own numerical choices: how far boundary velocities err is not known"
     by = f"{100 * error:g} % (irg help choosing)"
     return f"preset {_preset(sweep)}: boundary velocities may be off by up to {by}"
 

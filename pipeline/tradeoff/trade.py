@@ -1,210 +1,261 @@
-"""Table of fidelities, each measured on a scene at a few points on the boundary.
+"""Processor time against the whole error of a scene's boundary, for each accuracy that one may ask.
 
-A fidelity is a set of numerical choices. The measure is the relative error of the critical
-velocity: the error of ln(rise) divided by the exponent with which the rise grows with velocity.
-`irg trade` prints the table.
+The first patch's boundary is searched with the fastest preset. From there searches with smaller
+errors are rehearsed on the interpolated rises, with patches that differ as the jackknife says. A
+timed point of each preset gives the cost. `irg trade` prints and draws the curve.
 """
 
 from __future__ import annotations
 
 import math
-import statistics
-from collections.abc import Sequence
+import os
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
-from pipeline.analysis.tables import frame_of, lines_of
-from pipeline.constants import DEVIATIONS, LARGEST_TIMES, OF_ONE_ELEMENT, OF_REFERENCE
+from pipeline.analysis.reached import percent
+from pipeline.analysis.rise_error import INTERPOLATION, PRESET, SURFACE, WARNED, totals
+from pipeline.analysis.tables import frame_of, lines_of, short
+from pipeline.constants import GOALS
+from pipeline.run.goal import require_boundary, why_fixed
+from pipeline.run.goal_preset import choose_preset, goal_presets, seconds_of_point
+from pipeline.run.search import MOST_PATCHES, Goal
 from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.scene.written import with_fidelity
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import step_count
-from pipeline.sweep.selection import Choice, presets_for
-from pipeline.sweep.severity import boundary_velocity_error, rise_limit
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.shown import shown
-from pipeline.sweep.stages import Progress, Report, silent, staged
-from pipeline.tradeoff.forecast import as_computed
-from pipeline.tradeoff.probe import (
-    Probe,
-    Target,
-    points_near_boundary,
-    probe,
-    spread_places,
-)
-from tribo import PRESETS, ConvergenceError, Fidelity, InputError
+from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.tradeoff.forecast import Estimate, estimate
+from pipeline.tradeoff.rehearsal import FirstPatch, Rehearsed
+from tribo.types import Indices
 
-USUAL = ("standard", "fine")
-OWN = "the scene's own fidelity"
-_LOADS, _PLACES = 4, 6  # number of points for a single variant, and for several
-_HEADS = "name", "velocity error [%]", "error at any load [%]", "seconds [s]"
+_GRIDS = (3, 4), (4, 6), (6, 10), (9, 14)  # loads and velocities
+_SECONDS_TO_START = 2.5  # of processor time, for workers
+_SECONDS_OF_A_POINT = 0.05  # to hand it to a worker, make its surface, and write it
+_HEADS = (
+    "run", "preset", "points", "patches", "CPU time [s]", "error [%]", "surface [%]",
+    "left out [%]", "by preset [%]", "warned [%]", "command",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """What a run would compute, its cost, and the error of the boundary that it would reach."""
+
+    accuracy: float | None  #: Error that is asked for; None for a uniform plane.
+    shape: tuple[int, int]  #: Loads and velocities of the plane.
+    preset: str | None  #: None for numerical choices of one's own.
+    points: int
+    patches: int
+    seconds: float  #: Processor time [s].
+    #: Bounds of the relative error at 95 % by cause, at the load where the whole is largest: points
+    #: left out, preset, warned points, surface; NaN if unknown.
+    errors: tuple[float, float, float, float]
+
+    @property
+    def error(self) -> float:
+        """The whole relative error; NaN if a part is unknown."""
+        return math.hypot(*self.errors)
 
 
 @shown
 @dataclass(frozen=True, slots=True)
 class Trade:
-    """Speed and accuracy of several fidelities on a scene."""
+    """Processor time and error of the boundary of a scene, by the accuracy that is asked for."""
 
     drawn_by: ClassVar = "pipeline.figures.studies:draw_trade"
     title: str  #: Title of the scene.
-    points: tuple[Point, ...]  #: Points at which the errors are measured.
-    choices: tuple[Choice, ...]  #: Fidelities measured, in order of their work; the reference last.
-    not_converged: tuple[str, ...] = ()  #: Fidelities that did not converge, with the reason.
+    scene: str  #: The scene, and the options that change it, as typed in a command.
+    searches: tuple[Choice, ...]  #: Runs with an accuracy, from the largest error to the smallest.
+    planes: tuple[Choice, ...]  #: Uniform planes; the last is the scene's own.
+    notes: tuple[str, ...]  #: What limits the errors.
 
     @property
-    def reference(self) -> Choice:
-        """The fidelity with which all other fidelities are compared."""
-        return self.choices[-1]
+    def advised(self) -> Choice:
+        """The run whose squared error times processor time is least; without any, the plane.
 
-    @property
-    def front(self) -> tuple[Choice, ...]:
-        """Pareto front, the fastest first: no other fidelity is both faster and more accurate."""
-        best, choices = math.inf, []
-        by_time = sorted(self.choices, key=lambda one: (one.seconds, one.velocity_error))
-        for choice in by_time:
-            if choice.velocity_error < best:
-                best = choice.velocity_error
-                choices.append(choice)
-        return tuple(choices)
+        By patches alone half the error takes four times the points. Beyond this run it takes more.
+        """
+        return min(
+            self.searches,
+            key=lambda one: (one.accuracy or 0.0) ** 2 * one.seconds,
+            default=self.planes[-1],
+        )
+
+    def command(self, choice: Choice) -> str:
+        """Command that computes a choice; empty for a plane that is not the scene's."""
+        if choice.accuracy is not None:
+            return f"irg run {self.scene} --accuracy {100 * choice.accuracy:g}%"
+        return f"irg run {self.scene}" if choice is self.planes[-1] else ""
 
     @property
     def table(self) -> pd.DataFrame:
-        """Frame with a row for each fidelity: two errors [%], and two times.
+        """Frame with a row for each choice: searches first, then uniform planes.
 
-        The errors are those of the critical velocity: the largest at the points measured, and the
-        error to expect at any load. One time is in seconds, the other is relative to the time of
-        the preset ``fine``, or NaN if ``fine`` was not measured.
+        Errors [%] are bounds at 95 %, at the load where the whole error is largest.
         """
-        names = [head.partition(" [")[0].replace(" ", "_") for head in _HEADS]
-        table = frame_of(_HEADS, ([getattr(one, name) for name in names] for one in self.choices))
-        fine = next((one.seconds for one in self.choices if one.name == "fine"), math.nan)
-        table["share of fine"] = table["seconds [s]"] / fine
-        return table
+        return short(frame_of(_HEADS, map(self._row, (*self.searches, *self.planes))))
+
+    def _row(self, choice: Choice) -> tuple[object, ...]:
+        run = "plane {} × {}".format(*choice.shape)
+        if choice.accuracy is not None:
+            run = f"accuracy {100 * choice.accuracy:g}%"
+        errors = [choice.errors[part] for part in (SURFACE, INTERPOLATION, PRESET, WARNED)]
+        errors[-1] = errors[-1] or math.nan  # a column for warnings only if there are some
+        return (
+            run,
+            choice.preset or "own",
+            choice.points,
+            choice.patches,
+            float(f"{choice.seconds:.2g}"),
+            *(float(f"{error:.3g}") for error in (choice.error, *errors)),
+            self.command(choice),
+        )
 
     def __str__(self) -> str:
-        places = ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in self.points)
-        lines = [
-            f"{self.title}: speed against accuracy at",
-            f"  {places}",
-            "",
-            *lines_of(self.table),
-            "",
-            "Largest error of the boundary velocity at these points, against the reference on the",
-            "same pixels; error to expect at any load, with margin; processor time of all points.",
-            *(f"no result: {reason}" for reason in self.not_converged),
-        ]
-        return "\n".join(lines)
+        return "\n".join(
+            [
+                f"{self.title}: processor time against the error of the boundary",
+                "",
+                *lines_of(self.table.drop(columns="command")),
+                "",
+                "Errors are bounds at 95 %, at the load where they are largest: by the choice of",
+                "patches of the surface, points left out, and the preset. Times are right within a",
+                "factor of two.",
+                *self.notes,
+                f"advised: {self.command(self.advised)}",
+            ]
+        )
 
 
 @np.errstate(under="ignore")
-def trade(
-    sweep: SceneLike, presets: Sequence[str] = USUAL, progress: Report | None = None
-) -> Trade:
-    """Measure how long simulations take with several fidelities, and how large their errors are.
+def trade(scene: SceneLike, progress: Report | None = None) -> Trade:
+    """Estimate what each accuracy of a scene's boundary costs, and what uniform planes reach.
 
-    A fidelity is a set of numerical choices, such as a preset. An error is the relative difference
-    of the scene's critical velocity from that with the preset ``reference``.
-
-    Errors are measured near the boundary, at up to four loads from the lowest to the highest; with
-    several variants, at up to six pairs of load and variant.
+    The first patch of the scene is searched, a point of each preset is timed, and from there on
+    runs with an accuracy are rehearsed. Of several scenes in a sweep, the first one is taken for
+    all.
 
     Parameters
     ----------
-    sweep : Sweep, str or path
-        Scene to measure, or its path or name; its own fidelity is measured, too.
-    presets : sequence of str
-        Presets to measure against the preset ``reference``.
+    scene : Sweep, str or path
+        Scene, or its path or name.
     progress : callable, optional
-        Called with a `Progress` that names each fidelity.
+        Called with a `Progress` at each stage.
 
     Raises
     ------
     InputError
-        If a preset is unknown, or the sweep has no friction heat.
-    ConvergenceError
-        If the reference does not converge.
+        If the sweep has no boundary.
+    TriboError
+        If a point has no solution.
 
     Examples
     --------
     >>> import pipeline
-    >>> print(pipeline.trade("first_try", presets=["standard"]))  # doctest: +SKIP
+    >>> found = pipeline.trade("first_try")
+    >>> found.planes[-1].points, found.command(found.searches[0])
+    (24, 'irg run first_try --accuracy 10%')
     """
-    sweep = sweep_of(sweep)
-    for name in presets:
-        if name not in PRESETS:
-            raise InputError(f"preset {name!r} is unknown; give one of {', '.join(PRESETS)}")
-    progress = progress or silent
-    if not math.isfinite(rise_limit(sweep.conditions)):
-        raise InputError("friction is 0, so there is no boundary; give a friction above 0")
-    places = spread_places(sweep, _PLACES if len(sweep.variants.names) > 1 else _LOADS)
-    candidates = _candidates(sweep, presets)
-    progress(Progress(f"{len(candidates)} choices at {len(places)} place{'s' * (len(places) > 1)}"))
-    near, exponents = points_near_boundary(sweep, places)
-    stages = staged(
-        [*candidates.items()],
-        progress,
-        name=lambda stage: stage[0],
-        weight=lambda stage: _cost(sweep, stage[1], places),
-    )
-    _, exact = next(stages)
-    reference = probe(sweep, exact, near)
-    choices, failed = [], []
-    for name, fidelity in stages:
-        try:
-            tried = probe(sweep, fidelity, near)
-        except ConvergenceError as error:
-            failed.append(f"{name}: {error}")
-        else:
-            choices.append(_choice(name, tried, reference, exponents))
-    # By work, not time, so that the choice is the same on every machine.
-    choices.sort(key=lambda choice: _cost(sweep, choice.fidelity, places))
-    choices.append(_choice("reference", reference, reference, exponents))
-    return Trade(sweep.title, near, tuple(choices), tuple(failed))
+    sweep, report = sweep_of(scene), progress or silent
+    typed = os.fspath(scene) if isinstance(scene, str | os.PathLike) else sweep.name
+    require_boundary(sweep)
+    runs = _Runs.of(sweep, report)
+    report(Progress("runs with each accuracy"))
+    searches = tuple(runs.searches())
+    return Trade(sweep.title, typed, searches, tuple(runs.planes()), tuple(runs.notes(searches)))
 
 
-def _cost(sweep: Sweep, fidelity: Fidelity, places: Sequence[Target]) -> float:
-    """Cost of simulating the targets `places`, in steps on a grid of single-pixel elements.
+@dataclass(frozen=True, eq=False)
+class _Runs:
+    """Runs of a sweep, rehearsed on its first patch."""
 
-    A step with larger elements costs less, in proportion to the number of elements of its grid.
-    """
-    scene = as_computed(with_fidelity(sweep, fidelity))
-    before = sum(step_count(scene, place.load) - 1 for place in places)
-    steps = before / scene.coarsening**2 + len(places)
-    return float(steps / scene.fidelity.pixels_per_element**2)
+    sweep: Sweep
+    presets: tuple[Sweep, ...]  # that a run with an accuracy may take
+    seconds: dict[str | None, float]  # processor time of the same point, by preset
+    choosing: float  # processor time to choose the preset [s]
+    first: FirstPatch
+    plane: Estimate  # of all points on one patch
+
+    @classmethod
+    def of(cls, sweep: Sweep, report: Report) -> _Runs:
+        began = time.process_time()
+        report(Progress("presets: a point of each"))
+        presets = goal_presets(sweep)
+        seconds = {one.preset: seconds_of_point(one) for one in presets}
+        choosing = time.process_time() - began
+        report(Progress(f"boundary of the first patch by preset {presets[0].preset}"))
+        first = FirstPatch.of(presets[0], report)
+        alone = sweep if why_fixed(sweep) else sweep.with_patches(1)
+        return cls(sweep, presets, seconds, choosing, first, estimate(alone, workers=1))
+
+    @property
+    def _patches(self) -> int:
+        """Number of patches of a plane."""
+        seeds = self.sweep.variants.axes.get("realization", (0,))
+        return len(seeds) if why_fixed(self.sweep) else 1
+
+    def searches(self) -> Iterator[Choice]:
+        """Runs with an accuracy that can be reached."""
+        grows, least = not why_fixed(self.sweep), min(map(_promised, self.presets))
+        most = MOST_PATCHES if grows else self._patches
+        for accuracy in (one for one in GOALS if one > least):
+            chosen = choose_preset(self.presets, accuracy, lambda one: self.seconds[one.preset])
+            goal = Goal(accuracy, _promised(chosen), most, counts_surface=grows)
+            found = self.first.rehearse(goal)
+            aimed = np.where(np.arange(len(found.errors)) == SURFACE, grows, 1) * found.errors
+            if totals(aimed) <= accuracy:
+                yield self._choice(found, chosen.preset, self._seconds(found, chosen), accuracy)
+
+    def planes(self) -> Iterator[Choice]:
+        """Uniform planes of the scene's own numerical choices, the scene's own plane last."""
+        whole = self.first.rises.shape
+        error = velocity_error(self.sweep)
+        goal = Goal(1.0, math.nan if error is None else error, self._patches)
+        smaller = [one for one in _GRIDS if one[0] < whole[0] and one[1] < whole[1]]
+        for shape in (*smaller, whole):
+            rows, columns = map(_spread, whole, shape)
+            found = self.first.plane(rows, columns, goal)
+            share = math.prod(shape) / math.prod(whole)
+            seconds = _SECONDS_TO_START + share * self.plane.seconds
+            yield self._choice(found, self.sweep.preset, seconds)
+
+    def notes(self, searches: Sequence[Choice]) -> Iterator[str]:
+        """What limits the errors, in sentences."""
+        if not searches:
+            yield f"No accuracy of {percent(max(GOALS))} or less is within reach."
+        if velocity_error(self.sweep) is None:
+            yield "The scene has own numerical choices, whose error is not known."
+        if fixed := why_fixed(self.sweep):
+            surface = max((one.errors[SURFACE] for one in searches), default=math.nan)
+            yield f"surface ± {percent(surface)}: {fixed}"
+        if (count := len(self.sweep.given)) > 1:
+            yield f"The sweep has {count} scenes; each is taken to cost as much as the first."
+
+    def _seconds(self, found: Rehearsed, chosen: Sweep) -> float:
+        """Processor time of a run with an accuracy [s]."""
+        ratio = self.seconds[chosen.preset] / self.seconds[self.presets[0].preset]
+        times = ratio * self.first.seconds + _SECONDS_OF_A_POINT
+        own = self.plane.tests + self.plane.inputs
+        points = len(self.sweep.given) * found.points @ times + own * times[-1]
+        return float(_SECONDS_TO_START + self.choosing + points)
+
+    def _choice(
+        self, found: Rehearsed, preset: str | None, seconds: float, accuracy: float | None = None
+    ) -> Choice:
+        points = len(self.sweep.given) * int(found.points.sum())
+        errors = tuple(found.errors.tolist())
+        return Choice(accuracy, found.shape, preset, points, found.patches, seconds, errors)
 
 
-def _candidates(sweep: Sweep, presets: Sequence[str]) -> dict[str, Fidelity]:
-    """Fidelities to measure, by name: the preset ``reference``, `presets`, and the sweep's own.
-
-    Equal fidelities are listed once, under the first name.
-    """
-    named = presets_for(sweep.scene, ("reference", *presets))
-    named.setdefault(sweep.preset or OWN, sweep.scene.fidelity)
-    names: dict[Fidelity, str] = {}
-    for name, fidelity in named.items():
-        names.setdefault(fidelity, name)
-    return {name: fidelity for fidelity, name in names.items()}
+def _promised(sweep: Sweep) -> float:
+    return velocity_error(sweep) or 0.0
 
 
-def _choice(name: str, measured: Probe, reference: Probe, exponents: Sequence[float]) -> Choice:
-    """Compare a fidelity with the reference: errors of the critical velocity, and processor time.
-
-    `name` is the name of the fidelity, which is a set of numerical choices. `measured` has the
-    fidelity's rises at some points, and `reference` those of the reference. `exponents` are
-    d ln(rise)/d ln(velocity) at each point.
-    """
-    pairs = zip(measured.rises, reference.rises, exponents, strict=True)
-    errors = tuple(boundary_velocity_error(*pair) for pair in pairs)
-    largest = max(map(abs, errors))
-    spread = statistics.stdev(errors) if len(errors) > 2 else 0.0
-    elsewhere = max(LARGEST_TIMES * largest, abs(statistics.mean(errors)) + DEVIATIONS * spread)
-    return Choice(
-        name=name,
-        fidelity=measured.fidelity,
-        velocity_errors=errors,
-        velocity_error=largest,
-        error_at_any_load=elsewhere + OF_REFERENCE + OF_ONE_ELEMENT / reference.fewest_nodes,
-        seconds=measured.seconds,
-    )
+def _spread(count: int, wanted: int) -> Indices:
+    """Indices of some of `count` values, the first and the last among them."""
+    return np.linspace(0, count - 1, wanted).round().astype(int)

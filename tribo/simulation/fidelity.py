@@ -147,4 +147,4 @@ PRESETS: dict[str, Fidelity] = {
     ),
     "reference": Fidelity(pixels_per_element=1, increments=100, contact_tolerance=1e-5),
 }
-"""Fidelity by name, from fast to exact. ``irg trade`` measures cost and error of each."""
+"""Fidelity by name, from fast to exact. ``irg trade`` states the cost of each."""

@@ -48,7 +48,7 @@ def begun_tests():
     return draw_tests(pipeline.results(synthetic.with_tests(ds, status=PENDING)))
 
 
-TRADE = Trade("A scene", (), ())
+TRADE = Trade("A scene", "scene.toml", (), (), ())
 
 REFUSALS = {
     "kind": (plot("pie"), "kind is 'pie'; give one of diagram, ramp, fields"),
