@@ -94,7 +94,7 @@ RISE_SLOPES = 0.25, 1.2
 
 Smooth, heavily worn contacts have less than 0.25. That moves a search of the boundary to other
 points, but hides no crossing if friction is constant.
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 
 # Search of the boundary
@@ -102,12 +102,12 @@ Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
 STEEPEST, FLATTEST = 3.0, 0.1
 """Slopes of y beyond which a computed one is no evidence, as a rise may begin at 0 or turn.
 
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 CURVATURE = 0.3
 """Bound of d²(y − ln µ)/d ln(velocity)².
 
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 LEAST_BENT, UNSEEN_BENT = 0.1, 0.25
 """Least curvature d²y/d ln(velocity)² that bounds an interpolation, of three points and of two.
@@ -127,7 +127,7 @@ Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 USUAL_TOLERANCE = 0.01
 """Relative error of the boundary's velocity by points left out, if none is given.
 
-Judged by `python -m pytest tests/pipeline/run/test_boundary_search.py`.
+Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 """
 OF_POINTS, OF_LOADS = 1 / 3, 1 / 2
 """Shares of what the preset leaves of a goal: for points left out along velocity, and for loads.
