@@ -130,8 +130,7 @@ class Margin:
         the operating point with their outcomes, if there are any.
         """
         side = "below" if self.distance >= 0 else "above"
-        ends = percent(self.lowest), percent(self.highest)
-        within = f" ({ends[0].removesuffix(' %')} to {ends[1]})" if ends[0] != ends[1] else ""
+        within = _within(self.lowest, self.highest)
         within = ", numerical error not known" if self.error.total is None else within
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
@@ -140,6 +139,17 @@ class Margin:
             return f"{OUTSIDE_WORDS[:1].upper()}{OUTSIDE_WORDS[1:]}; {heat}"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
         return f"{self.verdict.capitalize()}: {likely}, {where}{tests}"
+
+
+def _within(lowest: float, highest: float) -> str:
+    """Ends of a probability in words, such as " (3 to 12 %)"; empty if they read alike."""
+    low, high = percent(lowest), percent(highest)
+    if low == high:
+        return ""
+    if lowest < LEAST_STATED:
+        return f" (at most {high})" if highest <= 1 - LEAST_STATED else " (0 to 100 %)"
+    is_open = highest > 1 - LEAST_STATED
+    return f" (at least {low})" if is_open else f" ({low.removesuffix(' %')} to {high})"
 
 
 def verdict_between(lowest: float, highest: float) -> str:

@@ -230,7 +230,10 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
     is_passed = (turns.first < loads) & (temperatures <= critical)
     is_at_edge = judge.rises.have_warning(loads, velocities, WarningKind.CONTACT_AT_EDGE)
     notes, patches = scene_caveats(judge.source, conditions), int(counted(judge.source).sum())
-    tested = inside_alone(judge.rises, "velocity", loads, judge.tested_velocities(loads)[1])[0]
+    tested = np.full(len(loads), math.nan)
+    if judge.evidence.results:
+        likely_turns = judge.tested_velocities(loads)[1]
+        tested = inside_alone(judge.rises, "velocity", loads, likely_turns)[0]
     why = forbidding_words(judge)
     margins = (
         Margin(

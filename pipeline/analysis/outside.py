@@ -38,6 +38,13 @@ def why_unknown(
             return f"{said}; this adds it: {_adding_command(data, name, value)}"
     if is_known:
         return ""
+    if data.surface and not data.asked.all():
+        name = typed_name(data.stored.name)
+        return (
+            f"patch {data.surface[0][1]} has points beside the boundary alone, none about "
+            f"{load:g} N and {velocity:g} m/s; judge all patches without --at realization, or "
+            f"compute all points of each: irg run {name} --set sweep.realizations=4"
+        )
     return (
         f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep to "
         "its end, or add points there"

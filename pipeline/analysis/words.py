@@ -107,12 +107,14 @@ def next_run_line(boundary: xr.Dataset) -> str:
 
     They are stated at the lowest and the highest load.
     """
-    said = []
+    said, ends_of_sweep = [], np.sort(boundary["velocity"].values)
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)
         names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
         low, middle, high = (here[name].item() for name in names)
         centre = f"{middle:.3g} m/s" if math.isfinite(middle) else "no velocity of the sweep"
+        if math.isfinite(middle) and not ends_of_sweep[0] <= middle <= ends_of_sweep[-1]:
+            centre += ", beyond the sweep,"
         ends = {"5 %": low, "95 %": high}
         told = ", ".join(f"{k}: {end:.3g} m/s" for k, end in ends.items() if math.isfinite(end))
         said.append(f"{centre} at {load:g} N" + f" ({told})" * bool(told))

@@ -35,7 +35,7 @@ def status(options: argparse.Namespace) -> Result:
     text = [state.title, counts]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
     text += [earlier] * bool(state.earlier)
-    text += [counted_tests(state.tests)] * bool(state.tests)
+    text += counted_tests(state.tests, sweep)
     text += [f"running: {state.running}"] * bool(state.running)
     failed = *state.failed, *(state.tests.failed if state.tests else ())
     text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]

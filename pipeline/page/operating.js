@@ -41,7 +41,9 @@ function marginRows() {
   if (critical === null) return rows;
   const { error, probabilities, verdict } = marginAt([k, j], conditions);
   const [lowest, likely, highest] = probabilities.map(percent);
-  const within = lowest === highest ? "" : ` (${lowest.replace(" %", "")} to ${highest})`;
+  const [isLow, isHigh] = [lowest, highest].map((end) => end.includes("than"));
+  const ends = isLow ? `at most ${highest}` : isHigh ? `at least ${lowest}` : `${lowest} to ${highest}`;
+  const within = lowest === highest ? "" : isLow && isHigh ? " (0 to 100 %)" : ` (${ends})`;
   const rise = deciding - heatOf(conditions).coldest;
   const [kelvin, surface] = [error, content.surface_errors[node]].map((part) => rise * Math.expm1(part));
   if (verdict === OUTSIDE) return [["wear", verdict], ...rows];

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline.analysis import specimen
 from tests.helpers.campaigns import conclude, table
 
 SCENES = {
@@ -55,7 +56,7 @@ def places(name, patches=16, **changes):
         rises, errors = zip(*(stated(one, load, velocity) for one in halves), strict=True)
         held = pipeline.results(here)
         levels = np.log(held.rises(held.conditions)).ravel()
-        own = held.sampling(held.conditions).ravel()
+        own = specimen._sampling(held, held.conditions).ravel()
         yield load, velocity, rises, errors, levels.std(ddof=1), own
 
 

@@ -45,8 +45,7 @@ def changed(margin, **values):
 def test_the_sentence_tells_verdict_probability_and_distance(here):
     mild = changed(here, lowest=0.001, probability=0.012, highest=0.02, distance=28.43)
     assert mild.sentence == (
-        "Mild: severe wear is 1.2 % likely (less than 1 to 2 %), 28.4 K below the critical "
-        "temperature"
+        "Mild: severe wear is 1.2 % likely (at most 2 %), 28.4 K below the critical temperature"
     )
     severe = changed(
         here,
@@ -61,6 +60,8 @@ def test_the_sentence_tells_verdict_probability_and_distance(here):
         "Severe: severe wear is 98 % likely, 5 K above the critical temperature; "
         "tested there: mild at 1 m/s, severe at 2 m/s"
     )
+    high = changed(here, lowest=0.9, probability=0.97, highest=0.999)
+    assert "97 % likely (at least 90 %)" in high.sentence
     assert "0 K below" in changed(here, distance=0.0).sentence
 
 
