@@ -11,7 +11,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.caveats import doubt_lines
-from pipeline.analysis.dataset import Layout, scene_sweep, sweep_kind
+from pipeline.analysis.dataset import Layout, entry_dims, scene_sweep, sweep_kind
 from pipeline.analysis.reached import Reached, percent, reached
 from pipeline.analysis.words import next_run_line
 from pipeline.cli import output
@@ -96,6 +96,7 @@ def _ending(judged: xr.Dataset, store: str) -> list[str]:
     if sweep_kind(judged) is Layout.PLACES:
         return [f"next: irg margin {store}, irg explore {store}"]
     found = list[str]()
-    with suppress(InputError):  # as where too few points are done; irg boundary says why
-        found = [next_run_line(pipeline.boundary(judged))]
+    if not entry_dims(judged):  # one scene; irg boundary has a table of several
+        with suppress(InputError):  # as where too few points are done; irg boundary says why
+            found = [next_run_line(pipeline.boundary(judged))]
     return [*found, f"next: irg boundary {store}, irg plot {store}"]

@@ -114,6 +114,8 @@ def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_
 
 
 def test_commands_answer_for_each_value(swept, folder, irg):
+    said = irg("run", folder / "scene.toml", "-o", swept, "--workers", "1")  # nothing is left
+    assert f"next: irg boundary {swept}" in said
     document = irg("boundary", swept, "--json")
     assert {row["pin_radius [mm]"] for row in document} == {2.0, 4.0}
     place = ("--load", "500 N", "--velocity", "1.5 m/s")
