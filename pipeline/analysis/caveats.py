@@ -7,21 +7,21 @@ import math
 from dataclasses import replace
 
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.made import note_on_made
+from pipeline.analysis.reading import note_on_made
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
-from pipeline.scene.shipped import typed_name
-from pipeline.sweep.condition_words import unmodelled_rise_words
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import (
+from pipeline.scene.doubts import (
     UNKNOWN_FILM,
     caveat_on_turns,
     cold_tracks,
     note_on_ends,
     note_on_turns,
 )
+from pipeline.scene.shipped import typed_name
+from pipeline.sweep.condition_words import unmodelled_rise_words
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import error_in_words
 from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections

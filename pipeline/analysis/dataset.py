@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis import accessor as accessor  # ds.irg
-from pipeline.analysis.scene_id import identify, require_one_sweep
+from pipeline.analysis.scenes import identify, require_one_sweep
 from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si

@@ -1,6 +1,9 @@
 """Results, read once from a path or a dataset, for several answers.
 
-They do not follow later changes of the dataset.
+They do not follow later changes of the dataset. Some of its points may not have been computed:
+`interp` and `coarsen` of xarray put points at other loads and velocities. `rolling` leaves them
+where they are, but there the mean pressure times the contact area is no longer the load, as the
+mean of a product is not the product of the means.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
+    Layout,
     Origin,
     dataset_of,
     entry_dims,
@@ -23,12 +27,15 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import FILM, MADE, PLANE, SAMPLING, STEPPED, VARIABLES
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
+from tribo.types import Mask
 
 _INNER = ("step", "bulk_ratio", "cooler_share")
 _MARKS = ("status", "warning_flags", "asked", "message")
 _RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 ResultsLike = xr.Dataset | PathLike | Results
 """A dataset, the path of a store, or results that were read from either."""
+_SAME = 1e-6  # relative difference above that of numbers in single precision, 2e-7
+_BALANCE = ("mean_pressure", "contact_fraction", "normal_load")
 
 
 def results(ds: ResultsLike) -> Results:
@@ -134,3 +141,28 @@ def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
         except (TypeError, ValueError) as error:
             raise InputError(f"{name} of the dataset is no number: {error}") from error
     return given
+
+
+def made_points(data: Results) -> Mask:
+    """Mask of the points of one scene that were not computed, by surface, load and velocity."""
+    made = np.zeros(data.columns["status"].shape, bool)
+    if data.kind is Layout.PLANE:
+        for name, values in zip(PLANE, (data.loads, data.velocities), strict=True):
+            own = np.array(data.sweep.loads if name == "load" else data.sweep.velocities)
+            near = np.abs(values[:, None] - own) <= _SAME * np.abs(own)
+            made |= ~near.any(axis=1)[:, None] if name == "load" else ~near.any(axis=1)
+    if data.store is None and all(name in data.variables for name in _BALANCE):
+        # The pressure at the end of a computed point carries the load on it.
+        pressure, fraction, load = (data.values(name)[..., -1] for name in _BALANCE)
+        grid, pin = data.sweep.scene.grid, data.sweep.scene.pin
+        carried = pressure * fraction * np.prod(grid.size) * pin.patches(grid)
+        made |= ~(np.abs(carried - load) <= _SAME * load)
+    return made & data.done
+
+
+def note_on_made(data: Results) -> str:
+    """How many points of one scene were not computed, in words; empty if all of them were."""
+    count, total = int(made_points(data).sum()), int(data.done.sum())
+    if not count:
+        return ""
+    return f"{count} of {total} points were made by xarray from the values of computed ones"

@@ -20,9 +20,9 @@ import numpy as np
 
 from pipeline.analysis.curve import Curve, filled, neighbours, slots
 from pipeline.analysis.left_out import fill_left_out
-from pipeline.analysis.made import made_points
 from pipeline.analysis.outcomes import Turns, turns_of
 from pipeline.analysis.outside import why_unknown
+from pipeline.analysis.reading import made_points
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags

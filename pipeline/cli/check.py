@@ -15,12 +15,11 @@ from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
 from pipeline.quantities import display, display_sides, shown_in
-from pipeline.scene.doubts import notes_on_scene
+from pipeline.scene.doubts import UNKNOWN_FILM, notes_on_scene
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.physics import UNKNOWN_FILM
 from pipeline.sweep.remarks import library_tables
 from pipeline.sweep.selection import has_unknown_error
 from pipeline.sweep.stages import duration

@@ -28,8 +28,8 @@ from pipeline.scene.reference import all_keys
 from pipeline.scene.written import scene_entries
 from pipeline.store.versions import package_versions
 from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
+from pipeline.sweep.model import digest
 from pipeline.sweep.surface import surface_words
 from pipeline.sweep.variants import dimension_of
 from tribo import InputError

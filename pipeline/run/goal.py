@@ -11,7 +11,7 @@ from pipeline.analysis.reached import percent
 from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
 from pipeline.store.schema import DONE, PENDING
 from pipeline.store.write import Store
-from pipeline.sweep.case import Case
+from pipeline.sweep.measurement import Case
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import velocity_error
 from pipeline.sweep.severity import relative_sampling, rise_limit, worst_rises

@@ -15,9 +15,8 @@ from pipeline.scene.parts import Parts, levels_of, stages_of
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.runs import tests_of
 from pipeline.scene.units import si_unit, to_si
-from pipeline.sweep.case import Case
 from pipeline.sweep.conditions import with_own
-from pipeline.sweep.measurement import TEST, Measurement
+from pipeline.sweep.measurement import TEST, Case, Measurement
 from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages
 from tribo.simulation import widen_window

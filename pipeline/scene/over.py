@@ -17,9 +17,8 @@ from pipeline.scene.format import OilTable
 from pipeline.scene.parts import Parts
 from pipeline.scene.source import Source
 from pipeline.scene.units import UnitError, si_unit, to_si
-from pipeline.sweep.digest import digest
 from pipeline.sweep.limits import MOST_SCENES
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Sweep, digest
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants, dimension_of

@@ -8,8 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.scene.written import differing_entries
-from pipeline.sweep.digest import digest
-from pipeline.sweep.model import Sweep, variant_words
+from pipeline.sweep.model import Sweep, digest, variant_words
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, TriboError

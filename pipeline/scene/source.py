@@ -15,7 +15,7 @@ from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.uncertain import uncertain_inputs
-from pipeline.sweep.case import Case
+from pipeline.sweep.measurement import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations

@@ -15,9 +15,8 @@ from pipeline.scene.format import FROM_TESTS
 from pipeline.scene.kinds import Number, Quantity, Share, UnfitError, Whole
 from pipeline.scene.reference import all_keys, find_entry, number_in
 from pipeline.scene.units import difference_in_si, share_of, si_unit, typeset
-from pipeline.sweep.case import Case
 from pipeline.sweep.inputs import CRITICAL, RISE, Input
-from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.tables import Entries, entry_at
 from tribo import InputError, Stages
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from pipeline.quantities import display
-from pipeline.sweep.case import Case
-from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.measurement import Case, Measurement
 
 CRITICAL = "temperature.critical"
 """Entry that may also be found from tests alone."""

@@ -1,4 +1,4 @@
-"""Tests on rigs that a scene names: transitions, and outcomes that were mild or severe."""
+"""Cases, each a scene with its conditions; and tests on rigs, each with a case of its own."""
 
 from __future__ import annotations
 
@@ -6,13 +6,54 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from pipeline.sweep.case import Case
-from tribo import InputError
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.variants import Variant
+from tribo import InputError, Oil, Scene
 
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One scene to simulate, and the conditions by which its points are judged.
+
+    Attributes
+    ----------
+    name : tuple
+        Labels along the dimensions of the sweep, as pairs (dimension, label); empty for the scene
+        itself.
+    scene : Scene
+        The scene to simulate, with its numerical choices.
+    conditions : Conditions
+        Friction, temperatures and criterion.
+    friction_band : pair of float or None
+        Lowest and highest friction that the diagram shows.
+    model_bias, model_scatter : float
+        How far the model may be off, as parts of the rise: shared by all specimens, and each one's
+        own.
+    lubricant : Oil or None
+        The oil between the bodies, which does not affect simulations.
+    preset : str or None
+        Name of the preset that has the scene's numerical choices; None if there is none.
+    """
+
+    name: Variant
+    scene: Scene
+    conditions: Conditions
+    friction_band: tuple[float, float] | None
+    model_bias: float
+    model_scatter: float
+    lubricant: Oil | None
+    preset: str | None
+
+    @property
+    def has_film(self) -> bool:
+        """True if the film of an oil is judged: between line contacts, of an oil that is known."""
+        oil = self.lubricant
+        return bool(oil and oil.pressure_coefficients) and self.scene.pin.length is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.case import Case
+import numpy as np
+
 from pipeline.sweep.conditions import Conditions, changed_conditions
-from pipeline.sweep.digest import digest
 from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_places
-from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.laws import MissingSurface, is_user_law, law_record
+from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.variants import SEED, Row, Variant, Variants
-from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
+from tribo import InputError, MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness
+from tribo.surface import array_digest
 
 
 class Point(NamedTuple):
@@ -316,3 +320,29 @@ class Sweep:
         loads = sorted({load, *(test.normal_load for test in tests)})
         velocities = sorted({velocity, *(test.velocity for test in tests)})
         return replace(self.alone(), loads=tuple(loads), velocities=tuple(velocities))
+
+
+def digest(part: Any) -> str:
+    """SHA-256 of a value, or of an object's fields; the numbers 2 and 2.0 are the same."""
+    return hashlib.sha256(json.dumps(_plain(part)).encode()).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bool | str) or value is None:
+        return value
+    if isinstance(value, int | float | np.number):
+        number = float(value)
+        return number if number == value or number != number else str(value)
+    if isinstance(value, np.ndarray):
+        return array_digest(value)
+    if isinstance(value, MeasuredRoughness | MissingSurface):
+        return value.digest
+    if is_user_law(value):
+        value = law_record(value)
+    if is_dataclass(value):
+        counted = [one.name for one in fields(value) if one.init and one.compare]
+        values = [_plain(getattr(value, name)) for name in counted]
+        return [type(value).__name__, *values]
+    if isinstance(value, Mapping):
+        return [[_plain(key), _plain(one)] for key, one in value.items()]
+    return [_plain(one) for one in value]

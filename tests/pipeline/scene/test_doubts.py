@@ -9,11 +9,10 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.scene.doubts import doubts
+from pipeline.scene.doubts import doubts, note_on_ends
 from pipeline.scene.facts import Span, facts_of
 from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.physics import note_on_ends
 from pipeline.sweep.surface import SurfaceFacts, surface_words
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
@@ -47,16 +46,6 @@ USUAL = [
     ("oil.kinematic_viscosity", 0.5, 1e5, "mm^2/s", {"oil": {"density": "860 kg/m^3"}}),
     ("loading.reference_load", 7.5, 75e3, "N", {"sweep.loads": ["750 N"]}),
 ]
-
-
-def test_the_ends_of_a_cylinder_are_told_with_a_size():
-    worn = changed(SMOOTH, wear=tribo.Wear(1.2e-15))
-    size = "9–23 % less"
-    for cylinder in (worn, changed(worn, wear=None)):
-        assert sum(size in doubt for doubt in said_of(cylinder)) == 1
-    rolling = changed(worn, motion=tribo.Motion(slide_roll_ratio=1.0))
-    for other in (BALL, rolling):
-        assert not any(size in doubt for doubt in said_of(other))
 
 
 @pytest.mark.parametrize(

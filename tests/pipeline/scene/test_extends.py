@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
-from pipeline.sweep.digest import digest
+from pipeline.sweep.model import digest
 from tests.helpers.entries import changed
 from tests.pipeline.scene.conftest import ROUGHNESS, TEXT
 

@@ -18,8 +18,8 @@ from pipeline.scene.format import RandomSurface
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.stored_text import SweepTextError, file_contents, parse_sweep, sweep_text
 from pipeline.store.create import writing
-from pipeline.sweep.digest import digest
 from pipeline.sweep.laws import LawError
+from pipeline.sweep.model import digest
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import rows

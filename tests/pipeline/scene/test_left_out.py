@@ -6,7 +6,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.sweep.physics import note_on_ends, note_on_turns
+from pipeline.scene.doubts import note_on_ends, note_on_turns
 from tests.helpers import synthetic
 from tests.helpers.scenes import SCENE, STEEL
 
