@@ -16,13 +16,13 @@ from pipeline.paths import user_path
 from pipeline.scene.choices import NO_CHOICES, Choices, TableFile, choices_of, read_sheet
 from pipeline.scene.decimals import Typed
 from pipeline.scene.declare import Declared, Table, table_of
-from pipeline.scene.document import Document
+from pipeline.scene.document import Document, Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import SceneFile
 from pipeline.scene.kinds import BULK, CRITICAL, FRICTION, LOAD, SPEED, Share
 from pipeline.scene.lines import Lines, SheetRow
 from pipeline.scene.names import UNITS, Heading
-from pipeline.scene.over import Extend, labels_of, with_rows
+from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Sheet, Written
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import FIELDS

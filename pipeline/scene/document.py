@@ -10,7 +10,7 @@ import itertools
 import json
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,8 +27,11 @@ from pipeline.scene.faults import (
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import entry_at, flat, replace_value, replace_values
 
+Extend = Callable[[Sweep], Sweep]
+"""Function that adds to a sweep the variants that its scene names."""
 _KEYS = table_of(SceneFile).keys
 _REPLACED = {"count": "step", "step": "count"}
 """Keys of a range that replace each other in a scene that extends another."""

@@ -6,12 +6,12 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from pipeline.scene.declare import table_of
-from pipeline.scene.document import Document
+from pipeline.scene.document import Document, Extend
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import OilTable
 from pipeline.scene.parts import Parts
@@ -24,8 +24,6 @@ from pipeline.sweep.tables import changes, entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants, dimension_of
 from tribo import InputError
 
-Extend = Callable[[Sweep], Sweep]
-"""Function that adds to a sweep the variants that its scene names."""
 _LIKE = {"oil": "oil.like"}
 """Entry of a table that may be given by a name of the library."""
 _FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested")

@@ -12,12 +12,17 @@ import numpy as np
 import tribo
 from pipeline import extras
 from pipeline.scene.declare import table_of
-from pipeline.scene.document import Document, override_entries, read_document, without_empty_tables
+from pipeline.scene.document import (
+    Document,
+    Extend,
+    override_entries,
+    read_document,
+    without_empty_tables,
+)
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.fidelity import FidelityTable
 from pipeline.scene.format import SceneFile
 from pipeline.scene.laws import replace_by_laws
-from pipeline.scene.over import Extend
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.reference import FILES, all_keys

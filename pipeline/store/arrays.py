@@ -9,19 +9,16 @@ import asyncio
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
-from zarr.abc.store import ByteRequest, Store
+from zarr.abc.store import Store
 from zarr.codecs import ZstdCodec
-from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
 from zarr.core.sync import sync
-from zarr.storage import LocalStore, MemoryStore, StorePath
+from zarr.storage import MemoryStore, StorePath
 
-from pipeline.paths import read_file
+from pipeline.store.folder import FolderStore
 from pipeline.store.place import ROOT
 from pipeline.store.schema import (
     COMPRESSION,
@@ -132,29 +129,3 @@ class Encoder:
         arrays = self._arrays
         tasks = (arrays[name].async_array.setitem(place, values) for name, place, values in parts)
         await asyncio.gather(*tasks)
-
-
-class FolderStore(LocalStore):
-    """Read-only Zarr store of a folder, which reads regular files alone.
-
-    `most` has the most bytes of a chunk of each array, by the path of the array.
-    """
-
-    def __init__(self, root: Path) -> None:
-        super().__init__(root, read_only=True)
-        self.most: dict[str, int] = {}
-
-    async def get(
-        self,
-        key: str,
-        prototype: BufferPrototype | None = None,
-        byte_range: ByteRequest | None = None,
-    ) -> Buffer | None:
-        """Content of the file `key`; None if there is none."""
-        if byte_range is not None:  # as for shards, which only copies may have
-            return await super().get(key, prototype, byte_range)
-        make = (prototype or default_buffer_prototype()).buffer.from_bytes
-        with suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
-            most = self.most.get(key.rpartition("/")[0])
-            return make(await asyncio.to_thread(read_file, self.root / key, most))
-        return None

@@ -82,7 +82,7 @@ class Folder:
 
     def zarr(self) -> Store:
         """Read-only Zarr store of the folder."""
-        from pipeline.store.arrays import FolderStore  # Zarr, which workers do not need
+        from pipeline.store.folder import FolderStore  # Zarr, which workers do not need
 
         return FolderStore(self.path)
 
