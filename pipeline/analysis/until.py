@@ -26,9 +26,10 @@ from pipeline.sweep.severity import worst_rises
 from tribo import InputError, TriboError
 
 _MOST_ROWS = 8
-_HALVINGS = 14
+_PLACES, _HALVINGS = 16, 10
 _STEP = 0.1  # of ln(value), by which an entry is changed to find its derivative
 _MOST_POINTS = 3  # simulated to verify a value
+_MOST_TIMES = 10.0  # of the rise over its limit, up to which a condition that changes it is sought
 _COLDEST, _HOTTEST = 233.15, 773.15  # K, of bulk and critical temperatures that are sought
 _FARTHEST = 3.0  # change of y up to which one is sought
 
@@ -103,11 +104,13 @@ class Until:
         """Yield the friction, bulk and critical temperature that give the verdict."""
         own = self.judge.conditions
         critical, bulk = own.critical_temperature or math.nan, own.coldest_bulk_temperature
-        friction = own.friction * (0.1 if self._is_mild else 10.0)
+        lowest = min(critical, self.judge.tested_conditions.critical_temperature or math.nan)
+        least = (lowest - bulk) / _MOST_TIMES  # K between bulk and critical temperature
+        friction = own.friction * (1 / _MOST_TIMES if self._is_mild else _MOST_TIMES)
         ends = {
             "friction": (own.friction, friction),
-            "bulk_temperature": (bulk, _COLDEST if self._is_mild else critical - 1.0),
-            "critical_temperature": (critical, _HOTTEST if self._is_mild else bulk + 1.0),
+            "bulk_temperature": (bulk, _COLDEST if self._is_mild else lowest - least),
+            "critical_temperature": (critical, _HOTTEST if self._is_mild else bulk + least),
         }
         for name, (begin, end) in ends.items():
             is_up = (name == "critical_temperature") == self._is_mild
@@ -188,10 +191,18 @@ class Until:
 def _first(
     begin: float, end: float, gives: Callable[[float], bool], is_linear: bool = False
 ) -> float | None:
-    """First value from `begin` to `end` that gives the verdict; None if the end does not."""
-    if begin == end or not gives(end):
+    """First value from `begin` to `end` that gives the verdict; None without.
+
+    The whole range is looked through: where a film is thick, its end may be outside the model.
+    """
+    if begin == end:
         return None
-    low, high = begin, end
+    spaced = np.linspace if is_linear else np.geomspace
+    places = spaced(begin, end, _PLACES + 1).tolist()
+    number = next((k for k, value in enumerate(places) if k and gives(value)), None)
+    if number is None:
+        return None
+    low, high = places[number - 1 : number + 1]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2 if is_linear else math.sqrt(low * high)
         low, high = (low, middle) if gives(middle) else (middle, high)

@@ -11,6 +11,7 @@ import tribo
 from pipeline.cli import main
 from pipeline.run.here import compute_here
 from pipeline.store.create import writing
+from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.plan import points
 from tests.helpers import synthetic
 from tests.pipeline.analysis.test_inputs import (
@@ -97,6 +98,24 @@ def test_each_change_of_conditions_or_place_gives_the_verdict_and_is_the_least(a
             else:
                 own[name] = value if name == "friction" else f"{value} degC"
             assert (pipeline.margin(ds, **at, **own).verdict == wanted) == gives
+
+
+def test_bulk_temperatures_are_sought_below_the_critical_one_of_the_tests(asked):
+    own = synthetic.CONDITIONS | {"critical_temperature": 533.15}
+    tests = [
+        Measurement(load, float(synthetic.critical_velocity(load, 900.0)))
+        for load in (200.0, 300.0, 400.0, 600.0)
+    ]
+    ds = swept({"temperature.critical": "100 K"}, *tests, conditions=own)  # 115 °C by the tests
+    velocity = float(synthetic.critical_velocity(LOAD, 900.0))
+    for wanted, way in (("severe", 1), ("mild", -1)):
+        rows = asked(ds, "--until", wanted, place=(LOAD, velocity))
+        (bulk,) = (row["to"] for row in rows if row["change"] == "bulk temperature")
+        assert 0 < way * (float(bulk.split()[0]) - 25.0) < 50.0
+        assert (
+            pipeline.margin(ds, LOAD, velocity, bulk_temperature=bulk.replace("°", "deg")).verdict
+            == wanted
+        )
 
 
 @pytest.fixture(scope="module")
