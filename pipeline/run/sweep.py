@@ -233,7 +233,7 @@ class _Run:
         if self.searches and (more := self.searches.forecast()):
             done = self.store.flags == DONE
             each = float(np.nanmean(self.store.read("wall_time", ...)[done]))
-            words = f"roughly {duration(more * each)} of processor time"
+            words = f"roughly {duration(more * each)} on one worker"
             self.report(Progress(f"first patch done; about {more} points are to come, {words}"))
 
 
