@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import functools
-import itertools
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import EvenStages
-from pipeline.scene.parts import Parts, levels_of, stages_of
+from pipeline.scene.parts import Parts, axis_of, levels_of, stages_of
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.runs import tests_of
-from pipeline.scene.units import si_unit, to_si
+from pipeline.scene.units import to_si
 from pipeline.sweep.conditions import with_own
 from pipeline.sweep.measurement import TEST, Case, Measurement
-from pipeline.sweep.tables import Entries, changes, entry_at, replace_value, replace_values
+from pipeline.sweep.tables import Entries, replace_value, replace_values
 from tribo import InputError, MeasuredLoad, Ramp, Scene, Stages
 from tribo.simulation import widen_window
 
@@ -43,8 +43,7 @@ def test_of(entry: Any) -> Measurement:
     }
     step, steps = getattr(entry, "step", None), dict[str, Any]()
     if step is not None:
-        name, one = ("load", "1 N") if si_unit(step) == si_unit("1 N") else ("velocity", "1 m/s")
-        steps[f"{name}_step"] = to_si(step, like=one)
+        steps[f"{axis_of(step)}_step"] = to_si(step, like=step)
     return Measurement(
         normal_load=entry.load,
         velocity=entry.velocity,
@@ -77,11 +76,10 @@ class TestReader:
 
         `base` is the scene itself. A test without `with` or a hold of its own shares its scene.
         """
-        made = []
-        of_key = {"measured": itertools.count(), "tested": itertools.count()}
-        for number, test in enumerate(map(test_of, tests_of(self.parts.declared))):
-            place, case = f"{_list_of(test)}[{next(of_key[_list_of(test)])}]", base
-            wrong = [*_misplaced(test)]
+        made = list[Measurement]()
+        listed = _listed(map(test_of, tests_of(self.parts.declared)))
+        for number, (key, index, test) in enumerate(listed):
+            place, case, wrong = f"{key}[{index}]", base, [*_misplaced(test)]
             if test.changes and not wrong:
                 parts, found = self.read_changed(json.dumps(dict(test.changes)))
                 wrong += [f"{fault.key}: {fault.problem}" for fault in found]
@@ -92,7 +90,10 @@ class TestReader:
                 elif parts:
                     case = case_of(parts, base)
                     if not self.reader.is_stored:
-                        test = replace(test, changes=self._complete(parts, test.changes))
+                        written = self._written_with(test.changes)
+                        complete = self.reader.complete_changes
+                        own = complete(test.changes, written, parts, self.entries, self.parts)
+                        test = replace(test, changes=own)
             for problem in wrong:
                 faults.refuse(f"{place}.with", problem)
             with faults.at(place):
@@ -125,18 +126,6 @@ class TestReader:
         for load, _ in test.places:
             loading.count(load)  # raises if it is no stage
         return scene
-
-    def _complete(self, parts: Parts, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Changes of a test as a store needs them, whatever library and presets are later.
-
-        `parts` were read with the changes.
-        """
-        written = self._written_with(given)
-        full = self.reader.complete(written, parts, self.parts)
-        before = {path: self.entries.get(path) for path in full}
-        added = {path: one for path, one in changes(before, full) if path not in given}
-        files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
-        return {**given, **added, **files}
 
     def _written_with(self, own: Mapping[str, Any]) -> dict[str, Any]:
         """Entries of the scene with a test's own, and without tests."""
@@ -187,18 +176,20 @@ def attach_case(test: Measurement, number: int, case: Case) -> Measurement:
 def with_changes(entries: Entries, tests: Iterable[Measurement]) -> dict[str, Any]:
     """`entries` of a scene, with the complete changes of its tests."""
     rows = dict(entries)
-    of_key = {"measured": itertools.count(), "tested": itertools.count()}
-    for test in tests:
-        number = next(of_key[_list_of(test)])
+    for key, index, test in _listed(tests):
         if test.changes:
-            listed = rows[_list_of(test)] = [*rows[_list_of(test)]]
-            listed[number] = listed[number] | {"with": dict(test.changes)}
+            rows[key] = [*rows[key]]
+            rows[key][index] = rows[key][index] | {"with": dict(test.changes)}
     return rows
 
 
-def _list_of(test: Measurement) -> str:
-    """Name of the list of the scene that a test is in."""
-    return "tested" if test.outcome else "measured"
+def _listed(tests: Iterable[Measurement]) -> Iterator[tuple[str, int, Measurement]]:
+    """Yield each test after the name of its list in the scene, and its index there."""
+    counts = Counter[str]()
+    for test in tests:
+        key = "tested" if test.outcome else "measured"
+        yield key, counts[key], test
+        counts[key] += 1
 
 
 def _misplaced(test: Measurement) -> Iterator[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterator
-from contextlib import suppress
 from typing import Any
 
 import tribo
@@ -12,9 +11,9 @@ from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, RandomSurface, StagesTable
 from pipeline.scene.library import library
-from pipeline.scene.parts import stages_of, track_length
+from pipeline.scene.parts import axis_of, stages_of, track_length
 from pipeline.scene.runs import run_faults
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import to_si
 from tribo.simulation.pins import sizes_of
 
 _OF_BODY = "diameter", "width", "track_length"
@@ -162,12 +161,11 @@ def _unfit_tests(scene: Any) -> Misfits:
     for number, problem in run_faults(scene.tested or ()):
         yield f"tested[{number}].run", problem
     for number, test in enumerate(scene.measured or ()):
-        for name in ("load", "velocity") if test.step else ():
-            value = getattr(test, name)
-            with suppress(UnitError):  # it is a step of the other
-                if to_si(test.step, like=f"1 {UNITS[name]}") >= value:
-                    words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
-                    yield f"measured[{number}].step", f"{quoted(test.step)} {words}"
+        if test.step:
+            value = getattr(test, name := axis_of(test.step))
+            if to_si(test.step, like=test.step) >= value:
+                words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
+                yield f"measured[{number}].step", f"{quoted(test.step)} {words}"
     lists = (("measured", scene.measured), ("tested", scene.tested))
     oils = {
         f"{name}[{number}]": "no oil" if test.oil is None else quoted(str(test.oil))

@@ -20,7 +20,7 @@ from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.limits import MOST_SCENES
 from pipeline.sweep.model import Sweep, digest
 from pipeline.sweep.remarks import remarks
-from pipeline.sweep.tables import changes, entry_at, flat, replace_values
+from pipeline.sweep.tables import entry_at, flat, replace_values
 from pipeline.sweep.variants import VARIANT, Column, Label, Row, Variants, dimension_of
 from tribo import InputError
 
@@ -120,12 +120,8 @@ def with_rows(sweep: Sweep, table: Variants, key: str) -> Sweep:
         except InputError as error:
             words = ", ".join(f"{path} = {quoted(value)}" for path, value in given.items())
             raise InputError(f"{key}: {words}: {error}") from error
-        full = source.reader.complete(written, parts, base)
-        before = {path: sweep.entries.get(path) for path in full}
-        added = {path: one for path, one in changes(before, full) if path not in given}
-        # SHA-256 of the files that this row names.
-        files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
-        rows.append(row._replace(values=given | added | files))
+        own = source.reader.complete_changes(given, written, parts, sweep.entries, base)
+        rows.append(row._replace(values=own))
     variants = replace(table, rows=tuple(rows)) * sweep.variants
     return source.read_again(sweep, source.written, variants)
 

@@ -116,6 +116,11 @@ def stages_of(stages: Any, highest: float) -> tuple[tuple[float, ...], tuple[flo
     return tuple(level for level, _ in stages), tuple(hold for _, hold in stages)
 
 
+def axis_of(text: str) -> str:
+    """Which of "load" and "velocity" a quantity of a scene is."""
+    return "load" if si_unit(text) == si_unit("1 N") else "velocity"
+
+
 def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
     """Read the stages of a test: "load" or "velocity", and levels and holds of the stages in SI.
 
@@ -123,8 +128,8 @@ def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[fl
     """
     is_even = isinstance(stages, EvenLevels)
     texts = [stages.first, stages.step] if is_even else [level for level, _ in stages]
-    name, one = ("load", "1 N") if si_unit(texts[0]) == si_unit("1 N") else ("velocity", "1 m/s")
-    numbers = [to_si(text, like=one) for text in texts]
+    name = axis_of(texts[0])
+    numbers = [to_si(text, like=f"1 {UNITS[name]}") for text in texts]
     if is_even:
         return name, *_even(numbers[0], numbers[1], stages.hold, end)
     return name, tuple(numbers), tuple(hold for _, hold in stages)

@@ -33,7 +33,7 @@ from pipeline.scene.runs import expand_tests
 from pipeline.scene.written import entries_of, keep_written
 from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
 from pipeline.sweep.remarks import FromLibrary
-from pipeline.sweep.tables import Entries, entry_at
+from pipeline.sweep.tables import Entries, changes, entry_at
 from tribo.simulation import widen_window
 from tribo.simulation.pins import sizes_of
 
@@ -129,6 +129,21 @@ class SceneReader:
         tables = {key: one for key, one in full.items() if one is not None}
         tables.get("sweep", {}).pop("along", None)  # the rows of variants stand for it
         return add_laws(keep_written(tables, entries), parts, like)
+
+    def complete_changes(
+        self, given: Entries, written: Entries, parts: Parts, entries: Entries, base: Parts
+    ) -> dict[str, Any]:
+        """Changes of a scene as a store needs them, whatever library and presets are later.
+
+        `parts` were read from `written`, the entries of the scene with the changes `given` by path.
+        `entries` are the complete ones of the scene, and `base` the objects read from them.
+        """
+        full = self.complete(written, parts, base)
+        before = {path: entries.get(path) for path in full}
+        added = {path: one for path, one in changes(before, full) if path not in given}
+        # SHA-256 of the files that the changes name.
+        files = {path: x for path, x in parts.contents.items() if entry_at(written, path) != x}
+        return {**given, **added, **files}
 
     def _read_tables(self, entries: dict[str, Any], faults: Faults) -> tuple[Any, Collection[str]]:
         """Read entries into a `SceneFile`; return it, and the names of the tables read anew."""
