@@ -31,7 +31,8 @@ def vary(options: argparse.Namespace) -> Result:
             workers=options.workers, progress=progress,
         )  # fmt: skip
     counts = f"{result.points} points computed, which share {result.contacts} contacts"
-    text = [short(result.table), "", counts]
+    about = "computed on the first surface; tests and uncertain inputs do not count"
+    text = [short(result.table), "", about, counts]
     return Result(text=text, warned=result.warned, frames=[result.table])
 
 

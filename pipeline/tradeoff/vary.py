@@ -71,6 +71,7 @@ def vary(
 ) -> Variations:
     """Find the boundary of a scene, and of the same scene with single entries changed.
 
+    The boundary is the computed one, on the first surface: tests and uncertain inputs do not count.
     Scenes that differ only in friction or temperatures share all points, and scenes that differ
     only in thermal constants share the contacts of their points. Points are computed on Dask as in
     `pipeline.run_sweep`: in a script, call this function under ``if __name__ == "__main__":``.

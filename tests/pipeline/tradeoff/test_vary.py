@@ -117,4 +117,5 @@ def test_the_command_tells_of_a_window_that_is_too_narrow(folder, irg):
     assert "points carry a warning" in text
     assert "contact at edge" in text
     assert "mild throughout" in text
+    assert "on the first surface; tests and uncertain inputs do not count" in text
     assert "mild throughout" in (folder / "vary.csv").read_text()
