@@ -15,7 +15,7 @@ import xarray as xr
 from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
 from pipeline.analysis.dataset import Layout, entry_dims, require_kind
-from pipeline.analysis.decisive import attributes_by
+from pipeline.analysis.deciding import attributes_by
 from pipeline.analysis.film import inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin_frame import forbidding_words

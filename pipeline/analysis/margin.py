@@ -46,10 +46,10 @@ class Margin:
     lowest: float  #: This probability if the numerical error makes contacts colder.
     highest: float  #: This probability if the numerical error makes contacts hotter.
     #: Contact temperature that the criterion compares with the critical temperature [K].
-    decisive_temperature: float
-    error: RiseError  #: Numerical error of `decisive_temperature` by its parts [K].
+    deciding_temperature: float
+    error: RiseError  #: Numerical error of `deciding_temperature` by its parts [K].
     critical_temperature: float  #: Temperature above which the lubricant fails [K].
-    distance: float  #: Critical temperature minus `decisive_temperature` [K]; < 0 if severe.
+    distance: float  #: Critical temperature minus `deciding_temperature` [K]; < 0 if severe.
     model_error: str  #: How far the model may be off, and by how many tests, in words.
     #: Lowest velocity at this load at which wear turns severe [m/s], computed. NaN if the sweep has
     #: none, or if wear is severe at the lowest velocity.
@@ -87,7 +87,7 @@ class Margin:
 
     @property
     def temperature_error(self) -> float | None:
-        """Numerical error of `decisive_temperature` [K]; None if a part is unknown."""
+        """Numerical error of `deciding_temperature` [K]; None if a part is unknown."""
         return self.error.total
 
     @property
@@ -135,7 +135,7 @@ class Margin:
         likely = f"severe wear is {percent(self.probability)} likely{within}"
         where = f"{abs(self.distance):.3g} K {side} the critical temperature"
         if self.is_outside:
-            heat = f"the contact is at {display(self.decisive_temperature, '°C', 4)}"
+            heat = f"the contact is at {display(self.deciding_temperature, '°C', 4)}"
             return f"{OUTSIDE_WORDS[:1].upper()}{OUTSIDE_WORDS[1:]}; {heat}"
         tests = f"; tested there: {', '.join(self.tested)}" if self.tested else ""
         return f"{self.verdict.capitalize()}: {likely}, {where}{tests}"

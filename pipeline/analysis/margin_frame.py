@@ -92,7 +92,7 @@ def margin(
         For one operating point, given by load and velocity, its `Margin`. Otherwise a data frame
         with a row for each point of each scene: load, velocity, the ``verdict`` on a further run,
         the ``probability`` that it is severe, the contact temperature that the criterion compares
-        with the critical temperature (``decisive temperature [°C]``), its numerical ``temperature
+        with the critical temperature (``deciding temperature [°C]``), its numerical ``temperature
         error [K]`` and the part of the surface in it, and its ``distance [K]`` below the critical
         temperature. For velocity and for load it also has
         the lowest critical value, its ratio to the point's own value, and the outcome; and ``with
@@ -245,7 +245,7 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
             probability=float(likely[k]),
             lowest=float(low[k]),
             highest=float(high[k]),
-            decisive_temperature=here,
+            deciding_temperature=here,
             error=RiseError.of(parts[k]).times(conditions.temperature_error(here)),
             critical_temperature=critical,
             distance=critical - here,
@@ -317,7 +317,7 @@ def margin_frame(
 
 
 _COLUMNS = column_heads(
-    "verdict", "probability", "decisive_temperature", "temperature_error", "surface_error",
+    "verdict", "probability", "deciding_temperature", "temperature_error", "surface_error",
     "distance",
     "velocity_factor", "critical_velocity", "tested_velocity", "velocity_outcome",
     "load_factor", "critical_load", "load_outcome", "conditions",

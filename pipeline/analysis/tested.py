@@ -35,7 +35,7 @@ _BESIDE = 0.1  # relative distance in load and velocity within which a test is n
 _SAME = 1e-9  # relative rounding difference of equal conditions
 _HEADS = (
     "test", "outcome", "load [N]", "velocity [m/s]", "friction", "bulk temperature [°C]",
-    "decisive temperature [°C]", "ln(rise/limit)", "by the others", "notes",
+    "deciding temperature [°C]", "ln(rise/limit)", "by the others", "notes",
 )  # fmt: skip
 
 

@@ -133,7 +133,7 @@ def margin_lines(here: Margin, axes: Collection[str] = ("velocity", "load")) -> 
         origin = "computed there"
     elif here.is_continued:
         origin = "extrapolated beyond the computed points, as a power of the velocity"
-    yield f"  temperature         {display(here.decisive_temperature, '°C', 4)}, {origin}"
+    yield f"  temperature         {display(here.deciding_temperature, '°C', 4)}, {origin}"
     yield f"  numerical error     {here.error.text}"
     yield f"  model's own error   {here.model_error}"
     for axis in axes:

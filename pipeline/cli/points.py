@@ -81,7 +81,7 @@ def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
     return frame_of([*values], [[*values.values()]])
 
 
-_PLACE = "load [N]", "velocity [m/s]", "decisive temperature [°C]"
+_PLACE = "load [N]", "velocity [m/s]", "deciding temperature [°C]"
 _CONTACT = {
     "max_temperature": "highest temperature [°C]", "failed_fraction": "failed share [%]",
     "pin_heat_share": "pin's heat share [%]", "contact_width": "contact width [µm]",

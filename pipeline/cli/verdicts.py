@@ -145,7 +145,7 @@ def place_lines(data: Results, found: Sequence[Asked]) -> list[str | pd.DataFram
         own = {name: value for name, value in labels if name in data.front}
         lines += [f"{row}:" for row in [entries_in_words(data.rows, own)] if row]
         lines += words.margin_lines(one.margin, axes) if one.margin else [one.reason]
-    is_molten = any(one.margin and one.margin.decisive_temperature > MELTS for one in found)
+    is_molten = any(one.margin and one.margin.deciding_temperature > MELTS for one in found)
     return [*lines, *remarks("warning", MOLTEN * is_molten)]
 
 

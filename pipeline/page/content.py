@@ -75,7 +75,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     deciding, quantiles = _tables(columns, data.shares, conditions.criterion, ratios)
     load = data.columns["normal_load"][..., None, :]
     worst = worst_moment(deciding, load, data.least_loads[:, None, None, None])
-    decisive = np.where(done[..., None], _step_values(deciding, worst), np.nan)
+    rises = np.where(done[..., None], _step_values(deciding, worst), np.nan)
     steps = worst[..., ratios.index(0.0)]  # each point is shown at the step that decides
     has_fields = {*FIELDS} <= data.rest.keys()
     chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
@@ -89,7 +89,7 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
         "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
         "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
-        **_planes(decisive, data, conditions),
+        **_planes(rises, data, conditions),
         **_evidence(data, conditions, form),
         "fields": packed_fields(data.rest, chosen, conditions.bulk_ratio)
         | {"stored": int(done.sum()) * has_fields},

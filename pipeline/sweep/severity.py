@@ -77,8 +77,8 @@ def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Con
     """
     rises = conditions.criterion.rise(rises_above_colder(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
-    decisive: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
-    return decisive
+    deciding: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
+    return deciding
 
 
 def relative_sampling(

@@ -52,7 +52,7 @@ def with_fields(ds, **values):
     return ds.assign_attrs(attributes_of(changed(pipeline.results(ds).sweep, **values), held))
 
 
-def decisive_rise(ds, conditions):
+def deciding_rise(ds, conditions):
     """Deciding rise [K] at friction 1 of each point as a labelled array; NaN if not done."""
     held = pipeline.results(ds)
     dims = [*held.front, *PLANE]
@@ -63,4 +63,4 @@ def decisive_rise(ds, conditions):
 def deciding(ds):
     """Deciding temperature [K] at each point of one scene, as a labelled array."""
     judged = pipeline.results(ds).conditions
-    return judged.contact_temperature(decisive_rise(ds, judged))
+    return judged.contact_temperature(deciding_rise(ds, judged))

@@ -46,7 +46,7 @@ def test_all_answers_rest_on_the_same_corrected_rise(store):
     np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=5e-3)
     point = pipeline.run_point(sweep, 600.0, 1.0).verdict(conditions)
     margin = pipeline.margin(ds, 600.0, 1.0)
-    assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
+    assert margin.deciding_temperature == pytest.approx(point.deciding_temperature, rel=1e-12)
     temperature = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)
     assert temperature.dropna("step")[-1].item() == pytest.approx(point.max_temperature)
     crossings.to_netcdf(store.parent / "boundary.nc")

@@ -77,7 +77,7 @@ def places(ds, count):
 
 def asked_of_a_place(ds, load, velocity):
     here = pipeline.margin(ds, float(load), float(velocity))
-    return here.verdict, here.decisive_temperature - 273.15, here.probability
+    return here.verdict, here.deciding_temperature - 273.15, here.probability
 
 
 @pytest.mark.parametrize("name", STORES)
@@ -102,8 +102,8 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
             continue
         verdict, temperature, chance = asked_of_a_place(held, load, velocity)
         assert (verdict, printed[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
-        assert temperature == pytest.approx(row["decisive temperature [°C]"], **SAME)
-        assert printed[number]["decisive temperature [°C]"] == pytest.approx(temperature, **SAME)
+        assert temperature == pytest.approx(row["deciding temperature [°C]"], **SAME)
+        assert printed[number]["deciding temperature [°C]"] == pytest.approx(temperature, **SAME)
         assert chance == pytest.approx(row["probability"], **SAME)
         assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
         assert judge.verdicts(load, velocity).tolist() == [verdict], (load, velocity)
@@ -122,7 +122,7 @@ def test_the_page_judges_its_nodes_as_their_margins_are(name):
         assert page["verdict"] == "not decided" or row["verdict"] != "not known"
         if row["verdict"] == "not known":
             continue
-        state, hot = page["state"], row["decisive temperature [°C]"] + 273.15
+        state, hot = page["state"], row["deciding temperature [°C]"] + 273.15
         assert page["probabilities"][1] == pytest.approx(row["probability"], **ON_THE_PAGE)
         assert page["temperature"] == pytest.approx(hot, rel=1e-6 if state == 1 else 1e-3)
     assert verdicts & {"mild", "severe"} or name == "one column"
@@ -203,8 +203,8 @@ def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
         (alone,) = irg("point", scene, *place, "--json")
         (within,) = irg("margin", plane, *place, "--json")
         for door in (alone, row):
-            hot = door["decisive temperature [°C]"]
-            assert hot == pytest.approx(within["decisive temperature [°C]"], **SAME)
+            hot = door["deciding temperature [°C]"]
+            assert hot == pytest.approx(within["deciding temperature [°C]"], **SAME)
             assert door["verdict"] in (within["verdict"], "not decided")
             verdicts.add(door["verdict"])
     assert {"mild", "severe"} <= verdicts

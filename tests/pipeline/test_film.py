@@ -91,7 +91,7 @@ def test_a_place_outside_has_a_temperature_and_no_verdict(store, irg, tmp_path):
     assert irg("margin", "out.zarr", *within).startswith("Not decided: severe wear is")
     (row,) = irg("margin", "out.zarr", *out, "--json")
     assert (row["verdict"], row["probability"]) == ("outside", None)
-    assert row["decisive temperature [°C]"] > 100
+    assert row["deciding temperature [°C]"] > 100
     assert f"o{SAID}" in row["notes"]
     assert pipeline.margin(store, 400.0, 2.1).verdict == "outside"
     points = {"load": [400.0, 400.0], "velocity": [1.0, 2.1]}

@@ -51,6 +51,6 @@ def test_a_store_gives_the_temperature_of_the_point_itself(tmp_path, loading, st
     margin = pipeline.margin(tmp_path / "a.zarr", LOAD, VELOCITY)
     point = run_point(sweep_of(LOADINGS[loading], motion), LOAD, VELOCITY)
     verdict = point.verdict(sweep.conditions)
-    assert margin.decisive_temperature == pytest.approx(verdict.decisive_temperature, rel=1e-9)
+    assert margin.deciding_temperature == pytest.approx(verdict.deciding_temperature, rel=1e-9)
     last = 298.15 + 0.1 * momentary_rise(sweep.scene, point.state, sweep.conditions)
-    assert margin.decisive_temperature == pytest.approx(last, rel=1e-9)
+    assert margin.deciding_temperature == pytest.approx(last, rel=1e-9)

@@ -13,7 +13,7 @@ from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.outcomes import ABOVE, BELOW, CROSSES, MILD, SEVERAL, SEVERE, outcomes
 from pipeline.sweep.severity import rise_limit
 from tests.helpers import page_sweeps as sweeps
-from tests.helpers.sweeps import decisive_rise, with_fields
+from tests.helpers.sweeps import deciding_rise, with_fields
 from tribo import Corrections, Criterion, Friction
 
 
@@ -129,7 +129,7 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(name, chang
     for axis, along in (("load", "velocity"), ("velocity", "load")):
         x, may_turn_back = ds[along].values, along == "velocity" and conditions.has_friction_curve
         partial, true = (
-            decisive_rise(sweep, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
+            deciding_rise(sweep, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
             for sweep in (ds, truth)
         )
         all_turns = crossings[f"turns_at_{axis}"].values
@@ -169,7 +169,7 @@ def test_margins_documents_and_tables_say_what_the_boundary_says(name, changes):
     ds, truth, crossings = judged_case(name, changes)
     assert_documents_say(crossings)
     true, done = (
-        planes(decisive_rise(one, pipeline.results(one).conditions)) for one in (truth, ds)
+        planes(deciding_rise(one, pipeline.results(one).conditions)) for one in (truth, ds)
     )
     true, done = true > rise_limit(pipeline.results(ds).conditions), np.isfinite(done)
     places = list(itertools.product(range(ds.sizes["load"]), range(ds.sizes["velocity"])))
@@ -201,7 +201,7 @@ def assert_tables_say(ds, margins):
         assert row["verdict"] == margin.verdict
         for head, name, off in (
             ("probability", "probability", 0.0),
-            ("decisive temperature [°C]", "decisive_temperature", -273.15),
+            ("deciding temperature [°C]", "deciding_temperature", -273.15),
             ("distance [K]", "distance", 0.0),
             ("critical velocity [m/s]", "critical_velocity", 0.0),
             ("critical load [N]", "critical_load", 0.0),

@@ -212,7 +212,7 @@ def test_a_point_alone_is_the_point_of_the_store(stores, irg_both):
     said, (row,) = irg_both(*words)
     quantiles, highest = ds["rise_quantile"], 298.15 + 0.1 * ds["max_rise"].item()
     temperature = 298.15 + 0.1 * quantiles.sel(cooler_share=0.9).item()
-    assert row["decisive temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
+    assert row["deciding temperature [°C]"] == pytest.approx(temperature - 273.15, rel=1e-9)
     assert row["distance [K]"] == pytest.approx(418.15 - temperature, rel=1e-9)
     assert f"temperature         {temperature - 273.15:.4g} °C, computed there" in said
     for words, value in {

@@ -151,7 +151,7 @@ def test_the_commands_take_both(scene, irg):
     temperatures = []
     for options in ((), option, ("--bulk-temperature", "25 degC")):
         (row,) = irg("point", scene, *place, *options, "--json")
-        temperatures.append(row["decisive temperature [°C]"] + 273.15)
+        temperatures.append(row["deciding temperature [°C]"] + 273.15)
     assert temperatures[2] < temperatures[0] < temperatures[1]
     said = irg("boundary", out, "--bulk-temperature", "pin=40 degC", code=2)
     assert "bulk_temperature names pin; give one temperature for both bodies" in said

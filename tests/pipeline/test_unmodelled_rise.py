@@ -53,7 +53,7 @@ def test_it_acts_as_more_friction_does(kind):
         np.testing.assert_allclose(boundary[name], like[name], rtol=1e-12)
         assert not plain[name].equals(boundary[name])
     margin, same = (pipeline.margin(one, 600.0, 1.2) for one in (added, rubbed))
-    for name in ("decisive_temperature", "distance", "probability", "highest", "critical_velocity"):
+    for name in ("deciding_temperature", "distance", "probability", "highest", "critical_velocity"):
         assert getattr(margin, name) == pytest.approx(getattr(same, name), rel=1e-11)
     both = pipeline.temperatures(added), pipeline.temperatures(rubbed)
     xr.testing.assert_allclose(*(one.drop_attrs() for one in both), rtol=1e-12)

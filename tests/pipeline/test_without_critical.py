@@ -59,7 +59,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     place = ["--load", "200 N", "--velocity", "1 m/s"]
     (row,) = irg("point", scene, *place, "--json")
     assert "verdict" not in row
-    assert row["decisive temperature [°C]"] < row["highest temperature [°C]"]
+    assert row["deciding temperature [°C]"] < row["highest temperature [°C]"]
     assert "not known without temperature.critical" in irg("point", scene, *place)
     judged = irg("point", scene, *place, "--critical-temperature", "145 degC")
     assert "K below the critical" in judged.replace("\n    ", " ")

@@ -30,7 +30,7 @@ def log_rises(sweep):
     found = []
     for place in PLACES:
         verdict = pipeline.run_point(sweep, *place).verdict(sweep.conditions)
-        found.append(math.log(verdict.decisive_temperature - sweep.conditions.bulk_temperature))
+        found.append(math.log(verdict.deciding_temperature - sweep.conditions.bulk_temperature))
     return found
 
 

@@ -27,7 +27,7 @@ def deciding_rises(sweep, velocity, trunks):
     conditions = sweep.conditions
     for load in sweep.loads:
         verdict = judge(sweep.scene, load, velocity, conditions, trunks)
-        rise = verdict.decisive_temperature - verdict.bulk_temperature
+        rise = verdict.deciding_temperature - verdict.bulk_temperature
         yield rise / conditions.friction
 
 

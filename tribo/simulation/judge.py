@@ -62,7 +62,7 @@ def judge(
     ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
     >>> oil = tribo.Conditions(friction=0.1, bulk_temperature=298.0, critical_temperature=418.0)
     >>> found = judge(scene, load=600.0, velocity=1.25, conditions=oil)
-    >>> found.is_severe, f"{found.decisive_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
+    >>> found.is_severe, f"{found.deciding_temperature:.0f} K = 298 + {found.contact_rise:.0f}"
     (True, '422 K = 298 + 124')
     """
     if conditions.disk_temperature is not None and not scene.unequal_bulks:

@@ -290,7 +290,7 @@ def _few_elements(scene: Scene, state: State) -> Iterator[Reason]:
     if smallest or is_worn:
         smaller = "smaller pixels" if smallest else "pixels_per_element = 1"
         text += (
-            "the decisive temperature is that of the hottest of these, and differs by several "
+            "the deciding temperature is that of the hottest of these, and differs by several "
             "percent from surface to surface and with smaller elements: compute several surfaces, "
             f"or give a larger window or {smaller}"
         )

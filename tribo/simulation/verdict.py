@@ -32,11 +32,11 @@ class Verdict:
     Attributes
     ----------
     is_severe : bool or None
-        True if `decisive_temperature` is above the critical temperature; None if the critical
+        True if `deciding_temperature` is above the critical temperature; None if the critical
         temperature is unknown.
     time : float
         Worst time, from the start of the loading [s].
-    decisive_temperature : float
+    deciding_temperature : float
         Temperature of the contact that the criterion compares with the critical temperature, such
         as the temperature exceeded on a tenth of the contact [K].
     max_temperature : float
@@ -44,7 +44,7 @@ class Verdict:
     failed_fraction : float or None
         Share of the contact area above the critical temperature; None if that is unknown.
     bulk_temperature : float
-        First part of `decisive_temperature`: the bulk temperature of the colder body [K].
+        First part of `deciding_temperature`: the bulk temperature of the colder body [K].
     contact_rise : float
         Second part: the rise between two half-spaces, with its unmodelled part [K].
     added_rise : float
@@ -52,13 +52,13 @@ class Verdict:
 
     Examples
     --------
-    >>> Verdict(True, 4.0, 425.0, 460.0, 0.2, 298.0, 124.0, 3.0).decisive_temperature
+    >>> Verdict(True, 4.0, 425.0, 460.0, 0.2, 298.0, 124.0, 3.0).deciding_temperature
     425.0
     """
 
     is_severe: bool | None
     time: float
-    decisive_temperature: float
+    deciding_temperature: float
     max_temperature: float
     failed_fraction: float | None
     bulk_temperature: float
@@ -118,14 +118,14 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     rise, quantiles = float(rises[worst]), together["rise_quantile"][worst]
     of_contact = float(conditions.contact_temperature(conditions.criterion.rise(alone)[worst]))
     known = conditions.critical_temperature is not None
-    decisive = float(conditions.contact_temperature(rise))
+    deciding = float(conditions.contact_temperature(rise))
     return Verdict(
         is_severe=Criterion.is_severe(rise, rise_limit(conditions)) if known else None,
         time=float(together["time"][worst]),
-        decisive_temperature=decisive,
+        deciding_temperature=deciding,
         max_temperature=float(conditions.contact_temperature(quantiles[-1])),
         failed_fraction=failed_share(quantiles, rise_limit(conditions)) if known else None,
         bulk_temperature=bulk,
         contact_rise=of_contact - bulk,
-        added_rise=decisive - of_contact,
+        added_rise=deciding - of_contact,
     )

@@ -55,7 +55,7 @@ def fig6(study: Study) -> Report:
     sweep = study.scene("table4")
     if study.preset is None:
         sweep = with_fidelity(sweep, _PAPER)
-    seeds, decisive = study.seeds(1), sweep.conditions.criterion
+    seeds, deciding = study.seeds(1), sweep.conditions.criterion
     blocks = [
         n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
     ]
@@ -67,7 +67,7 @@ def fig6(study: Study) -> Report:
         swept = on_surfaces([(scene, _POINT)], seeds)
         unworn = on_surfaces([(worn(scene, "unworn"), _POINT)], seeds)
         by_elements["maximum"][side] = celsius_of(swept, HIGHEST)[0].tolist()
-        by_elements["10 %"][side] = celsius_of(swept, decisive)[0].tolist()
+        by_elements["10 %"][side] = celsius_of(swept, deciding)[0].tolist()
         by_elements["one step"][side] = celsius_of(unworn, HIGHEST)[0].tolist()
     counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
     shown = max(count for count in counts if count <= _PUBLISHED)

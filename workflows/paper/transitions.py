@@ -93,11 +93,11 @@ def around_transition(sweep: Sweep, test: Any, step: float | None = None) -> End
     velocity at the scene's friction. `step` is the difference in ln(velocity); by default it
     reaches about the boundary.
     """
-    decisive, limit = sweep.conditions.criterion, rise_limit(sweep.conditions)
+    deciding, limit = sweep.conditions.criterion, rise_limit(sweep.conditions)
     end = end_of(sweep, test)
-    rise = float(decisive.rise(end))
+    rise = float(deciding.rise(end))
     step = step or math.log(limit / rise) / _EXPONENT or 0.01
-    exponent = math.log(float(decisive.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
+    exponent = math.log(float(deciding.rise(end_of(sweep, test, math.exp(step)))) / rise) / step
     off = boundary_velocity_error(rise, limit, exponent)
     return {**end, "rise": rise, "exponent": exponent, "velocity_off": off}
 

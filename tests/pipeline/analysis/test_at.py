@@ -30,7 +30,7 @@ def test_every_answer_is_at_the_conditions_that_the_dataset_carries(sweep):
     np.testing.assert_allclose(crossings[inside], critical[inside], rtol=1e-9)
     found = pipeline.margin(hot, 600.0, 1.1)
     expected = 333.15 + 0.12 * synthetic.rise(600.0, 1.1, 0.95)
-    assert found.decisive_temperature == pytest.approx(expected)
+    assert found.deciding_temperature == pytest.approx(expected)
     last = pipeline.temperatures(pipeline.end_of_point(hot)).sel(load=600.0, velocity=1.0)
     assert last["max_temperature"] == pytest.approx(333.15 + 0.12 * synthetic.rise(600.0, 1.0))
     assert pipeline.results(sweep).conditions == synthetic.conditions()  # unchanged by `at`

@@ -81,13 +81,13 @@ def test_only_the_last_step_counts():
     assert (boundary(unfinished)["outcome_at_load"] == UNKNOWN).all()
 
 
-def test_decisive_temperature_is_that_of_the_closed_form(sweep):
+def test_deciding_temperature_is_that_of_the_closed_form(sweep):
     judged = at(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
     places = {"load": LOADS[::4], "velocity": VELOCITIES[[0, 7, 14]]}
     found = pipeline.margin(judged, places)
     rise = synthetic.rise(places["load"], places["velocity"], 0.95)
     expected = 310.0 + 0.2 * rise - 273.15
-    np.testing.assert_allclose(found["decisive temperature [°C]"], expected, rtol=1e-12)
+    np.testing.assert_allclose(found["deciding temperature [°C]"], expected, rtol=1e-12)
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():

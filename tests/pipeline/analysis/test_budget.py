@@ -145,7 +145,7 @@ def test_a_change_of_an_entry_is_verified_by_a_simulation(store, capsys):
     sweep = pipeline.load_scene(store.parent / "scene.toml")
     changed = sweep.changed(CONDUCTIVITY, f"{value} W/(m K)")
     cold, own = (
-        tribo.judge(one.scene, 600.0, 1.5, one.conditions).decisive_temperature - 298.15
+        tribo.judge(one.scene, 600.0, 1.5, one.conditions).deciding_temperature - 298.15
         for one in (changed, sweep)
     )
     (effect,) = pipeline.results(store).stored.inputs

@@ -13,7 +13,7 @@ import tribo
 from pipeline import run_point
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import end_of_point, open_sweep
-from pipeline.analysis.decisive import temperatures
+from pipeline.analysis.deciding import temperatures
 from pipeline.analysis.margin_frame import margin
 from pipeline.analysis.warned_points import warned
 from pipeline.store.schema import MADE, STEPPED
@@ -21,7 +21,7 @@ from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.stores import commit
-from tests.helpers.sweeps import decisive_rise
+from tests.helpers.sweeps import deciding_rise
 from tests.pipeline.conftest import commit_all
 from tribo.thermal import rise_exceeded
 
@@ -123,7 +123,7 @@ def held(tmp_path_factory):
 
 
 def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
-    rise = decisive_rise(held, CONDITIONS).sel(load=600.0, velocity=1.0).item()
+    rise = deciding_rise(held, CONDITIONS).sel(load=600.0, velocity=1.0).item()
     point = held.sel(load=600.0, velocity=1.0)
     by_step = point["time"].copy(data=rise_exceeded(point["rise_quantile"].values, 0.1))
     assert rise == by_step.max("step") == by_step.sel(step=-3)
@@ -131,7 +131,7 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
     # Even if the contact is hotter at a lower load, only temperatures at full load count.
     earlier = held.load().copy(deep=True)
     earlier["rise_quantile"].loc[{"step": slice(None, -4)}] *= 10
-    assert decisive_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise
+    assert deciding_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise
 
 
 def test_the_failed_fraction_is_the_share_hotter_than_critical(copy):

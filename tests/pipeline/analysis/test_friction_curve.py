@@ -45,7 +45,7 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
     for load, velocity in ((600.0, 1.0), (625.0, 1.0), (300.0, 3.5)):
         margin = pipeline.margin(ds, load, velocity)
         expected = temperature(FALLING, load, velocity)
-        assert margin.decisive_temperature == pytest.approx(expected, abs=1e-6)
+        assert margin.deciding_temperature == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
@@ -60,10 +60,10 @@ def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corre
     nodes = javascript.run(part, BESIDE, places)
     for (load, velocity), node in zip(places, nodes, strict=True):
         all_of, some = (pipeline.margin(ds, load, velocity) for ds in (whole, part))
-        assert some.decisive_temperature == pytest.approx(all_of.decisive_temperature, abs=0.2)
+        assert some.deciding_temperature == pytest.approx(all_of.deciding_temperature, abs=0.2)
         assert some.probability == pytest.approx(all_of.probability, abs=0.01)
         here = pipeline.margin(part, *node["place"])
-        assert node["temperature"] == pytest.approx(here.decisive_temperature, abs=0.2)
+        assert node["temperature"] == pytest.approx(here.deciding_temperature, abs=0.2)
         assert node["verdict"] == here.verdict
     outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
     assert not {MILD, SEVERE} & outcomes  # as points are missing, none is known

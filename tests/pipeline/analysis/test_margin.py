@@ -33,7 +33,7 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     assert slow.critical_velocity == pytest.approx(critical, rel=1e-9)
     result = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
-    assert result.decisive_temperature == pytest.approx(warm, rel=1e-12)
+    assert result.deciding_temperature == pytest.approx(warm, rel=1e-12)
     # The least that is stated between two of four velocities: its points may be bent or rough.
     assert 0.0 < result.error.interpolation < 0.004 * (warm - 298.15)
     assert result.distance == pytest.approx(418.15 - warm, abs=1e-9)
@@ -76,8 +76,8 @@ def test_the_rise_of_a_specimen_is_the_mean_of_its_patches_and_the_highest_their
     alone = pipeline.at(alone, criterion=criterion) if criterion else alone
     found = pipeline.margin(lifted(criterion=criterion), 400.0, 2.0)
     factor = FACTORS.max() if criterion == "highest" else np.exp(np.log(FACTORS).mean())
-    rise = pipeline.margin(alone, 400.0, 2.0).decisive_temperature - 298.15
-    assert found.decisive_temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
+    rise = pipeline.margin(alone, 400.0, 2.0).deciding_temperature - 298.15
+    assert found.deciding_temperature - 298.15 == pytest.approx(factor * rise, rel=1e-12)
     assert found.patches == 4
 
 
@@ -102,7 +102,7 @@ def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
         result = margin(ds, load, velocity)
         true = 298.15 + 0.1 * wavy(load, velocity, 0.9)
         assert result.error.interpolation < 3.0
-        covered.append(abs(result.decisive_temperature - true) <= result.error.interpolation)
+        covered.append(abs(result.deciding_temperature - true) <= result.error.interpolation)
     assert np.mean(covered) > 0.85
 
 
@@ -112,7 +112,7 @@ def test_a_verdict_within_the_numerical_error_is_not_decided(load, velocity, sid
     ds = without_model_error(rise=wavy)
     here = margin(ds, load, velocity)
     for share, expected in ((0.7, "not decided"), (2.5, verdict)):
-        critical = here.decisive_temperature + side * share * here.temperature_error
+        critical = here.deciding_temperature + side * share * here.temperature_error
         judged = margin(ds, load, velocity, critical_temperature=critical)
         assert judged.verdict == expected
 
@@ -125,7 +125,7 @@ def test_the_error_of_a_preset_is_one_share_of_the_rise_whatever_the_exponent(pr
 
     for load in (400.0, 425.0):
         here = margin(synthetic.sweep(preset=preset, rise=bent), load, 2.0)
-        rise = here.decisive_temperature - 298.15
+        rise = here.deciding_temperature - 298.15
         share = preset_error(PRESET_BOUNDS[preset])
         assert here.error.preset == pytest.approx(rise * share, rel=1e-9)
 
@@ -137,7 +137,7 @@ def test_a_warned_point_beside_a_place_adds_its_error_and_one_without_a_size_und
         flags = xr.where((ds["load"] == 400) & (ds["velocity"] == 2.0), int(kind), 0)
         warned = ds.assign(warning_flags=flags)
         beside, far = margin(warned, 425.0, 2.1), margin(warned, 425.0, 3.1)
-        rise = beside.decisive_temperature - 298.15
+        rise = beside.deciding_temperature - 298.15
         assert beside.error.warned == (share and pytest.approx(share * rise))
         assert far.error.warned == 0.0
     assert (clean.error.warned, beside.verdict) == (0.0, "not decided")
@@ -155,7 +155,7 @@ def test_a_place_of_the_grid_that_is_not_done_has_the_error_of_interpolation(sta
     assert true.error.interpolation == 0.0
     for ds in (partial, masked.assign(status=partial["status"])):
         here = margin(ds, 400.0, 2.0)
-        off = abs(here.decisive_temperature - true.decisive_temperature)
+        off = abs(here.deciding_temperature - true.deciding_temperature)
         assert not here.is_computed
         assert 0 < off <= here.error.interpolation
 
@@ -166,7 +166,7 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     far = {place: PENDING for place in places if abs(np.log(place[1] / critical[place[0]])) > 0.3}
     result = margin(synthetic.sweep(status=far), 425.0, 1.0)
     warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
-    assert result.decisive_temperature == pytest.approx(warm, rel=1e-9)
+    assert result.deciding_temperature == pytest.approx(warm, rel=1e-9)
     nearer = margin(synthetic.sweep(status=far), 425.0, 1.3)
     assert 0 < nearer.error.interpolation < result.error.interpolation < 0.2 * (warm - 298.15)
     assert result.verdict == "mild"
@@ -180,8 +180,8 @@ def test_what_is_continued_tells_its_error():
         for load, velocity in itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0)):
             beyond = pipeline.margin(searched, load, velocity)
             if beyond.is_continued:
-                true = pipeline.margin(whole, load, velocity).decisive_temperature
-                missed.append((beyond.decisive_temperature - true) / beyond.error.interpolation)
+                true = pipeline.margin(whole, load, velocity).deciding_temperature
+                missed.append((beyond.deciding_temperature - true) / beyond.error.interpolation)
     assert len(missed) >= 5
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
 

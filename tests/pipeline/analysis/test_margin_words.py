@@ -72,7 +72,7 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     points = {"load": ["400 N", "600 N", "9 kN"], "velocity": ["1.4 m/s", "2.4 m/s", "1 m/s"]}
     found = pipeline.margin(synthetic.sweep(), points)
     assert [*found] == [
-        *("load [N]", "velocity [m/s]", "verdict", "probability", "decisive temperature [°C]"),
+        *("load [N]", "velocity [m/s]", "verdict", "probability", "deciding temperature [°C]"),
         *("temperature error [K]", "surface error [K]", "distance [K]", "velocity factor"),
         "critical velocity [m/s]",
         *("with tests [m/s]", "velocity outcome", "load factor", "critical load [N]"),
@@ -82,7 +82,7 @@ def test_a_table_of_points_has_an_answer_or_a_note_for_each():
     assert found["load [N]"].tolist() == [400.0, 600.0, 9000.0]
     one = pipeline.margin(synthetic.sweep(), 400.0, 1.4)
     first = found.iloc[0]
-    assert first["decisive temperature [°C]"] == pytest.approx(one.decisive_temperature - 273.15)
+    assert first["deciding temperature [°C]"] == pytest.approx(one.deciding_temperature - 273.15)
     assert first["distance [K]"] == pytest.approx(one.distance)
     assert first["probability"] == pytest.approx(one.probability)
     assert first["critical load [N]"] == pytest.approx(one.critical_load)

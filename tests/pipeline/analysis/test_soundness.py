@@ -27,13 +27,13 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
 
 def test_a_sound_chunk_in_the_place_of_another_is_found_by_verify_and_run_alone(copy):
     """Answers trust the checksum of each chunk, and cannot see that a chunk was replaced."""
-    before = pipeline.margin(copy, "300 N", "1 m/s").decisive_temperature
+    before = pipeline.margin(copy, "300 N", "1 m/s").deciding_temperature
     array = zarr.open_array(copy / "rise_quantile", mode="r+")
     array[...] = 0.97 * array[...]
-    assert pipeline.margin(copy, "300 N", "1 m/s").decisive_temperature < before
+    assert pipeline.margin(copy, "300 N", "1 m/s").deciding_temperature < before
     assert len(pipeline.verify_store(copy).damaged) == 9
     assert pipeline.run_sweep(tiny.full(), copy, workers=1).computed == 9
-    assert pipeline.margin(copy, "300 N", "1 m/s").decisive_temperature == before
+    assert pipeline.margin(copy, "300 N", "1 m/s").deciding_temperature == before
 
 
 def test_commands_that_read_write_nothing_into_a_store(copy, irg, tmp_path):

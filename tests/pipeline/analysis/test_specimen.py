@@ -123,7 +123,7 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
     spread = np.sum((levels - levels.mean()) ** 2)
     deviation = math.sqrt((7 * 0.03**2 + spread) / (6 + count))
     expected = t(6 + count).ppf(0.975) * deviation / math.sqrt(count)
-    rise = found.decisive_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    rise = found.deciding_temperature - synthetic.CONDITIONS["bulk_temperature"]
     assert found.error.surface / rise == pytest.approx(expected, rel=1e-12)
     parts = [part for part in found.error.parts if part]
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
@@ -133,7 +133,7 @@ def test_the_boundary_states_its_error_and_the_part_of_the_surface():
     ds = patches(sampling=0.03)
     found = pipeline.boundary(ds).sel(load=400.0)
     here = pipeline.margin(ds, 400.0, found["critical_velocity"].item())
-    rise = here.decisive_temperature - synthetic.CONDITIONS["bulk_temperature"]
+    rise = here.deciding_temperature - synthetic.CONDITIONS["bulk_temperature"]
     parts = here.error.parts / rise / synthetic.VELOCITY_EXPONENT
     parts[1] = here.error.preset / rise / RISE_SHARE  # promised of the velocity itself
     assert found["surface_error"].item() == pytest.approx(parts[3], rel=1e-9)
@@ -144,7 +144,7 @@ def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
     relative = []
     for criterion in ("share", "highest"):
         found = pipeline.margin(patches(), 400.0, 2.0, criterion=criterion)
-        relative.append(found.error.surface / (found.decisive_temperature - 298.15))
+        relative.append(found.error.surface / (found.deciding_temperature - 298.15))
     assert relative[1] / relative[0] == pytest.approx(math.sqrt(len(LIFTS)), rel=1e-9)
 
 

@@ -14,7 +14,7 @@ from pipeline.cli import main
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
-from tests.helpers.sweeps import decisive_rise
+from tests.helpers.sweeps import deciding_rise
 from tests.pipeline.conftest import commit_all
 from tribo import WarningKind
 
@@ -94,7 +94,7 @@ def test_points_hotter_than_molten_steel_are_counted(tmp_path, irg):
     assert "molten" not in pipeline.warned(ds).kinds
     judged = pipeline.results(ds).conditions
     bulk = judged.bulk_temperature
-    molten = (1700.0 - bulk) / float(decisive_rise(ds, judged).max())
+    molten = (1700.0 - bulk) / float(deciding_rise(ds, judged).max())
     assert "molten" not in pipeline.warned(pipeline.at(ds, friction=0.999 * molten)).kinds
     warned = pipeline.warned(pipeline.at(ds, friction=1.001 * molten))
     assert warned.kinds["molten"] == 1

@@ -112,10 +112,10 @@ def test_ramp_shows_the_course_of_the_point_nearest_to_the_transition():
     ]
     assert wear.get_xlabel() == "time [s]"
     assert synthetic.critical_velocity(750.0, synthetic.limit()) == pytest.approx(1.23, abs=0.01)
-    hottest, decisive, critical = (np.column_stack(line.get_data()) for line in temperature.lines)
+    hottest, deciding, critical = (np.column_stack(line.get_data()) for line in temperature.lines)
     loads = sweep["normal_load"].sel(load=750.0, velocity=1.25).values
-    np.testing.assert_allclose(decisive[:, 0], loads / 150.0)
-    np.testing.assert_allclose(decisive[:, 1], 25.0 + 0.1 * synthetic.rise(loads, 1.25, 0.9))
+    np.testing.assert_allclose(deciding[:, 0], loads / 150.0)
+    np.testing.assert_allclose(deciding[:, 1], 25.0 + 0.1 * synthetic.rise(loads, 1.25, 0.9))
     np.testing.assert_allclose(hottest[:, 1], 25.0 + 0.1 * synthetic.rise(loads, 1.25))
     np.testing.assert_allclose(critical[:, 1], 145.0)
     width = contact.lines[0].get_ydata()

@@ -12,7 +12,7 @@ from pipeline.cli import main
 from pipeline.page.content import content
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
-from tests.helpers.sweeps import decisive_rise
+from tests.helpers.sweeps import deciding_rise
 
 
 def unpacked(text, dtype):
@@ -47,7 +47,7 @@ def test_the_table_has_the_deciding_rise_of_each_point():
     plane = np.exp(unpacked(page["plane"], "<f4").reshape(nodes))
     at_points = plane[np.ix_(page["nodes"]["load"], page["nodes"]["velocity"])]
     is_done = (held["status"] == 1).values
-    expected = decisive_rise(held, synthetic.conditions()).values
+    expected = deciding_rise(held, synthetic.conditions()).values
     np.testing.assert_allclose(at_points[is_done], expected[is_done], rtol=2e-6)
 
 

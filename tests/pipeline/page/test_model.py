@@ -109,7 +109,7 @@ def test_a_place_beside_tests_has_the_verdict_of_the_command(asked):
         assert page["probabilities"][1] == pytest.approx(row["probability"], abs=0.02)
         assert {page["verdict"], row["verdict"]} != {"mild", "severe"}
         assert page["temperature"] - 273.15 == pytest.approx(
-            row["decisive temperature [°C]"], rel=1e-3
+            row["deciding temperature [°C]"], rel=1e-3
         )
     alike = [
         page["verdict"] == verdict for page, verdict in zip(told, frame["verdict"], strict=True)

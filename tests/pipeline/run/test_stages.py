@@ -68,16 +68,16 @@ def test_onset_and_end_of_each_stage_are_stored(store):
     assert first[4:].tolist() == ds["mean_rise"].sel(load=140).values[:2].tolist()
 
 
-def test_the_decisive_rise_is_the_highest_of_the_specimen_so_far(store):
+def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     ds = pipeline.open_sweep(store[1])
     answered = [pipeline.margin(ds, load, 2.0) for load in (100.0, 120.0, 140.0)]
-    found = [one.decisive_temperature for one in answered]
+    found = [one.deciding_temperature for one in answered]
     steps = pipeline.temperatures(ds)["temperature_quantile"].sel(cooler_share=0.9, velocity=2)
     own = steps.sel(load=140).values
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
     assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
     point = pipeline.run_point(store[0].alone(), 120.0, 2.0)
-    assert point.verdict(store[0].conditions).decisive_temperature == pytest.approx(
+    assert point.verdict(store[0].conditions).deciding_temperature == pytest.approx(
         found[1], rel=1e-12
     )
 

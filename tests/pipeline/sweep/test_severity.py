@@ -41,8 +41,8 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(s
     at_limit = rise_limit(conditions)
     rises = EVEN * at_limit / conditions.criterion.rise({"rise_quantile": EVEN})
     assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
-    decisive = conditions.criterion.rise({"rise_quantile": rises})
-    assert conditions.contact_temperature(decisive) == pytest.approx(
+    deciding = conditions.criterion.rise({"rise_quantile": rises})
+    assert conditions.contact_temperature(deciding) == pytest.approx(
         conditions.critical_temperature
     )
     for factor, is_severe in ((1.001, True), (0.999, False)):
@@ -65,10 +65,10 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
     assert momentary_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
     assert worst_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     judged = result.verdict(conditions)
-    assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
+    assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
     oil = tribo.Conditions(friction=0.1, bulk_temperature=298.15, criterion=conditions.criterion)
     alone = tribo.judge(sweep.scene, 600.0, 1.5, oil)
-    assert alone.decisive_temperature == pytest.approx(judged.decisive_temperature, rel=1e-9)
+    assert alone.deciding_temperature == pytest.approx(judged.deciding_temperature, rel=1e-9)
 
 
 @pytest.mark.parametrize(("pin", "disk"), [(403.15, 298.15), (298.15, 403.15)])
@@ -91,7 +91,7 @@ def test_without_friction_nothing_is_warm_and_nothing_severe():
     assert rise_limit(conditions) == math.inf
     assert not judged.is_severe
     assert judged.failed_fraction == 0
-    assert judged.max_temperature == judged.decisive_temperature == conditions.bulk_temperature
+    assert judged.max_temperature == judged.deciding_temperature == conditions.bulk_temperature
 
 
 def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
@@ -99,7 +99,7 @@ def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
     assert judged.time == 3.0
     assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
-    assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
+    assert judged.deciding_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
 
 
 def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():

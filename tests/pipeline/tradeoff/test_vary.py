@@ -51,7 +51,7 @@ def test_the_boundary_is_that_of_the_whole_sweep(variations, folder):
     sweep = pipeline.load_scene(folder / "small.toml")
     grid = np.array([2.0, 2.4, 2.8, 3.3, 4.0])
     results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
-    critical = np.interp(418.15, [result.decisive_temperature for result in results], grid)
+    critical = np.interp(418.15, [result.deciding_temperature for result in results], grid)
     # The search and linear interpolation between the five velocities may each be 1 % wrong.
     assert velocities(variations, "unchanged")[0] == pytest.approx(critical, rel=0.02)
 

@@ -44,8 +44,8 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
     assert coarse[-1].pressure.shape == coarse[-1].heat.rise.shape == (192, 96)
     assert total_work(coarse) < total_work(full) / 2
     # Few summits touch on so small a patch; on the shipped scene the difference is 0.02 %.
-    decisive = [states[-1].heat.rise_quantile[DECISIVE] for states in (full, coarse)]
-    assert decisive[1] == pytest.approx(decisive[0], rel=0.01)
+    deciding = [states[-1].heat.rise_quantile[DECISIVE] for states in (full, coarse)]
+    assert deciding[1] == pytest.approx(deciding[0], rel=0.01)
 
 
 # Without wear

@@ -116,7 +116,7 @@ def test_a_verdict_is_of_the_hottest_stage_so_far():
     alone = 298.15 + 0.1 * rises(stages_of(scene, 400.0, 2.0))
     assert alone[2] < alone[0]  # a worn pin is cooler at 120 N than the unworn one at 100 N
     expected = np.maximum.accumulate(alone)[1::2]
-    found = [one.decisive_temperature for one in verdicts]
+    found = [one.deciding_temperature for one in verdicts]
     assert found == pytest.approx(list(expected), rel=1e-3)
     assert verdicts[1].time == verdicts[0].time == pytest.approx(100 / 150)
 

@@ -140,4 +140,4 @@ def test_a_verdict_knows_both_bulk_temperatures(rough):
     oil = Conditions(friction=0.1, bulk_temperature=333.15, disk_temperature=283.15)
     expected = 333.15 + 0.1 * quantiles_at(state.heat, -500.0)[NINE_TENTHS]
     judged = judge(replace(scene, unequal_bulks=False), 750.0, 1.25, oil)
-    assert judged.decisive_temperature == pytest.approx(expected, rel=1e-12)
+    assert judged.deciding_temperature == pytest.approx(expected, rel=1e-12)

@@ -34,9 +34,9 @@ def test_one_call_gives_the_verdict_of_a_sweep(loading, parts):
     found = tribo.judge(sweep.scene, 600.0, 1.5, oil)
     assert found == expected
     whole = found.bulk_temperature + found.contact_rise + found.added_rise
-    assert found.decisive_temperature == pytest.approx(whole, rel=1e-12)
+    assert found.deciding_temperature == pytest.approx(whole, rel=1e-12)
     assert (found.added_rise != 0) == (parts is not None)
-    assert found.is_severe == (found.decisive_temperature > 418.15)
+    assert found.is_severe == (found.deciding_temperature > 418.15)
 
 
 def test_unequal_bulks_need_no_word_in_the_scene():
@@ -44,7 +44,7 @@ def test_unequal_bulks_need_no_word_in_the_scene():
     even = tribo.Conditions(friction=0.1, bulk_temperature=300.0, critical_temperature=420.0)
     warm = replace(even, disk_temperature=330.0)
     assert tribo.judge(scene, 600.0, 1.5, warm).bulk_temperature == 300.0
-    hotter = [tribo.judge(scene, 600.0, 1.5, one).decisive_temperature for one in (even, warm)]
+    hotter = [tribo.judge(scene, 600.0, 1.5, one).deciding_temperature for one in (even, warm)]
     assert hotter[0] < hotter[1] < hotter[0] + 30.0
 
 
@@ -53,7 +53,7 @@ def test_without_a_critical_temperature_there_is_a_temperature_and_no_verdict():
         tiny.sweep().scene, 600.0, 1.5, tribo.Conditions(friction=0.1, bulk_temperature=300.0)
     )
     assert (found.is_severe, found.failed_fraction) == (None, None)
-    assert found.decisive_temperature > 300.0
+    assert found.deciding_temperature > 300.0
 
 
 def test_the_script_of_the_page_prints_a_verdict(capsys):
