@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import scipy
 
-from tribo.constants import HISTORY_COARSENING, ROOM_BESIDE_WEAR
+from tribo.constants import ROOM_BESIDE_WEAR
 from tribo.errors import InputError
 from tribo.loading import Stages
 from tribo.simulation.scene import Scene
@@ -44,8 +44,7 @@ def widen_window(scene: Scene, velocity: float) -> Scene:
     wide = ROOM_BESIDE_WEAR * pin.worn(0.0, volume).width
     deep = wide * pin.hertz(1.0, 1e11).aspect if pin.length is None else 0.0
     fidelity, (nx, ny), (dx, dy) = scene.fidelity, pixels.shape, pixels.spacing
-    coarser = HISTORY_COARSENING if fidelity.fewest_elements else fidelity.history_coarsening
-    block = fidelity.pixels_per_element * max(2, coarser)
+    block = fidelity.pixels_per_element * max(2, fidelity.history_coarsening)
     shape = _wider(nx, wide / dx, block), _wider(ny, deep / dy, block)
     if shape == pixels.shape:
         return scene
