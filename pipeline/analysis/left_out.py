@@ -111,13 +111,12 @@ def gap_bounds(x: Array, y: Array) -> Array:
     Between two points the cubic through all differs from the chord by what is known of the
     curvature. It is halved between points that have further ones on both sides.
     """
-    from scipy.interpolate import PchipInterpolator
-
     widths = np.diff(x)
     least = np.full_like(widths, LEAST_BENT if len(x) > 2 else UNSEEN_BENT) * widths**2 / 8
     if len(x) < 3:
         return np.asarray(np.hypot(least, ROUGH_GAP))
-    bows = np.abs(PchipInterpolator(x, y)(x[:-1] + widths / 2) - (y[:-1] + y[1:]) / 2)
+    between = Curve(np.exp(x), np.exp(y))(np.exp(x[:-1] + widths / 2))
+    bows = np.abs(np.log(between) - (y[:-1] + y[1:]) / 2)
     bounds = np.maximum(bows, least)
     bounds[1:-1] /= 2
     return np.asarray(np.hypot(bounds, ROUGH_GAP))

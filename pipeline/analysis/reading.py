@@ -8,6 +8,10 @@ mean of a product is not the product of the means.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -21,13 +25,13 @@ from pipeline.analysis.dataset import (
     scene_sweep,
     sweep_kind,
 )
-from pipeline.analysis.results import Results
+from pipeline.analysis.results import Columns, Results
 from pipeline.analysis.results_of_tests import read_test_results
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FILM, MADE, PLANE, SAMPLING, STEPPED, VARIABLES
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
-from tribo.types import Mask
+from tribo.types import Array, Mask
 
 _INNER = ("step", "bulk_ratio", "cooler_share")
 _MARKS = ("status", "warning_flags", "asked", "message")
@@ -87,13 +91,9 @@ def results(ds: ResultsLike) -> Results:
         *FILM,
         *dict.fromkeys((*MADE, *(name for name in STEPPED if name in wanted))),
     ]
-    columns = {}
-    for name in names:
-        if name in ds.variables:
-            given = _checked(ds, name)
-            inner = {dim: given.sizes[dim] for dim in _INNER if dim in given.dims}
-            one = xr.Variable(given.dims, np.array(given.values))
-            columns[name] = one.set_dims(sizes | inner).values  # type: ignore[no-untyped-call]
+    # Copies of what is in memory; data of a store are still read when they are used.
+    found = {name: _checked(ds, name) for name in names if name in ds.variables}
+    columns = Columns({name: partial(_values, name, one, sizes) for name, one in found.items()})
     stored = scene_sweep(ds)
     return Results(
         stored=stored,
@@ -132,15 +132,24 @@ def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
                 f"{name} of the dataset has {words} {min(map(str, dims))}; take it as "
                 "pipeline.open_sweep gives it"
             )
-    if given.dtype.kind in "fO" and name != "message":
+    if given.dtype.kind == "O" and name != "message":
         try:
-            if name not in ("status", "asked"):
-                return given.astype(float)
-            numbers = given.astype(float)  # which interpolation may leave a little off
-            return numbers.round(6)
+            return given.astype(float)
         except (TypeError, ValueError) as error:
             raise InputError(f"{name} of the dataset is no number: {error}") from error
-    return given
+    return given.copy()
+
+
+def _values(name: str, given: xr.Variable, sizes: Mapping[str, int]) -> Array:
+    """Values of a variable, with a dimension for each of `sizes`, and those within a point."""
+    inner = {dim: given.sizes[dim] for dim in _INNER if dim in given.dims}
+    values = given.values
+    if values.dtype.kind == "f":
+        values = values.astype(float, copy=False)
+        if name in ("status", "asked"):  # which interpolation may leave a little off
+            values = values.round(6)
+    own: Any = xr.Variable(given.dims, values)
+    return np.asarray(own.set_dims({**sizes, **inner}).values)
 
 
 def made_points(data: Results) -> Mask:
@@ -149,8 +158,10 @@ def made_points(data: Results) -> Mask:
     if data.kind is Layout.PLANE:
         for name, values in zip(PLANE, (data.loads, data.velocities), strict=True):
             own = np.array(data.sweep.loads if name == "load" else data.sweep.velocities)
-            near = np.abs(values[:, None] - own) <= _SAME * np.abs(own)
-            made |= ~near.any(axis=1)[:, None] if name == "load" else ~near.any(axis=1)
+            place = np.searchsorted(own, values)
+            beside = own[np.clip([place - 1, place], 0, len(own) - 1)]
+            near = (np.abs(values - beside) <= _SAME * np.abs(beside)).any(axis=0)
+            made |= ~near[:, None] if name == "load" else ~near
     if data.store is None and all(name in data.variables for name in _BALANCE):
         # The pressure at the end of a computed point carries the load on it.
         pressure, fraction, load = (data.values(name)[..., -1] for name in _BALANCE)

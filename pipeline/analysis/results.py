@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -43,6 +43,36 @@ from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
 _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
+
+
+class Columns(Mapping[str, Array]):
+    """Arrays by name of their variable, each of which is read when it is first used."""
+
+    def __init__(self, readers: Mapping[str, Callable[[], Array]]) -> None:
+        self._readers, self._arrays = dict(readers), dict[str, Array]()
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._arrays:
+            self._arrays[name] = self._readers[name]()
+        return self._arrays[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._readers
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._readers)
+
+    def __len__(self) -> int:
+        return len(self._readers)
+
+
+def _taken(columns: Mapping[str, Array], take: Callable[[Array], Array]) -> Columns:
+    """Columns with `take` of each array, which is read and taken when it is first used."""
+
+    def reader(name: str) -> Callable[[], Array]:
+        return lambda: take(columns[name])
+
+    return Columns({name: reader(name) for name in columns})
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +270,7 @@ class Results:
             rows=rows,
             loads=axes["load"],
             velocities=axes["velocity"],
-            columns={name: values[at] for name, values in self.columns.items()},
+            columns=_taken(self.columns, lambda values: values[at]),
             rest=self.rest.isel(places, missing_dims="ignore"),
         )
 
@@ -287,7 +317,7 @@ class Results:
         if slides.all() or not slides.any():
             return self
         along = len(self.front) + 1
-        columns = {k: np.compress(slides, v, axis=along) for k, v in self.columns.items()}
+        columns = _taken(self.columns, lambda values: np.compress(slides, values, axis=along))
         rest = self.rest.isel({"velocity": slides}, missing_dims="ignore")
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 

@@ -143,13 +143,13 @@ class Rises:
         each, back = np.unique(velocities, return_inverse=True)
         return Curve(self.loads, self._rows(each)[:, back].T)(loads[:, None])[:, 0]
 
-    def _rows(self, velocities: Array) -> Array:
-        """Rises with the effect of velocity on friction at all loads (n_load, k) [K].
+    def _rows(self, velocities: Array, near: slice = slice(None)) -> Array:
+        """Rises with the effect of velocity on friction at all loads or those `near` (n_load, k).
 
         They go on beyond the velocities of a load. NaN at a load without points; one with a single
         point that cannot be estimated has that alone.
         """
-        curve, factor = Curve(self.velocities, self._filled), self.conditions.friction_factor
+        curve, factor = Curve(self.velocities, self._filled[near]), self.conditions.friction_factor
         rises = curve(velocities, continued=True)
         is_own = (curve.count > 1)[:, None] | (velocities == curve.end(0)[0][:, None])
         return np.where(is_own, rises * factor(velocities), math.nan)
@@ -228,9 +228,7 @@ class Rises:
             done = np.where(within, self.loads[:, None], math.nan).T
             return turns_of(self.loads, lines, limits, done, ends)
         nodes = self._nodes(places, 1.0)
-        within, lines = (
-            self._lines(places, nodes, holds) for holds in (self._is_within(nodes), reaches(nodes))
-        )
+        within, lines = self._lines(places, nodes, self._is_within(nodes), reaches(nodes))
         is_point = np.isfinite(within) & np.isin(nodes, self.velocities)
         done = np.where(is_point, nodes, math.nan)
         return turns_of(nodes, lines, limits, done, ends, self.conditions.has_friction_curve)
@@ -245,7 +243,7 @@ class Rises:
         at the highest.
         """
         nodes = self._nodes(loads, FARTHEST)
-        lines = self._lines(loads, nodes, np.ones((len(self.loads), len(nodes)), bool))
+        (lines,) = self._lines(loads, nodes, np.ones((len(self.loads), len(nodes)), bool))
         places = [axis.ravel() for axis in np.meshgrid(loads, nodes, indexing="ij")]
         shifts = levels(*places).reshape(-1, *lines.shape)
         curves = [Curve(nodes, lines / np.exp(shift)) for shift in shifts]
@@ -275,23 +273,29 @@ class Rises:
         beyond = np.geomspace(1.0, reach, PARTS_OF_CURVE)[1:]
         return np.concatenate([x[0] / beyond[::-1], inner, x[-1] * beyond])
 
-    def _lines(self, loads: Array, nodes: Array, holds: Mask) -> Array:
-        """Rises along n nodes of velocity at k loads (k, n) [K].
+    def _lines(self, loads: Array, nodes: Array, *masks: Mask) -> list[Array]:
+        """Rises along n nodes of velocity at k loads (k, n) [K], for each of the `masks`.
 
-        They are NaN unless `holds` (n_load, n) at both loads beside, and unknown beyond the points
-        of a load of the sweep unless all hold.
+        They are NaN unless the mask (n_load, n) is True at both loads beside, and unknown beyond
+        the points of a load of the sweep unless all of the mask is True.
         """
-        lines = Curve(self.loads, self._rows(nodes).T)(loads).T
-        marks = Curve(self.loads, self._marks(nodes, holds).T)(loads).T
         at, is_own = np.searchsorted(self.loads, loads), np.isin(loads, self.loads)
-        own = np.ones_like(holds) if holds.all() else self._is_within(nodes)
-        own = own & (self._is_known.sum(axis=1) > 0)[:, None]
-        if is_own.all() and not self.conditions.has_friction_curve:
-            # Between two points there is no other node, whose value would only be interpolated.
-            here = np.searchsorted(nodes, self.velocities)
-            own[:, here] &= self._is_known
-        marks[is_own] = np.where(own[at[is_own]], 1.0, 2.0)
-        return np.where(marks == 1, lines, math.nan)
+        near = slice(None)
+        if self._is_done.all():  # a cubic between two loads is made of these and one on either side
+            near = slice(max(int(at.min()) - 2, 0), int(at.max()) + 2)
+        lines = Curve(self.loads[near], self._rows(nodes, near).T)(loads).T
+        found = []
+        for holds in masks:
+            marks = Curve(self.loads[near], self._marks(nodes, holds)[near].T)(loads).T
+            own = np.ones_like(holds) if holds.all() else self._is_within(nodes)
+            own = own & (self._is_known.sum(axis=1) > 0)[:, None]
+            if is_own.all() and not self.conditions.has_friction_curve:
+                # Between two points there is no other node, whose value would be interpolated.
+                here = np.searchsorted(nodes, self.velocities)
+                own[:, here] &= self._is_known
+            marks[is_own] = np.where(own[at[is_own]], 1.0, 2.0)
+            found.append(np.where(marks == 1, lines, math.nan))
+        return found
 
     def _marks(self, velocities: Array, holds: Mask) -> Array:
         """1 where `holds` (n_load, k), else 2; NaN at a load that tells nothing of others.

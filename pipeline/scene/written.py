@@ -140,6 +140,10 @@ def _quantity_text(kind: Quantity, value: float) -> str:
     """Write a quantity [SI] in its usual unit, with the fewest digits that give back the value."""
     unit, zero = kind.unit, float(ZERO.get(kind.unit, 0))
     one = 1.0 if zero else to_si(f"1 {unit}", kind.example)
-    texts = (f"{(value - zero) / one:.{digits}g} {unit}" for digits in range(_FEWEST, _MOST + 1))
+    fewest = _FEWEST
+    if one == 1 and not zero:  # in SI Python's own text has the fewest digits that give it back
+        number, _, _ = repr(float(value)).partition("e")
+        fewest = max(_FEWEST, len(number.lstrip("-").replace(".", "").strip("0")))
+    texts = (f"{(value - zero) / one:.{digits}g} {unit}" for digits in range(fewest, _MOST + 1))
     exact = f"{value!r} {next(iter(DIMENSIONS[si_unit(kind.example)].units))}"
     return next((text for text in texts if to_si(text, kind.example) == value), exact)
