@@ -65,12 +65,14 @@ lowest:               ## install the lowest versions that are declared, and run 
 slow: .venv/test      ## the long checks: workers that die, promised accuracies, the site of pages
 	$(BIN)/python -m pytest tests -m slow
 
-promises: .venv/test  ## judge presets and stated errors on random scenes, in an hour
+promises: .venv/test  ## judge presets, stated errors and accuracies that are asked for on random scenes, in some hours
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.front --search --scenes 12
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.ends
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.errors
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.patches
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.goals --scenes 8 --accuracy 1
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.laboratories
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, in an hour or two

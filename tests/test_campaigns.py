@@ -10,7 +10,7 @@ from pipeline.constants import PRESET_BOUNDS
 from tests import measured
 from tests.house import measure
 from tests.mutants.changes import changes
-from tests.promises import front, laboratories, patches, truth
+from tests.promises import front, goals, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
 
@@ -94,3 +94,31 @@ def test_intervals_of_the_shift_hold_it_and_verdicts_are_wrong_as_often_as_they_
     held, mild, severe = laboratories.judged(kind, 4, 100)
     assert 0.82 <= held <= 0.97  # 100 laboratories: ± 3 points for one standard deviation
     assert max(mild, severe) <= 0.07
+
+
+# Accuracies that are asked for
+
+
+def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch):
+    monkeypatch.setattr(goals, "PATCHES", 16)
+    number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
+    planes = goals.Planes(goals.scene(case, falls=True))
+    found = planes.errors(0.05)
+    assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
+    assert max(abs(error) for *_, error in found["errors"]) < 0.05
+    counts = np.array(planes.crossings(number))
+    assert {0, 1, 2, 3} <= {*counts[:, 0].tolist()}
+    assert np.array_equal(*counts.T)
+
+
+def test_a_load_that_errs_by_more_or_a_missed_crossing_breaks_the_promise():
+    right = {"best": 0.03, "points": 30, "errors": [[200.0, 1.0, 0.04]]}
+    row = {"name": "a", "accuracy": {"5": right}, "crossings": [[2, 2]]}
+    wrong = right | {"errors": [[200.0, 1.0, -0.06]]}
+    for changed, is_right in (
+        (row, True),
+        (row | {"accuracy": {"5": wrong}}, False),
+        (row | {"crossings": [[2, 0]]}, False),
+        (row | {"accuracy": {"5": wrong | {"best": 0.06}}}, True),  # which a run refuses
+    ):
+        assert goals.report([row, changed], [5.0])[1] == is_right

@@ -1,0 +1,281 @@
+"""Judge `--accuracy`: how often the whole error of the boundary is below it, and what is missed.
+
+Scenes of all families are searched on points that are computed once and kept in memory. The truth
+at a load is `reference` on the first patch, and how the mean of 64 patches differs from it by
+`standard`. The error is that of the velocity at which wear turns. Every fourth scene has friction
+that falls with velocity. Last, each scene's plane is searched under other laws of friction: a load
+must have as many crossings as the whole plane.
+
+    python -m tests.promises.goals                          # 40 scenes
+    python -m tests.promises.goals --scenes 8 --accuracy 1  # per cent
+"""
+
+import argparse
+import json
+import multiprocessing
+import os
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.run.goal import why_fixed
+from pipeline.run.goal_preset import goal_presets
+from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
+from pipeline.scene.written import with_fidelity
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import choose_stations, run_point
+from pipeline.sweep.selection import presets_for, velocity_error
+from pipeline.sweep.severity import relative_sampling, worst_rises
+from tests.helpers.campaigns import commit, conclude, table
+from tests.promises.families import cases
+from tribo import Corrections, Friction, TriboError
+
+PATCHES = 64  # of the truth
+HELD = 0.95
+NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are large
+VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
+LAWS = 4  # of friction, for each number of bends
+_BESIDE = 1.02  # ratio of velocities about a crossing, for its exponent
+_TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
+HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
+
+
+class Planes:
+    """Points of a scene, computed once: by preset, patch, load and velocity."""
+
+    def __init__(self, sweep):
+        self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
+        self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
+        presets = {one.preset: one for one in goal_presets(sweep)}
+        exact = presets_for(presets["standard"].scene, ["reference"])["reference"]
+        presets["reference"] = with_fidelity(sweep, exact, "reference")
+        self.promised = {name: velocity_error(one) for name, one in presets.items()}
+        self._patches = {name: self._scenes(one) for name, one in presets.items()}
+        self._stations, self._found = choose_stations(sweep), {}
+
+    def _scenes(self, sweep):
+        """Scenes of the patches of a sweep."""
+        if self.fixed:
+            return [sweep.scene]
+        return [case.scene for case in sweep.with_patches(MOST_PATCHES).cases]
+
+    def point(self, preset, patch, load, velocity):
+        """Rise at friction 1 [K], its deviation, warning flags and duration; NaN if it fails."""
+        key = preset, patch, float(load), float(velocity)
+        if key not in self._found:
+            try:
+                found = run_point(self._patches[preset][patch], self._stations, Point(*key[2:]))
+            except TriboError:
+                self._found[key] = np.nan, np.nan, 0, 0.0
+                return self._found[key]
+            rise = worst_rises(found.columns, np.array([found.least_load]), self.conditions)
+            factor = self.conditions.friction_factor(np.array([velocity]))
+            own = {**found.columns, **found.sampling}
+            self._found[key] = (
+                (rise / factor).item(),
+                float(relative_sampling(own, self.conditions)),
+                sum({int(one.kind) for one in found.warnings}),
+                float(np.nanmax(found.columns["time"])),
+            )
+        return self._found[key]
+
+    def tell(self, search, places, preset="standard"):
+        """Tell a search the points that it has asked for."""
+        every = [
+            self.point(preset, patch, self.loads[load], self.velocities[velocity])
+            for patch, load, velocity in places
+        ]
+        search.tell(places, *map(np.array, zip(*every, strict=True)))
+
+    def search(self, accuracy, preset):
+        """A search that has ended."""
+        goal = Goal(
+            accuracy, self.promised[preset], 1 if self.fixed else MOST_PATCHES, not self.fixed
+        )
+        search = Search(self.loads, self.velocities, self.conditions, goal)
+        while batch := search.ask():
+            self.tell(search, batch, preset)
+        return search
+
+    def true_y(self, search, load, velocity):
+        """ln(rise/limit) of the specimen by the truth, beside a crossing [m/s] of a search."""
+        column = int(np.argmin(np.abs(np.log(self.velocities / velocity))))
+        at, apart = self.velocities[column], 0.0
+        if not self.fixed:
+            rises = [self.point("standard", n, load, at)[0] for n in range(PATCHES)]
+            apart = np.log(np.array(rises) / rises[0])
+            apart = apart.max() if self.conditions.criterion.is_highest else apart.mean()
+        rise = self.point("reference", 0, load, at)[0] * np.exp(apart)
+        # From the velocity of a point to that of the crossing as the search has it.
+        here, there = search.rises.y(load, np.array([velocity, at]))
+        factor = self.conditions.friction_factor(np.array([at])).item()
+        return np.log(rise * factor / search.rises.limit) + here - there
+
+    def errors(self, accuracy):
+        """What a search for an accuracy takes, and its true error at each load."""
+        preset = next(name for name, one in self.promised.items() if (one or 0.0) < accuracy)
+        search = self.search(accuracy, preset)
+        best, found = search.best()[0], []
+        for load, velocity in zip(self.loads, search.critical, strict=True):
+            if np.isfinite(velocity) and best <= accuracy:
+                beside = search.rises.y(load, velocity * np.array([1 / _BESIDE, _BESIDE]))
+                slope = np.diff(beside).item() / (2 * np.log(_BESIDE))
+                y = self.true_y(search, load, velocity)
+                found.append([load, velocity, float(np.expm1(y / slope))])
+        return {
+            "preset": preset,
+            "points": int(search.asked.sum()),
+            "best": float(best),
+            "errors": found,
+        }
+
+    def crossings(self, seed):
+        """Numbers of crossings at loads of the whole plane, and as a search finds them."""
+        whole, rng, found = [*np.ndindex(1, *self.plane_shape)], np.random.default_rng(seed), []
+        for bends in np.repeat(range(4), LAWS):
+            plain = self.conditions.corrections or Corrections()
+            law = replace(plain, friction=Friction(by_velocity=_law(rng, self.velocities, bends)))
+            judged = replace(self.conditions, corrections=law)
+            goal = Goal(0.02, 0.0, 1, counts_surface=False)
+            every = Search(self.loads, self.velocities, judged, goal)
+            self.tell(every, [Place(*one) for one in whole])
+            search = Search(self.loads, self.velocities, judged, goal)
+            while batch := search.ask():
+                self.tell(search, batch)
+            counts = [
+                np.isfinite(one.rises.turns("velocity", self.loads).places).sum(axis=1)
+                for one in (every, search)
+            ]
+            for number in np.flatnonzero(search.asked[0].any(axis=1)):
+                if not _touches(every.rises, self.loads[number]):
+                    found.append([int(count[number]) for count in counts])
+        return found
+
+    @property
+    def plane_shape(self):
+        return len(self.loads), len(self.velocities)
+
+
+def _law(rng, velocities, bends):
+    """Factors of friction at some velocities, with `bends` bends; one level without."""
+    x = np.log(velocities)
+    nodes = np.sort(rng.uniform(x[0], x[-1], bends + 1))
+    steps = rng.uniform(0.4, 1.5, bends + 1) * (-1.0) ** np.arange(bends + 1)
+    values = np.cumsum(steps)
+    level = rng.uniform(-0.4, 0.4)
+    factors = np.exp(values - values.mean() + level)
+    return tuple(zip(np.exp(nodes).tolist(), factors.tolist(), strict=True))
+
+
+def _touches(rises, load):
+    """True if ln(rise/limit) turns so near to 0 that roughness decides about two crossings."""
+    y = rises.y(load, np.geomspace(rises.velocities[0], rises.velocities[-1], 1000))
+    is_turn = np.diff(np.sign(np.diff(y))) != 0
+    return bool(np.any(np.abs(y[1:-1][is_turn]) < _TOUCHES))
+
+
+def scene(case, falls):
+    """Sweep of a case of a family, with velocities about the crossing of its middle load."""
+    middle = float(np.exp(np.mean([np.log(float(one.split()[0])) for one in case.velocities])))
+    entries = case.entries | {
+        "sweep.velocities": [f"{middle * one:.4g} m/s" for one in VELOCITIES],
+        "sweep.fields": False,
+        "sweep.steps": "end",
+    }
+    laws, mu = {}, entries["friction.coefficient"]
+    if falls:
+        laws["friction.by_velocity"] = [
+            {"velocity": f"{middle * ratio:.4g} m/s", "coefficient": mu * factor}
+            for ratio, factor in ((0.25, 1.25), (4.0, 0.8))
+        ]
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = replace(case, entries=entries).sweep(Path(folder), "standard", **laws)
+        load, conditions = sweep.loads[len(sweep.loads) // 2], sweep.conditions
+        point = run_point(sweep.scene, choose_stations(sweep), Point(load, middle))
+        rise = worst_rises(point.columns, np.array([point.least_load]), conditions).item()
+        hot = conditions.bulk_temperature + conditions.friction * rise
+        entries["temperature.critical"] = f"{hot - 273.15:.5g} degC"
+        return replace(case, entries=entries).sweep(Path(folder), "standard", **laws)
+
+
+def computed(task):
+    """Row of a scene: true errors by accuracy, and crossings; or why it failed."""
+    number, accuracies = task
+    np.seterr(all="raise", under="ignore")
+    case = cases(NUMBERS)[number]
+    began, row = time.process_time(), {"name": case.name, "digest": case.digest}
+    try:
+        planes = Planes(scene(case, number % 4 == 3))
+        row["crossings"] = planes.crossings(number)
+        row["accuracy"] = {f"{one:g}": planes.errors(one / 100) for one in accuracies}
+    except TriboError as error:
+        row["failed"] = str(error)
+    return row | {"seconds": round(time.process_time() - began), "commit": commit()}
+
+
+def summary(rows, accuracy):
+    """Table row of an accuracy [%], and the share of loads where it holds."""
+    found = [row["accuracy"][accuracy] for row in rows if accuracy in row.get("accuracy", {})]
+    limit = float(accuracy) / 100
+    reached = [one for one in found if one["best"] <= limit]
+    errors = np.abs([error for one in reached for *_, error in one["errors"]] or [np.nan])
+    points, held = [one["points"] for one in reached], float(np.mean(errors <= limit))
+    cells = f"{held:.1%}", f"{np.median(errors):.2%}", f"{errors.max():.2%}"
+    many = f"{np.median(points):.0f}, at most {max(points)}" if points else ""
+    missing = len(found) - len(reached)
+    return (f"{accuracy} %", len(found), missing, len(errors), *cells, many), held
+
+
+def report(rows, accuracies):
+    """What was found as text, and True if all promises hold."""
+    lines, shares = zip(*(summary(rows, f"{one:g}") for one in accuracies), strict=True)
+    pairs = np.array([pair for row in rows for pair in row.get("crossings", [])], int).reshape(
+        -1, 2
+    )
+    counts = [f"{count} with {n}" for n, count in enumerate(np.bincount(pairs[:, 0]))]
+    missed = int(np.sum(pairs[:, 0] != pairs[:, 1]))
+    words = f"{len(pairs)} lines ({', '.join(counts)} crossings): {missed} with another number"
+    failed = [f"{row['name']} failed: {row['failed']}" for row in rows if "failed" in row]
+    return "\n".join([table(HEADS, lines), "", words, *failed]), min(shares) >= HELD and not missed
+
+
+def drawn(count):
+    """`count` scenes of all families in random order, each with its number."""
+    scenes = cases(NUMBERS)
+    order = np.random.default_rng(0).permutation(len(scenes))[:count]
+    return [(int(number), scenes[number]) for number in order]
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="python -m tests.promises.goals", description=__doc__)
+    parser.add_argument("--scenes", type=int, default=40, help="scenes, drawn from all families")
+    parser.add_argument("--accuracy", type=float, nargs="+", default=[5.0, 2.0], help="per cent")
+    parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
+    options = parser.parse_args()
+    name = "goals_" + "_".join(f"{one:g}" for one in options.accuracy)
+    path = Path(f"results/{name}.jsonl")
+    path.parent.mkdir(exist_ok=True)
+    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+    done, ends = {row["digest"] for row in rows}, time.monotonic() + 60 * options.minutes
+    tasks = [
+        (number, options.accuracy)
+        for number, case in drawn(options.scenes)
+        if case.digest not in done
+    ]
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(len(os.sched_getaffinity(0))) as pool, path.open("a") as file:
+        for row in pool.imap_unordered(computed, tasks):
+            rows.append(row)
+            print(json.dumps(row), file=file, flush=True)
+            print(row["name"], f"{row['seconds']} s", file=sys.stderr, flush=True)
+            if time.monotonic() > ends:
+                break
+    return conclude(name, *report(rows, options.accuracy))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
