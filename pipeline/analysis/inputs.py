@@ -44,10 +44,6 @@ class Effects:
         paths = [one.path for one in self.inputs]
         return paths.index(CRITICAL) if CRITICAL in paths else None
 
-    def without(self, path: str) -> Effects:
-        """These effects without those of one input."""
-        return replace(self, inputs=tuple(one for one in self.inputs if one.path != path))
-
     @property
     def scale(self) -> float:
         """Standard deviation of λ = ln(critical − bulk temperature of the scene), 1 if unknown."""

@@ -133,9 +133,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     log.tests, log.in_si = sheet.entries(row_class, log.words, MAY_LACK)
     add_hints(sheet)
     sheet.faults += _double_transitions(log)
-    if not (sheet.rows or sheet.faults):
-        first = "load [N],velocity [m/s],outcome"
-        sheet.faults.append(f'there are no rows; begin with a line such as "{first}"')
+    sheet.require_rows("load [N],velocity [m/s],outcome")
     return log
 
 

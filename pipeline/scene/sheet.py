@@ -196,13 +196,18 @@ class Sheet:
         self.faults += listed_faults(faults)
         return tables, read
 
+    def require_rows(self, first_line: str) -> None:
+        """Add a fault if no row is used; without any row it shows `first_line` as an example."""
+        if not (self.rows or self.faults):
+            example = f'there are no rows; begin with a line such as "{first_line}"'
+            self.faults.append(f"no row is left of {self.counted}" if self.counted else example)
+
     def refuse_faults(self, first_line: str) -> None:
         """Raise an `InputError` if the sheet has faults or no rows; its message lists all faults.
 
         The message may show `first_line` as an example of a correct line of headings.
         """
-        if not (self.rows or self.faults):
-            self.faults.append(f'there are no rows; begin with a line "{first_line}"')
+        self.require_rows(first_line)
         if self.faults:
             hint = f'; write the unit in the heading, as in "{first_line}"'
             faults = [fault + hint * ("has no unit" in fault) for fault in self.told_faults]
