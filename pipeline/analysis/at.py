@@ -30,7 +30,7 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.kinds import OIL_WORKS, Share
+from pipeline.scene.kinds import OIL_WORKS, Number, Quantity, Share
 from pipeline.scene.reference import all_keys, find_entry, number_at
 from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
@@ -178,28 +178,33 @@ def asked_at(ds: ResultsLike, conditions: Mapping[str, Any]) -> Results:
 
 
 def _si_value(path: str, value: Any) -> Any:
-    """Convert one or more values of a condition to SI; values of other entries are unchanged."""
-    name = _NAMES.get(path)
+    """Convert one or more values of a condition to SI; a criterion is returned unchanged."""
+    name = _NAMES[path]
     if isinstance(value, np.generic | np.ndarray | xr.DataArray):
         value = np.asarray(value).tolist()
     if isinstance(value, Sequence) and not isinstance(value, str):
         if not len(value):
-            raise InputError(f"{name or path} has no value; give one, or several")
+            raise InputError(f"{name} has no value; give one, or several")
         values = [_si_value(path, one) for one in value]
         if repeated := [given for k, given in enumerate(value) if values[k] in values[:k]]:
-            raise InputError(f"{name or path} is {repeated[0]} twice; give each value once")
+            raise InputError(f"{name} is {repeated[0]} twice; give each value once")
         return values
     match name:
-        case "friction" if isinstance(value, str):
-            with suppress(ValueError):
-                return float(value)
-            raise InputError(f"friction is {value!r}; give a number such as 0.1, or several")
         case "bulk_temperature" if isinstance(value, Mapping):
             return {body: oil_temperature(name, one) for body, one in value.items()}
         case "bulk_temperature" | "critical_temperature":
             return oil_temperature(name, value)
-        case str() if isinstance(number_at(path), Share):
+        case "criterion":
+            return value
+    match number_at(path):
+        case Share():
             return share_of(value)
+        case Quantity(example):
+            return in_si(name, value, example)
+        case Number() if isinstance(value, str):
+            with suppress(ValueError):
+                return float(value)
+            raise InputError(f"{name} is {value!r}; give a number such as 0.1, or several")
     return value
 
 
