@@ -27,6 +27,7 @@ from tribo.types import Array
 _MOST_BYTES = 2**30  # largest file, unpacked
 _MOST_PACKED = 100  # most times that packing makes measured heights smaller
 _SAME = 0.01  # relative difference below which two lengths agree
+_INFINITE = 1e9  # height [m] that stands for none; squares of higher ones may overflow
 _LONE = 30.0  # distance of an outlier from all other heights, in their standard deviations
 
 
@@ -80,9 +81,10 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Measured
     if raw.unit and not np.isclose(raw.unit, unit, rtol=_SAME, atol=0):
         notes.append(f"the given height unit, {unit:g} m, replaces the file's, {raw.unit:g} m")
     heights = raw.heights.astype(np.float64) * unit
-    infinite = np.count_nonzero(np.isinf(heights))
-    heights[np.isinf(heights)] = np.nan
-    notes += [f"{infinite} infinite heights are taken for holes"] if infinite else []
+    infinite = np.abs(heights) > _INFINITE
+    heights[infinite] = np.nan
+    count = np.count_nonzero(infinite)
+    notes += [f"{count} infinite heights are taken for holes"] if count else []
     notes += _remove_outliers(heights, unit)
     if raw.places is not None or min(heights.shape) < 2:
         _refuse_profile(path, heights)

@@ -23,7 +23,8 @@ BETWEEN = {"\t": "tabs", ";": "semicolons", ",": "commas", "|": "bars", "  ": "w
 NUMBER = re.compile(rf"[<>]?[+-]?(?:\d[\d.,{GROUP}]*|[.,]\d+)(?:[eE][+-]?\d+)?(?:\s\D*)?")
 """A number with decimal or thousands marks of any kind, and perhaps a unit."""
 _MOST_ABOVE = 200  # rows that are searched for the row of headings
-_WIDEST = 1000  # headings of a row, each of which is compared with all names
+WIDEST = 300
+"""Most headings of a row, each of which is compared with all names."""
 _SAMPLE = 150  # lines at each end from which the separator is found
 
 
@@ -136,7 +137,7 @@ def find_headings(rows: Sequence[SheetRow], names: Names) -> tuple[int, int]:
     counts = (
         (names.count(headings_at(rows, k)[0]), -k)
         for k, row in enumerate(rows[:_MOST_ABOVE])
-        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells) < _WIDEST
+        if 2 * sum(bool(NUMBER.fullmatch(cell)) for cell in row.cells) <= len(row.cells) <= WIDEST
     )
     named, start = max(counts, default=(0, 0))
     return (named, -start) if named else (0, _row_above_numbers(rows))

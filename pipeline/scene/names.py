@@ -101,7 +101,8 @@ class Names:
         places, faults = dict[str, int](), dict[str, str]()
         for name in self.units:
             sure = [self.match_score(name, heading) for heading in headings]
-            found = [k for k, rank in enumerate(sure) if rank == max(sure) > 0]
+            best = max(sure, default=0.0)
+            found = [k for k, rank in enumerate(sure) if rank == best > 0]
             if found:
                 places[name] = found[0]
             if len(found) > 1:

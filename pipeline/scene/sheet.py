@@ -26,7 +26,7 @@ from pipeline.scene.faults import (
     row_text,
 )
 from pipeline.scene.kinds import OneOf
-from pipeline.scene.lines import NUMBER, Lines, SheetRow, find_headings, headings_at
+from pipeline.scene.lines import NUMBER, WIDEST, Lines, SheetRow, find_headings, headings_at
 from pipeline.scene.names import Heading, Names
 from pipeline.scene.units import as_entry, clock_time, to_si
 from tribo import InputError
@@ -225,6 +225,11 @@ def sheet_of(name: str, tables: Sequence[Lines], names: Names, decimal: str | No
     tops = [find_headings(table.rows, names) for table in tables]
     best = max(range(len(tables)), key=lambda place: tops[place][0])
     (rows, form, between), (_, start) = tables[best], tops[best]
+    if rows and len(rows[start].cells) > WIDEST:
+        raise InputError(
+            f"{name}, row {rows[start].number}: {len(rows[start].cells)} cells; at most {WIDEST} "
+            "columns are read; give each row in a line, with the columns that are needed"
+        )
     headings, taken = headings_at(rows or [SheetRow(0, [""])], start)
     body = rows[start + taken :]
     while headings and not headings[-1].text:
