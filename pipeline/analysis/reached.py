@@ -37,7 +37,7 @@ class Reached(NamedTuple):
                 f"{case}accuracy {percent(accuracy)} {state}: at most ± {percent(self.total)}, at "
                 f"{self.load:g} N ({parts})"
             )
-            if surface:
+            if surface and self.parts["surface"]:
                 yield f"surface ± {percent(self.parts['surface'])}: {surface}"
         if self.without:
             loads = ", ".join(f"{load:g}" for load in self.without)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import json
+import shlex
 from collections.abc import Collection, Iterable
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +21,7 @@ from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from pipeline.sweep.variants import dimension_of
-from tribo import InputError
+from tribo import Fidelity, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +30,8 @@ _FILES = (*FILES, "sweep.along")
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
 _OF_TABLE = ("column", "given", "where", "skip", "decimal", "sheet")
+_NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
+"""Numerical choices, which an accuracy replaces."""
 PLACE = ("load", "velocity", "realization")
 """Options that select the point of a figure, named as in `pipeline.plot`."""
 
@@ -111,10 +116,28 @@ def scene_in(options: argparse.Namespace) -> Sweep:
     sweep: Sweep = pipeline.load_scene(options.scene, options.preset, settings | conditions)
     if getattr(options, "accuracy", None) is not None:
         named = ["--preset"] if options.preset else []
-        named += [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
+        named += [f"--set {key}" for key in settings if key in _NUMERICAL]
         if named:
             raise InputError(f"--accuracy picks the preset; leave out {', '.join(named)}")
     return sweep
+
+
+def typed_scene(options: argparse.Namespace) -> str:
+    """The scene and the options that change it, without numerical choices, as typed."""
+    words = [str(options.scene)]
+    for key, value in options.set:
+        if key.removeprefix("fidelity.") not in _NUMERICAL:
+            words += ["--set", f"{key}={value if isinstance(value, str) else _toml(value)}"]
+    return shlex.join(words)
+
+
+def _toml(value: Any) -> str:
+    """Value of an entry in TOML, on one line."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{json.dumps(key)}={_toml(one)}' for key, one in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def one_scene_in(options: argparse.Namespace) -> Sweep:

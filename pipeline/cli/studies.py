@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
-import shlex
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,7 +11,6 @@ import pipeline
 from pipeline.analysis.tables import short
 from pipeline.cli import given
 from pipeline.cli.output import Result, run_line, tell
-from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError
 
 
@@ -39,14 +36,5 @@ def vary(options: argparse.Namespace) -> Result:
 def trade(options: argparse.Namespace) -> Result:
     """Answer ``irg trade``: what each accuracy of a scene's boundary costs."""
     found = pipeline.trade(given.scene_in(options), progress=tell)
-    found = replace(found, scene=_typed(options))
+    found = replace(found, scene=given.typed_scene(options))
     return Result(text=[str(found)], frames=[found.table], draw=partial(pipeline.plot, found))
-
-
-def _typed(options: argparse.Namespace) -> str:
-    """The scene and the options that change it, without numerical choices, as typed."""
-    settings = [(key, value) for key, value in options.set if "." in key or key in KEPT_FIELDS]
-    words = [options.scene]
-    for key, value in settings:
-        words += ["--set", f"{key}={value if isinstance(value, str) else json.dumps(value)}"]
-    return shlex.join(map(str, words))

@@ -15,7 +15,7 @@ from pipeline.analysis.dataset import Layout, entry_dims, scene_sweep, sweep_kin
 from pipeline.analysis.reached import Reached, percent, reached
 from pipeline.analysis.words import next_run_line
 from pipeline.cli import output
-from pipeline.cli.given import scene_in, values_in
+from pipeline.cli.given import scene_in, typed_scene, values_in
 from pipeline.cli.output import Result, tell
 from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import require_bearable_load
@@ -80,13 +80,10 @@ def run(options: argparse.Namespace) -> Result:
 
 def _growing(options: argparse.Namespace, out: Path | str, promised: float) -> str:
     """The command that goes on with the store of a goal, to half the error if the preset allows."""
-    changes = [f"--set {shlex.quote(f'{key}={value}')}" for key, value in options.set]
-    where = [] if options.output is None else [f"-o {shlex.quote(str(out))}"]
-    scene = shlex.quote(str(options.scene))
     half = options.accuracy / 2
-    accuracy = half if half > promised else options.accuracy
-    finer = f"--accuracy {percent(accuracy).replace(' ', '')}"
-    return " ".join(["irg run", scene, *changes, *where, finer])
+    accuracy = percent(half if half > promised else options.accuracy).replace(" ", "")
+    where = "" if options.output is None else f"-o {shlex.quote(str(out))} "
+    return f"irg run {typed_scene(options)} {where}--accuracy {accuracy}"
 
 
 def _ending(judged: xr.Dataset, store: str) -> list[str]:
