@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.columns import Columns
 from pipeline.analysis.dataset import (
     Layout,
     Origin,
@@ -25,7 +26,7 @@ from pipeline.analysis.dataset import (
     scene_sweep,
     sweep_kind,
 )
-from pipeline.analysis.results import Columns, Results
+from pipeline.analysis.results import Results
 from pipeline.analysis.results_of_tests import read_test_results
 from pipeline.store.place import PathLike
 from pipeline.store.schema import FILM, MADE, PLANE, SAMPLING, STEPPED, VARIABLES

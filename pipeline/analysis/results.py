@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.columns import taken
 from pipeline.analysis.dataset import (
     Layout,
     Origin,
@@ -43,36 +44,6 @@ from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
 _UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
-
-
-class Columns(Mapping[str, Array]):
-    """Arrays by name of their variable, each of which is read when it is first used."""
-
-    def __init__(self, readers: Mapping[str, Callable[[], Array]]) -> None:
-        self._readers, self._arrays = dict(readers), dict[str, Array]()
-
-    def __getitem__(self, name: str) -> Array:
-        if name not in self._arrays:
-            self._arrays[name] = self._readers[name]()
-        return self._arrays[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._readers
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._readers)
-
-    def __len__(self) -> int:
-        return len(self._readers)
-
-
-def _taken(columns: Mapping[str, Array], take: Callable[[Array], Array]) -> Columns:
-    """Columns with `take` of each array, which is read and taken when it is first used."""
-
-    def reader(name: str) -> Callable[[], Array]:
-        return lambda: take(columns[name])
-
-    return Columns({name: reader(name) for name in columns})
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,7 +241,7 @@ class Results:
             rows=rows,
             loads=axes["load"],
             velocities=axes["velocity"],
-            columns=_taken(self.columns, lambda values: values[at]),
+            columns=taken(self.columns, lambda values: values[at]),
             rest=self.rest.isel(places, missing_dims="ignore"),
         )
 
@@ -317,7 +288,7 @@ class Results:
         if slides.all() or not slides.any():
             return self
         along = len(self.front) + 1
-        columns = _taken(self.columns, lambda values: np.compress(slides, values, axis=along))
+        columns = taken(self.columns, lambda values: np.compress(slides, values, axis=along))
         rest = self.rest.isel({"velocity": slides}, missing_dims="ignore")
         return replace(self, velocities=self.velocities[slides], columns=columns, rest=rest)
 
