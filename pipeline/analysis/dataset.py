@@ -74,7 +74,7 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     if variant:
         whole = judged_sweep(origin, at)
         words = ", ".join(f"{name} {one}" for name, one in whole.variants.written(variant).items())
-        return replace(whole.take(variant), title=f"{whole.title}, {words}")
+        return replace(whole._take(variant), title=f"{whole.title}, {words}")
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)
@@ -170,7 +170,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 
 def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
     """Add coordinate ``scene_id``: for each variant a digest of all that affects its results."""
-    return identify(ds, whole_sweep(ds).scene_ids, scene_sweep(ds).variants)
+    return identify(ds, whole_sweep(ds)._scene_ids, scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

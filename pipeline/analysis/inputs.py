@@ -110,7 +110,7 @@ class Effects:
     def _rises(self) -> dict[tuple[str, int | None], tuple[Array, Array, Array]]:
         """Loads, velocities and ln(rise) of the points of each input, by path and test."""
         data, found = self.data, {}
-        for number, one in enumerate(data.stored.own_points):
+        for number, one in enumerate(data.stored._own_points):
             if isinstance(one, InputPoints):
                 points = np.flatnonzero(data.tests.numbers == number)
                 under = replace(self.conditions, corrections=one.simulated.conditions.corrections)

@@ -162,7 +162,7 @@ class Until:
 
     def _log_rise(self, path: str, entry: NumericEntry, factor: float) -> float:
         """ln(rise) at the place on the first surface, simulated with an entry times a factor."""
-        sweep = self.judge.source.sweep.alone()
+        sweep = self.judge.source.sweep._alone()
         sweep = replace(sweep, tests=(), inputs=())
         try:
             changed = sweep.changed(path, entry.scaled(factor)) if factor != 1 else sweep

@@ -97,7 +97,7 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     yield "heat", peclet if sweep.scene.friction_heat else "none: there is no friction"
     if added := unmodelled_rise_words(sweep.conditions):
         yield "", added
-    elif sweep.scene.friction_heat and not sweep.measured:
+    elif sweep.scene.friction_heat and not sweep._measured:
         yield "", "holder and films are not counted; model.rise adds them (irg help physics)"
     if sweep.conditions.corrections:
         yield "corrections", sweep.conditions.corrections.text

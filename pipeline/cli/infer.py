@@ -29,7 +29,7 @@ def infer(options: argparse.Namespace) -> Result:
     sweep = one_scene_in(options)
     if options.output is not None:
         writable_path(options.output, TABLES)
-    sweep = sweep.take_surface(options.realization)
+    sweep = sweep._take_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
     if ignored := values_in(options, "load", "velocity", "duration"):
@@ -39,7 +39,7 @@ def infer(options: argparse.Namespace) -> Result:
             f"the scene {sweep.name} has no tests; give it a [[measured]] with load and velocity, "
             "or a [[tested]] with an outcome"
         )
-    least = replace(sweep.alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
+    least = replace(sweep._alone(), loads=sweep.loads[:1], velocities=sweep.velocities[-1:])
     with working("simulating the tests") as progress, writing(options.kept, least) as store:
         compute_here(store, source=stored_tests_of(sweep), report=progress)
     beside = unmodelled_rise_words(sweep.conditions)
@@ -118,4 +118,4 @@ def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
             f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
             f"{load:g} N"
         )
-    return sweep.with_hold(duration - ramp)
+    return sweep._with_hold(duration - ramp)

@@ -36,14 +36,14 @@ def point(options: argparse.Namespace) -> Result:
         raise InputError(f"velocity is {velocity:g} m/s; give a velocity above 0")
     velocities = (_BESIDE[0] * velocity, velocity, _BESIDE[1] * velocity)
     places = replace(
-        sweep.take_surface(options.realization).alone(),
+        sweep._take_surface(options.realization)._alone(),
         steps="end",
         loads=(load,),
         velocities=velocities,
         tests=() if options.without_tests else sweep.tests,
     )
-    source = stored_tests_of(sweep) if places.own_points else None
-    count = len(velocities) + sum(len(one.places) for one in places.own_points)
+    source = stored_tests_of(sweep) if places._own_points else None
+    count = len(velocities) + sum(len(one.places) for one in places._own_points)
     if source is None and count > _MANY:
         tell(f"{count} points are simulated, with those of tests and uncertain inputs")
     with working("simulating") as progress, writing(None, places) as store:

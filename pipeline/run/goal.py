@@ -24,7 +24,7 @@ _MORE = 1.4  # further patches that are needed at last, over those by one patch'
 
 def require_boundary(sweep: Sweep) -> None:
     """Raise an `InputError` unless a sweep has a boundary, whose error can be a goal."""
-    if any({"load", "velocity"} & row.labels.keys() for row in sweep.rows):
+    if any({"load", "velocity"} & row.labels.keys() for row in sweep._rows):
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no boundary in a "
             "plane of them; run without --accuracy"
@@ -70,7 +70,7 @@ class Searches:
     ) -> None:
         self._accuracy, self._only_first = accuracy, only_first
         self._grows = not only_first and not why_fixed(sweep)
-        self.sweep = sweep.with_patches(patches) if self._grows else sweep
+        self.sweep = sweep._with_patches(patches) if self._grows else sweep
         seeds = self.sweep.variants.axes.get("realization", (0,))
         self._seeds = range(int(seeds[0]), 2**31) if self._grows else seeds
         most = MOST_PATCHES if self._grows else 1 if only_first else len(seeds)
@@ -84,7 +84,7 @@ class Searches:
                 case,
                 Search(loads, velocities, case.conditions, goal),
             )
-            for case in sweep.given
+            for case in sweep._given
         ]
         self._told = False
         self.is_on_first_patch = True
@@ -108,7 +108,7 @@ class Searches:
                 self._tell(store, one)
                 one.batch = []
         if self._grows and max(patches) >= len(self.sweep.variants.axes["realization"]):
-            self.sweep = self.sweep.with_patches(max(patches) + 1)
+            self.sweep = self.sweep._with_patches(max(patches) + 1)
         first = [point for point in missing if self._is_first(point)]
         self.is_on_first_patch = bool(first)
         return first or missing

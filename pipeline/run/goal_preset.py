@@ -102,7 +102,7 @@ def _slowest(sweep: Sweep) -> float:
 
 def _simulate(sweep: Sweep, load: float, velocity: float) -> PointResult:
     """A point of the first scene of a sweep."""
-    case = sweep.given[0]
+    case = sweep._given[0]
     return run_point(case.scene, choose_stations(sweep), Point(load, velocity, case.name))
 
 
@@ -147,7 +147,7 @@ def _needs_history(sweep: Sweep) -> bool:
     # Present heat errs most where a pin is slow.
     if not _warned(_simulate(sweep, load, _slowest(sweep)) for load in loads):
         return False
-    conditions = sweep.given[0].conditions
+    conditions = sweep._given[0].conditions
     velocities = np.array([one for one in sweep.velocities if one > 0])
     search = Search(np.array(loads), velocities, conditions, Goal(_NEAR, 0.0, 1, False))
     found = simulate_search(sweep, search)

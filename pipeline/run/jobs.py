@@ -86,7 +86,7 @@ class Jobs:
         """What a task carries of its case, pickled once for each scene."""
         case = self._sweep.case(variant)
         scene = case.scene
-        scene_hash = self._sweep.hash_scene(scene)
+        scene_hash = self._sweep._hash_scene(scene)
         if scene_hash not in self._works:
             work = Work(scene, scene_hash, self._stations, self._with_fields, case.has_film)
             self._works[scene_hash] = work.pickled()

@@ -59,7 +59,7 @@ def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
     chosen = names[:: math.ceil(len(names) / _MOST_CASES)]
     found = dict[str, list[Remark]]()
     for name in chosen:
-        case = sweep if len(names) == 1 else sweep.take(name)
+        case = sweep if len(names) == 1 else sweep._take(name)
         with suppress(Exception):  # of a user's own law, which fails where it is simulated
             for one in doubts(case, facts_of(case)):
                 found.setdefault(one.place or one.words, []).append(one)

@@ -62,7 +62,7 @@ def _extend(sweep: Sweep) -> Sweep:
         rows = [Row({name: label}, {**others, key: value}) for label, value in pairs]
         table *= Variants((column,), tuple(rows))
     made = with_rows(sweep, table, "sweep.over")
-    bases = [digest(made.take(name).base) for name in made.variants.given]
+    bases = [digest(made._take(name).base) for name in made.variants.given]
     if len({*bases}) == 1 < len(bases):
         raise InputError(f"sweep.over: {' and '.join(over)} changes nothing here; leave it out")
     return made

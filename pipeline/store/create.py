@@ -104,7 +104,7 @@ def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
     Results of the layout before stay where they are, unless the tests need more steps.
     """
     old = before.layout if before else None
-    if not sweep.own_points:
+    if not sweep._own_points:
         return old and old._replace(slots=grown_slots(old.slots, sweep))
     judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
     steps = most_steps(sweep, slots, judges_hold)
@@ -148,7 +148,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
         sweep=kept,
         text=sweep_text(kept),
         axes=axes,
-        ids=kept.scene_ids,
+        ids=kept._scene_ids,
         block=blocks[0],
         field_block=blocks[1],
         history=[*dict.fromkeys(lines)],

@@ -67,7 +67,7 @@ def grown_axes(before: Axes, kept: Sweep, sweep: Sweep) -> Axes:
         column.name: [values[label] for label in rows[column.along]]
         for column, values in kept.variants.coordinates.items()
     }
-    scenes = [case.scene for case in kept.given]
+    scenes = [case.scene for case in kept._given]
     stations, steps = choose_stations(kept), len(before.get("step", ()))
     if TEST_POINT not in rows:  # the layout of tests has room for their steps
         ramps = {ramp_of(scene): scene for scene in scenes}.values()

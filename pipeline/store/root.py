@@ -109,7 +109,7 @@ class Group:
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        return self.sweep.scene_hash(point)
+        return self.sweep._scene_hash(point)
 
     def in_words(self, point: Point) -> str:
         """Write a point as text, with entries as in the scene file, such as ``2 mm``."""

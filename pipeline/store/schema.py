@@ -216,7 +216,7 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     placed = frozenset(table)
     if not sweep.fields:
         absent |= {"x", "y", *AT_END}
-    if not any(case.scene.unequal_bulks for case in sweep.given):
+    if not any(case.scene.unequal_bulks for case in sweep._given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     for name, variable in (VARIABLES | IDS).items():
         if name in absent or name in table:
@@ -237,7 +237,7 @@ def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
     placed = {column.name for column in table.columns} & {*PLANE}
     if "load" in placed or (placed and name == "sliding_distance"):
         return tuple(table.axes)
-    ramps = {ramp_of(case.scene) for case in sweep.given}
+    ramps = {ramp_of(case.scene) for case in sweep._given}
     return tuple(one.name for one in table.chosen) if len(ramps) > 1 else ()
 
 

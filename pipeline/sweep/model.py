@@ -54,32 +54,14 @@ class Sweep:
 
     Attributes
     ----------
-    name, title, caveat : str
-        Name of the file without its ending, title, and what readers of answers must know or None.
-    base : Case
-        The scene itself, without the entries that cases replace.
-    cases : tuple of Case
-        One for each row of `variants`, in its order.
-    variants : Variants
-        Table of the labels of the cases, and of the entries that each replaces.
+    name, title : str
+        Name of the file without its ending, and title.
     loads, velocities : tuple of float
         Ascending loads [N] and velocities [m/s] of the plane.
-    fields : bool
-        True to store fields of the contact.
-    steps : {"course", "end"} or None
-        Steps to store; None for the default.
+    variants : Variants
+        Table of the labels of the cases, and of the entries that each replaces.
     tests : tuple of Measurement
         Tests of the scene, each with its own case; those that measured a transition come first.
-    inputs : tuple of Input
-        Uncertain inputs of the scene.
-    notes : sequence of Remark
-        Assumptions made on reading the scene.
-    sources : tuple of FromLibrary
-        Values that were taken from the library of materials and oils.
-    stations : Stations or None
-        Times of the loading whose results an existing store has; None without a store.
-    judged : mapping
-        Conditions that replace those of all cases, by name; see `judge`.
     entries : mapping
         All entries of the scene, for people: completed by defaults, values of the library and
         choices of the preset, in the units of the file.
@@ -96,20 +78,20 @@ class Sweep:
 
     name: str
     title: str
-    caveat: str | None
-    base: Case
-    cases: tuple[Case, ...]
+    caveat: str | None  # what readers of answers must know
+    base: Case  # the scene itself, without the entries that cases replace
+    cases: tuple[Case, ...]  # one for each row of `variants`, in its order
     variants: Variants = field(repr=False)
     loads: tuple[float, ...]
     velocities: tuple[float, ...]
-    fields: bool
-    steps: Steps | None
+    fields: bool  # True to store fields of the contact
+    steps: Steps | None  # to store; None for the default
     tests: tuple[Measurement, ...]
     inputs: tuple[Input, ...] = ()
-    notes: Sequence[Remark] = ()
+    notes: Sequence[Remark] = ()  # assumptions made on reading the scene
     sources: tuple[FromLibrary, ...] = ()
-    stations: Stations | None = None
-    judged: Mapping[str, Any] = field(default_factory=dict)
+    stations: Stations | None = None  # times whose results an existing store has
+    judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
     entries: Mapping[str, Any] = field(repr=False)
     source: Any = field(repr=False)  # `pipeline.scene.source.Source`, for `changed`
 
@@ -122,7 +104,7 @@ class Sweep:
 
     @cached_property
     def _meaning(self) -> str:
-        labels = self.variants.columns, [row.labels for row in self.rows]
+        labels = self.variants.columns, [row.labels for row in self._rows]
         plane = self.loads, self.velocities, self.fields, self.steps
         words = self.title, self.caveat
         return digest(((self.base, *self.cases), plane, words, self.tests, self.inputs, labels))
@@ -159,23 +141,23 @@ class Sweep:
         return self.base.preset
 
     @property
-    def measured(self) -> tuple[Measurement, ...]:
+    def _measured(self) -> tuple[Measurement, ...]:
         """Tests that measured a transition from mild to severe wear."""
         return tuple(test for test in self.tests if not test.outcome)
 
     @property
-    def tested(self) -> tuple[Measurement, ...]:
+    def _tested(self) -> tuple[Measurement, ...]:
         """Tests with an outcome, mild or severe."""
         return tuple(test for test in self.tests if test.outcome)
 
     @cached_property
-    def own_points(self) -> tuple[Measurement | InputPoints, ...]:
+    def _own_points(self) -> tuple[Measurement | InputPoints, ...]:
         """What has points beside the plane: the tests, then the uncertain inputs."""
         places = spread_places(self.loads, self.velocities)
         return (*self.tests, *input_points(self.inputs, self.base, places, self.tests))
 
     @property
-    def rows(self) -> tuple[Row, ...]:
+    def _rows(self) -> tuple[Row, ...]:
         """Rows of the table of variants: values that identify a row, and entries it replaces."""
         return self.variants.rows
 
@@ -195,7 +177,7 @@ class Sweep:
         return self._by_name[name]
 
     @cached_property
-    def given(self) -> tuple[Case, ...]:
+    def _given(self) -> tuple[Case, ...]:
         """Cases that the user chose: of each, the one on the first random surface."""
         if not self.variants.chosen:
             return (self.base,)
@@ -206,7 +188,7 @@ class Sweep:
         return tuple(first.values())
 
     @cached_property
-    def scene_ids(self) -> list[int]:
+    def _scene_ids(self) -> list[int]:
         """Scene id of each case: an int32 hash of all that affects simulation and verdict."""
         of_part = lru_cache(None, typed=True)(digest)  # cases share large surfaces
         ids = list[int]()
@@ -217,18 +199,18 @@ class Sweep:
             ids.append(int.from_bytes(bytes.fromhex(whole[:8]), signed=True))
         return ids
 
-    def take_case(self, name: Variant) -> Self:
+    def _take_case(self, name: Variant) -> Self:
         """The sweep of one case alone, without variants."""
         if not name:
-            return self.alone()
+            return self._alone()
         made: Self = self.source.take_case(self, name)
         return made
 
-    def scene_hash(self, point: Point) -> str:
+    def _scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        return self.hash_scene(self.case(point.variant).scene)
+        return self._hash_scene(self.case(point.variant).scene)
 
-    def hash_scene(self, scene: Scene) -> str:
+    def _hash_scene(self, scene: Scene) -> str:
         """SHA-256 of a scene, computed once for this sweep."""
         if scene not in self._hashes:
             self._hashes[scene] = digest(scene)
@@ -252,14 +234,14 @@ class Sweep:
         made: Self = self.source.changed(self, path, value)
         return made
 
-    def with_patches(self, count: int) -> Self:
+    def _with_patches(self, count: int) -> Self:
         """The sweep on this many random surfaces, counted from its own seed on."""
         made: Self = self.source.with_patches(self, count)
         return made
 
     def description(self) -> tuple[str, dict[str, Any]]:
         """Title, and a dictionary of the entries and the number of variants, for printing."""
-        return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self.rows))}
+        return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self._rows))}
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced as by `changed_conditions`.
@@ -275,16 +257,16 @@ class Sweep:
         judged = {**self.judged, **changes}
         return replace(self, base=base, cases=tuple(cases), judged=judged)
 
-    def alone(self) -> Self:
+    def _alone(self) -> Self:
         """The sweep of the scene itself, without variants."""
         return replace(self, variants=Variants(), cases=(self.base,))
 
-    def take(self, name: Variant) -> Self:
+    def _take(self, name: Variant) -> Self:
         """The sweep of the random surfaces of one variant, named without them."""
         made: Self = self.source.take(self, name)
         return made
 
-    def with_hold(self, duration: float) -> Self:
+    def _with_hold(self, duration: float) -> Self:
         """The sweep with another `duration` for which the full load is held after the ramp [s].
 
         Raises an `InputError` if the load follows a record instead of a ramp.
@@ -296,7 +278,7 @@ class Sweep:
             )
         return self.changed("loading.hold", f"{duration!r} s")
 
-    def take_surface(self, seed: int | None) -> Self:
+    def _take_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed, without variants; itself if the seed is None.
 
         Raises an `InputError` if the scene's surface is not random.
@@ -308,18 +290,7 @@ class Sweep:
                 f"realization is {seed}, the seed of a random roughness, and that of the scene is "
                 "not random; leave it out"
             )
-        return self.alone().changed(SEED, seed)
-
-    def take_place(self, load: float, velocity: float, alone: bool = False) -> Self:
-        """The sweep at one load [N] and velocity [m/s], without variants.
-
-        Unless `alone`, the points of the scene's laboratory tests are also simulated. A model error
-        inferred from the tests then counts in the verdict at this load and velocity.
-        """
-        tests = () if alone else self.tests
-        loads = sorted({load, *(test.normal_load for test in tests)})
-        velocities = sorted({velocity, *(test.velocity for test in tests)})
-        return replace(self.alone(), loads=tuple(loads), velocities=tuple(velocities))
+        return self._alone().changed(SEED, seed)
 
 
 def digest(part: Any) -> str:

@@ -272,7 +272,7 @@ def choose_stations(sweep: Sweep) -> Stations:
     """Stations (times of the loading) to store; an existing store keeps its own."""
     if sweep.stations:
         return sweep.stations
-    steps, scenes = sweep.steps, [case.scene for case in sweep.given]
+    steps, scenes = sweep.steps, [case.scene for case in sweep._given]
     if not steps:
         # Variants that share contacts would take 2.9 to 4.4 times as long with temperatures at all
         # steps of the course.
@@ -285,7 +285,7 @@ def choose_stations(sweep: Sweep) -> Stations:
         wears = any(scene.wears for scene in scenes)
         steps = "course" if are_ramps and wears and are_alone else "end"
     # A disc or a track that keeps heat gets warmer while the load is held.
-    loading, kept = sweep.scene.loading, [case.conditions.corrections for case in sweep.given]
+    loading, kept = sweep.scene.loading, [case.conditions.corrections for case in sweep._given]
     holds = isinstance(loading, Ramp) and bool(loading.hold)
     warms = holds and any(corrections.keeps_heat for corrections in kept if corrections)
     return Stations(steps, warms)

@@ -38,8 +38,8 @@ class Slot(NamedTuple):
 def wanted_slots(sweep: Sweep) -> list[Slot]:
     """The points of a scene's tests and uncertain inputs, in the order of `Sweep.own_points`."""
     return [
-        Slot(sweep.hash_scene(one.simulated.scene), *place, number)
-        for number, one in enumerate(sweep.own_points)
+        Slot(sweep._hash_scene(one.simulated.scene), *place, number)
+        for number, one in enumerate(sweep._own_points)
         for place in one.places
     ]
 
@@ -82,7 +82,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
     )
     rows = tuple(Row({TEST_POINT: k, **slot._asdict()}, {}) for k, slot in enumerate(slots))
     cases = (
-        sweep.own_points[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots
+        sweep._own_points[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots
     )
     return replace(
         sweep,
@@ -99,7 +99,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
 
 def judges_holds(sweep: Sweep) -> bool:
     """True if the holds of tests are judged at each step, since a body gets warmer in them."""
-    kept = (one.simulated.conditions.corrections for one in sweep.own_points)
+    kept = (one.simulated.conditions.corrections for one in sweep._own_points)
     return any(corrections.keeps_heat for corrections in kept if corrections)
 
 
@@ -107,7 +107,7 @@ def most_steps(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> int:
     """Room for the stored steps of the points of tests, also if they are held."""
     stations = Stations("end", judges_hold)
     places = {
-        (sweep.own_points[slot.test].simulated.scene, slot.load, slot.velocity)
+        (sweep._own_points[slot.test].simulated.scene, slot.load, slot.velocity)
         for slot in slots
         if slot.is_wanted
     }

@@ -84,7 +84,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     workers = workers or available
     every = [*tasks(points_of(sweep), sweep)]
     given = list(sweep.variants.given)
-    scene = sweep.take(given[len(given) // 2])
+    scene = sweep._take(given[len(given) // 2])
     contact_time, heat_time, state = time_steps(scene)
     is_course = choose_stations(scene).steps == "course"
     coarsening = as_computed(scene).coarsening

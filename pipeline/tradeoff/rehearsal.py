@@ -54,7 +54,7 @@ class FirstPatch:
         """Simulate the points that the boundary of a sweep's first scene needs on one patch."""
         loads, velocities = np.array(sweep.loads), np.array([v for v in sweep.velocities if v > 0])
         goal = Goal(_NEAR, 0.0, patches=1, counts_surface=False)
-        search = Search(loads, velocities, sweep.given[0].conditions, goal)
+        search = Search(loads, velocities, sweep._given[0].conditions, goal)
         found = simulate_search(sweep, search, report)
         if not np.isfinite(search.critical).any():
             raise InputError(

@@ -190,7 +190,7 @@ class _Runs:
         choosing = time.process_time() - began
         report(Progress(f"boundary of the first patch by preset {presets[0].preset}"))
         first = FirstPatch.of(presets[0], report)
-        alone = sweep if why_fixed(sweep) else sweep.with_patches(1)
+        alone = sweep if why_fixed(sweep) else sweep._with_patches(1)
         return cls(sweep, presets, seconds, choosing, first, estimate(alone, workers=1))
 
     @property
@@ -233,7 +233,7 @@ class _Runs:
         if fixed := why_fixed(self.sweep):
             surface = max((one.errors[SURFACE] for one in searches), default=math.nan)
             yield f"surface ± {percent(surface)}: {fixed}"
-        if (count := len(self.sweep.given)) > 1:
+        if (count := len(self.sweep._given)) > 1:
             yield f"The sweep has {count} scenes; each is taken to cost as much as the first."
 
     def _seconds(self, found: Rehearsed, chosen: Sweep) -> float:
@@ -241,13 +241,13 @@ class _Runs:
         ratio = self.seconds[chosen.preset] / self.seconds[self.presets[0].preset]
         times = ratio * self.first.seconds + _SECONDS_OF_A_POINT
         own = self.plane.tests + self.plane.inputs
-        points = len(self.sweep.given) * found.points @ times + own * times[-1]
+        points = len(self.sweep._given) * found.points @ times + own * times[-1]
         return float(_SECONDS_TO_START + self.choosing + points)
 
     def _choice(
         self, found: Rehearsed, preset: str | None, seconds: float, accuracy: float | None = None
     ) -> Choice:
-        points = len(self.sweep.given) * int(found.points.sum())
+        points = len(self.sweep._given) * int(found.points.sum())
         errors = tuple(found.errors.tolist())
         return Choice(accuracy, found.shape, preset, points, found.patches, seconds, errors)
 

@@ -125,7 +125,7 @@ def _with_workers(trial, way):
         (name, *options), always, trial.stages = _COMMANDS[way]
         scene = str(_SCENE).format(name)
         sweep = pipeline.load_scene(scene, overrides=dict(map(_entry, always)))
-        sweep = sweep.with_patches(MOST_PATCHES) if options else sweep
+        sweep = sweep._with_patches(MOST_PATCHES) if options else sweep
         trial.expected = _AsStored(sweep, trial.path)
         command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
 

@@ -82,7 +82,8 @@ def _objects(sweep):
 
 def _present(sweep, name):
     held = sweep.scene if PART_OF.get(name) == "scene" else sweep
-    return getattr(held, "lubricant" if name == "oil" else name)
+    own = {"oil": "lubricant", "measured": "_measured", "tested": "_tested"}
+    return getattr(held, own.get(name, name))
 
 
 def _has(sweep, name, value):

@@ -140,7 +140,7 @@ def sweep(
     judged = Conditions(**conditions) if isinstance(conditions, dict) else conditions
     plane = {"loads": tuple(loads.tolist()), "velocities": tuple(velocities.tolist())}
     of = scene(conditions=judged, fields=fields, **plane | told)
-    first = of.given[0].scene
+    first = of._given[0].scene
     area = np.prod(first.grid.size) * first.pin.patches(first.grid)
     with np.errstate(invalid="ignore"):
         pressure = scalars["normal_load"] / (scalars["contact_fraction"] * area)
@@ -179,7 +179,7 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
-    paths = [getattr(stored.own_points[slot.test], "path", "") for slot in slots]
+    paths = [getattr(stored._own_points[slot.test], "path", "") for slot in slots]
     hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
     found[test_variable("rise_quantile")] = (TEST_POINT, TEST_STEP, "cooler_share"), hot

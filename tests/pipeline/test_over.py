@@ -50,7 +50,7 @@ def swept(folder):
 
 def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, folder):
     ds = pipeline.open_sweep(swept)
-    assert not load(folder).alone().variants.columns
+    assert not load(folder)._alone().variants.columns
     assert ds["pin_radius"].values.tolist() == [0.002, 0.004]
     assert ds["pin_radius"].attrs["units"] == "m"
     assert ds["max_rise"].dims == ("pin_radius", "load", "velocity", "step")

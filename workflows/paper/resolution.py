@@ -74,7 +74,7 @@ def fig6(study: Study) -> Report:
     by_increments, unstable, fields = {}, {}, {}
     for name, (pattern, scheme) in _SCHEMES.items():
         scene = _with(worn(sweep, pattern), as_published=scheme)
-        scenes = [scene.take_surface(seed) for seed in seeds]
+        scenes = [scene._take_surface(seed) for seed in seeds]
         stages = study.stages(counts, (name + ", {} increments").format, weight=float)
         by_increments[name], unstable[name], pressures = _with_steps(scenes, stages)
         if pattern == "local" and shown in pressures:

@@ -88,7 +88,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
     """
     found = []
     for seed in study.seeds(_SURFACES):
-        surface = sweep.take_surface(seed)
+        surface = sweep._take_surface(seed)
         *_, contact = contacts(surface.scene, row.normal_load, row.velocity)
         for conductivity in _CONDUCTIVITIES:
             other = _conducting(surface, conductivity)

@@ -33,7 +33,7 @@ def band(study: Study) -> Report:
     _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{study.preset or sweep.preset}")
     ds = ds.sel(realization=list(seeds))
 
-    measured = sorted(sweep.measured, key=lambda entry: -entry.normal_load)
+    measured = sorted(sweep._measured, key=lambda entry: -entry.normal_load)
     loads = [entry.normal_load for entry in measured]
     specimen, *patches = (
         boundary(one)["critical_velocity"].sel(load=loads).values

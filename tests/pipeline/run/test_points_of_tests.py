@@ -54,7 +54,7 @@ def answered(source):
 
 def alone(sweep, load, velocity, friction=0.1, **entries):
     """Rise at a load and velocity in the scene of a sweep with other entries."""
-    scene = sweep.alone()
+    scene = sweep._alone()
     for path, value in entries.items():
         scene = scene.changed(path.replace("__", "."), value)
     point = pipeline.run_point(scene, load, velocity)
@@ -155,7 +155,7 @@ def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(
 
 def test_a_run_with_a_goal_computes_the_tests_too_and_once(tmp_path):
     sweep, path = load(tmp_path, STEP, WORN), tmp_path / "lab.zarr"
-    sweep = sweep.changed("fidelity.preset", "standard").with_patches(1)
+    sweep = sweep.changed("fidelity.preset", "standard")._with_patches(1)
     outcome = pipeline.run_sweep(sweep, path, workers=1, accuracy=0.6)
     assert (outcome.tests.total, outcome.tests.done) == (3, 3)
     assert compute(path, sweep) == 0

@@ -87,6 +87,6 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     assert [row["outcome"] for row in document] == ["mild throughout"] * 2
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
     (point,) = irg("point", scene, *place)
-    take_surface = pipeline.load_scene(scene).take_surface(1)
+    take_surface = pipeline.load_scene(scene)._take_surface(1)
     rise = 0.1 * pipeline.run_point(take_surface, 400.0, 2.0).columns["max_rise"][-1]
     assert point["highest temperature [°C]"] == pytest.approx(25 + rise, rel=1e-12)

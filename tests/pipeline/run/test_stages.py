@@ -76,7 +76,7 @@ def test_the_deciding_rise_is_the_highest_of_the_specimen_so_far(store):
     own = steps.sel(load=140).values
     assert own[2] < own[0]  # the unworn first stage is hotter than the second
     assert found == pytest.approx(np.maximum.accumulate(own)[1::2], rel=1e-9)
-    point = pipeline.run_point(store[0].alone(), 120.0, 2.0)
+    point = pipeline.run_point(store[0]._alone(), 120.0, 2.0)
     assert point.verdict(store[0].conditions).deciding_temperature == pytest.approx(
         found[1], rel=1e-12
     )

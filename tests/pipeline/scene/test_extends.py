@@ -81,7 +81,7 @@ def test_entries_may_be_left_out(write):
     keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
     sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
     assert sweep.scene.wear is sweep.friction_band is None
-    assert sweep.measured == ()
+    assert sweep._measured == ()
     assert sweep.scene.hardness == np.inf
     assert sweep.scene.disk.elastic_modulus == 210e9
 

@@ -44,7 +44,7 @@ print(json.dumps({
     "fault": fault(),
     "doubt": str(load("20 um").notes[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
-    "is another scene": one.scene_ids != other.scene_ids,
+    "is another scene": one._scene_ids != other._scene_ids,
     "misfits": [*misfits(one, other)],
     "rows": [over.case(name).scene.roughness.waviness for name in over.variants.names],
 }))

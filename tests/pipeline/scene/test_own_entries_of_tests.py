@@ -29,7 +29,7 @@ def test_a_test_has_the_scene_with_its_own_entries(load):
     own = transition(WEAR, 'hold = "3 s"', "friction = 0.12", 'bulk_temperature = "60 degC"')
     changed, plain = load(own, transition()).tests
     scene = pipeline.load_scene("first_try")
-    with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)").with_hold(3.0)
+    with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")._with_hold(3.0)
     assert changed.simulated.scene == with_wear.scene
     conditions = changed.simulated.conditions
     assert (conditions.friction, conditions.bulk_temperature) == (0.12, 333.15)

@@ -10,7 +10,7 @@ def tested(tmp_path):
     def load(*entries):
         text = "".join(f"\n[[tested]]\n{entry}\n" for entry in entries)
         (tmp_path / "lab.toml").write_text(f'extends = "first_try"\n{text}', encoding="utf-8")
-        return pipeline.load_scene(tmp_path / "lab.toml").tested
+        return pipeline.load_scene(tmp_path / "lab.toml")._tested
 
     return load
 

@@ -105,7 +105,7 @@ def test_what_may_be_left_out_takes_its_default(read):
     assert sweep.conditions.criterion.share == 0.1
     assert (sweep.preset, sweep.scene.fidelity) == ("standard", tribo.PRESETS["standard"])
     assert not sweep.fields
-    assert sweep.measured == ()
+    assert sweep._measured == ()
 
 
 def test_a_ball_has_a_free_window_and_a_cylinder_a_periodic_one(read):

@@ -211,7 +211,7 @@ def test_rows_of_files_are_kept_with_what_was_read_of_them_and_joined(tmp_path):
     sweep = pipeline.results(ds).stored
     rows = [sweep.case(name).scene.roughness.digest for name in sweep.variants.names]
     assert len({*rows}) == 3
-    assert [row.values["disk.roughness.content"] for row in sweep.rows] == rows
+    assert [row.values["disk.roughness.content"] for row in sweep._rows] == rows
 
 
 @pytest.mark.parametrize(

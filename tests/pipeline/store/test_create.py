@@ -137,7 +137,7 @@ def test_conditions_and_titles_follow_the_scene_file(path):
     kept = opened(path).sweep
     assert kept.title == "Renamed"
     assert kept.conditions.friction == 0.2
-    assert kept.measured == ()
+    assert kept._measured == ()
     assert_is_as_computed(path, [POINT])
 
 

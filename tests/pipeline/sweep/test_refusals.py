@@ -62,10 +62,10 @@ REFUSALS = {
     "unequal": (lambda: require_bulks({}, conditions(disk_temperature=350.0)()),
                 "25 °C of the pin"),
     # the sweep and its variants
-    "hold": (lambda: tiny.sweep(loading=RECORD).with_hold(2.0), "hold is 2 s, but the load"),
+    "hold": (lambda: tiny.sweep(loading=RECORD)._with_hold(2.0), "hold is 2 s, but the load"),
     "test alone": (lambda: Measurement(400.0, 1.0).simulated, "belongs to no scene; take it from"),
     "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
-    "surface": (lambda: SMOOTH.take_surface(3), "realization is 3"),
+    "surface": (lambda: SMOOTH._take_surface(3), "realization is 3"),
     "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,
                "have the same values"),
     "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
