@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import struct
 import zlib
@@ -26,14 +27,22 @@ def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
     `entries` are the point's values by variable. Variables that are no results, such as the
     duration of the computation, are ignored.
     """
-    digest = hashlib.blake2b(scene_hash.encode(), digest_size=8)
-    digest.update(struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode())
-    for name in sorted(entries.keys() & _COVERED):
-        digest.update(name.encode())
+    place = struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode()
+    parts = [scene_hash.encode(), place]
+    for name, word in _covered(tuple(entries)):
         content = entries[name]
-        data = content.encode() if isinstance(content, str) else np.ascontiguousarray(content).data
-        digest.update(struct.pack("<L", zlib.crc32(data)))
-    return digest.hexdigest()
+        if isinstance(content, str):
+            content = content.encode()
+        elif not (isinstance(content, np.ndarray) and content.flags.c_contiguous):
+            content = np.ascontiguousarray(content)
+        parts += word, zlib.crc32(content).to_bytes(4, "little")
+    return hashlib.blake2b(b"".join(parts), digest_size=8).hexdigest()
+
+
+@functools.lru_cache(maxsize=16)  # points of a store have the same variables
+def _covered(names: tuple[str, ...]) -> list[tuple[str, bytes]]:
+    """Names of the variables that a checksum covers, sorted, as text and as bytes."""
+    return [(name, name.encode()) for name in sorted({*names} & _COVERED)]
 
 
 def packed(record: PointRecord, scene_hash: str) -> PointRecord:

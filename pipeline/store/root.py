@@ -42,6 +42,7 @@ from pipeline.sweep.points_of_tests import (
     slot_point,
     sweep_of_tests,
 )
+from pipeline.sweep.variants import Variant
 
 CONSOLIDATED = "consolidated_metadata"
 """Key of all arrays' metadata in a root; without ``kind``, read from each array's own document."""
@@ -109,7 +110,14 @@ class Group:
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
-        return self.sweep._scene_hash(point)
+        if point.variant not in self._scene_hashes:
+            self._scene_hashes[point.variant] = self.sweep._scene_hash(point)
+        return self._scene_hashes[point.variant]
+
+    @cached_property
+    def _scene_hashes(self) -> dict[Variant, str]:
+        """Hashes of scenes by variant, as far as they are known: a large sweep asks often."""
+        return {}
 
     def in_words(self, point: Point) -> str:
         """Write a point as text, with entries as in the scene file, such as ``2 mm``."""

@@ -69,7 +69,7 @@ def computing(records, pace):
 
     link = Connection(None)
 
-    def compute(link, sweep, writer, queue, tally):
+    def compute(link, sweep, writer, queue, tally, with_fields=None):
         while queue:
             writer.add([record_of(records, sweep, queue.take("here").point)])
             tally.count(writer.flush(), 1)
