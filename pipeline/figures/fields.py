@@ -112,6 +112,11 @@ def fields(
     conditions = data.shown_conditions
     point = chosen_points(data, load, velocity, conditions)[0]
     shown = _surface_fields(data, point, conditions)
+    if np.isnan(shown[0]).all():
+        raise InputError(
+            "no fields of this point are kept: a run with an accuracy keeps those of the first "
+            "patch; leave out the realization"
+        )
     x, y = (shown_in(data.rest[axis].values, "µm") for axis in "xy")
     is_stacked = style.wanted_width(_COLUMN) < _COLUMN
     height = float(np.clip(3.3 * np.ptp(y) / np.ptp(x), 0.5, 2.6 if is_stacked else 6.0))

@@ -46,6 +46,8 @@ def packed_fields(
         here = ds[names].isel(dict(zip(axes, indices, strict=True))).transpose("x", "y", ...)
         place = np.ravel_multi_index(indices, [ds.sizes[name] for name in axes])
         pressure, rise, wear_depth, *response = (here[name].values for name in names)
+        if np.isnan(pressure).all():  # a further patch of a run with an accuracy
+            continue
         if bulk_ratio:
             rise = rise + bulk_ratio * response[0] + max(0.0, -bulk_ratio)
         points[str(place)] = packed_point(pressure, rise, wear_depth)
