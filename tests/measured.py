@@ -10,16 +10,20 @@ A row whose command fails leaves the page. Exit code 1 of a campaign says that a
 
 import argparse
 import json
-import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from datetime import date
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
+
+import psutil
 
 from tests.house.measure import ROOT, code_digest
 
@@ -260,6 +264,21 @@ def is_old(row):
     return row[-1].rpartition(", ")[2] != code_digest(*ROWS[row[0]].rooms)
 
 
+def watched(process):
+    """Output of a process, and CPU time of it and its descendants [s]; workers are no children."""
+    with ThreadPoolExecutor(1) as reader:
+        output, times = reader.submit(process.stdout.read), {}
+        while not output.done():
+            with suppress(psutil.NoSuchProcess):
+                own = psutil.Process(process.pid)
+                for one in (own, *own.children(recursive=True)):
+                    with suppress(psutil.NoSuchProcess):
+                        times[one.pid] = sum(one.cpu_times()[:2])
+            time.sleep(0.2)
+        process.wait()
+        return output.result(), sum(times.values())
+
+
 def measured(name, is_full):
     """Run the command of a row; return the row of the page, None if the command fails."""
     row = ROWS[name]
@@ -270,19 +289,17 @@ def measured(name, is_full):
         [sys.executable] if words[0] == "python" else [str(Path(sys.executable).parent / "irg")]
     )
     shutil.rmtree(ROOT / "results" / "measured.zarr", ignore_errors=True)
-    before, digest = os.times(), code_digest(*row.rooms)
-    done = subprocess.run(
-        [*program, *words[1:]], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    if done.returncode not in (0, 1) or not done.stdout:
-        print(f"{name}: {command} ended with {done.returncode}\n{done.stderr[-2000:]}")
+    digest = code_digest(*row.rooms)
+    with subprocess.Popen(
+        [*program, *words[1:]], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as process:
+        text, seconds = watched(process)
+    if process.returncode not in (0, 1) or not text:
+        print(f"{name}: {command} ended with {process.returncode}")
         return None
-    after = os.times()
-    seconds = after.children_user + after.children_system
-    seconds -= before.children_user + before.children_system
-    figure = row.figure(done.stdout, seconds)
+    figure = row.figure(text, seconds)
     broken = "**the promise is broken**" if is_full else "the promise fails on this sample"
-    figure += f"; {broken}" * done.returncode
+    figure += f"; {broken}" * process.returncode
     print(f"{name}: {figure}", flush=True)
     return name, row.claim, figure, f"`{command}`", f"{date.today():%m-%d}, {digest}"
 
