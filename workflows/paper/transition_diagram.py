@@ -29,8 +29,7 @@ def fig10(study: Study) -> Report:
     outcome, ds = study.sweep(sweep, name, _ACCURACY)
     # Without the oil, whose film would carry too much of the load between such smooth contacts.
     dry = worn(sweep, "local").changed("oil", None)
-    study.sweep(dry, f"{name}_local")
-    _, by_local_wear = study.sweep(dry, f"{name}_local", _ACCURACY)
+    _, by_local_wear = study.sweep(dry, f"{name}_local")
 
     def critical(load: float, friction: float | None = None) -> float:
         return float(boundary(at(ds, friction=friction))["critical_velocity"].sel(load=load))
