@@ -172,11 +172,6 @@ def tasks(todo: Iterable[Point], sweep: Sweep) -> Iterator[Task]:
     yield from sorted(found, key=lambda task: (task.ramp, task.point.load, task.point.variant))
 
 
-def step_count(scene: Scene, load: float) -> int:
-    """Number of steps at which the contact is solved up to a load [N] and while it is held."""
-    return sum(1 for _ in scene.stations(load))
-
-
 def run_point(
     scene: Scene,
     stations: Stations,

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from pipeline.sweep.areal import areal_roughness, autocorrelation_lengths, remove_form
-from tribo import Grid
-from tribo.surface import self_affine
 
 SPACING = 2e-6, 3e-6
 SHAPE = 160, 120
@@ -48,16 +46,6 @@ def test_a_curvature_within_the_roughness_is_left():
     level, _, radii = remove_form(ROUGH - X**2 / (2 * radius), SPACING)
     assert radii == (math.inf, math.inf)
     assert level.mean(axis=1)[[0, -1]].mean() < level.mean(axis=1)[70:90].mean()
-
-
-@pytest.mark.parametrize(("lengths", "lay"), [((3e-6, 12e-6), 90.0), ((12e-6, 3e-6), 0.0)])
-def test_a_lay_lies_along_the_longer_length(lengths, lay):
-    rough = self_affine(Grid((256, 256), (1e-6, 1e-6)), 2e-7, 0.8, lengths, seed=5)
-    found = areal_roughness(rough, (1e-6, 1e-6))
-    assert abs(found.lay) == pytest.approx(lay, abs=5)
-    assert found.aspect < 0.5
-    isotropic = self_affine(Grid((256, 256), (1e-6, 1e-6)), 2e-7, 0.8, (6e-6, 6e-6), seed=5)
-    assert areal_roughness(isotropic, (1e-6, 1e-6)).lay is None
 
 
 def test_grooves_longer_than_the_area_have_an_aspect_of_0_and_a_lay():

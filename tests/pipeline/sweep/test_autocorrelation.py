@@ -44,13 +44,6 @@ def test_a_patch_is_known_to_the_same_share_of_its_length_along_both_axes():
         assert (shortest, longest) == (pytest.approx(19 * PIXEL, rel=0.1), math.inf)
 
 
-def test_lines_have_no_length_along_themselves():
-    lines = np.broadcast_to(gaussian(8e-6, 8e-6)[:, :1], (480, 400))
-    _, longest, direction = autocorrelation_lengths(lines, (PIXEL, PIXEL))
-    assert longest == math.inf
-    assert abs(direction) == pytest.approx(90.0)
-
-
 def test_a_flat_surface_is_refused():
     with pytest.raises(InputError, match="rms_height"):
         autocorrelation_lengths(np.zeros((40, 40)), (PIXEL, PIXEL))
