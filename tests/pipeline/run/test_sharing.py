@@ -57,9 +57,12 @@ def assert_each_row_is_as_alone(ds, scene, **overrides):
     steps = "course" if overrides.get("sweep.steps") == "course" else "end"
     for number in range(ds.sizes["variant"]):
         row = ds.isel(variant=number)
+        units = {CONDUCTIVITY: "W/(m K)", RATE: "m^2/N"}
+        named = {entry: row.coords.get(entry.replace(".", "_")) for entry in units}
         entries = {
-            CONDUCTIVITY: f"{row[CONDUCTIVITY].item()!r} W/(m K)",
-            **({RATE: f"{row[RATE].item()!r} m^2/N"} if RATE in row.coords else {}),
+            entry: f"{value.item()!r} {units[entry]}"
+            for entry, value in named.items()
+            if value is not None
         }
         own = pipeline.load_scene(scene, overrides=overrides | {"sweep.steps": steps} | entries)
         alone = pipeline.run_point(own, row["load"].item(), row["velocity"].item())
@@ -131,7 +134,9 @@ def test_rows_of_one_mechanics_rate_and_velocity_are_one_ramp(scene):
     ramps = {}
     for task in tasks(points(sweep), sweep):
         labels = dict(sweep.variants.by_name[task.point.variant].labels)
-        ramps.setdefault(task.ramp[:2], set()).add((labels[RATE], task.point.velocity))
+        ramps.setdefault(task.ramp[:2], set()).add(
+            (labels[RATE.replace(".", "_")], task.point.velocity)
+        )
     assert all(len(found) == 1 for found in ramps.values())
     assert len(ramps) == len({*map(frozenset, ramps.values())}) == 4
 
