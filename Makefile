@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises mutants crash cluster many measured scaling bench bench-peers release clean
+.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises mutants crash cluster many measured bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -90,9 +90,6 @@ many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and 
 measured: .venv/test ## name the figures of workflows/MEASURED.md that are older than their code, and the constants of campaigns
 	$(BIN)/python -m tests.measured --older
 	$(BIN)/python -m tests.house.constants
-
-scaling: .venv/test   ## how a sweep scales with workers, replayed with the costs of real points, in a minute
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.cluster.scaling irg_transition standard
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

@@ -101,6 +101,13 @@ def scan(text, _):
     )
 
 
+def workers(text, _):
+    found = json.loads(text)
+    each = (f"{one['points_a_second']:.0f} on {one['workers']}" for one in found)
+    share = found[-1]["driver_share_of_a_core"]
+    return f"points a second: {', '.join(each)}, where the driver takes {share:.0%} of a core"
+
+
 def many(text, _):
     found = json.loads(text)["large"]
     return (
@@ -198,6 +205,14 @@ ROWS = {
         "--points 1000",
         "--points 5000",
         cheap,
+    ),
+    "workers": Row(
+        "what workers gain with the driver, by points that wait 60 ms",
+        RUN,
+        "python -m tests.cluster.wide",
+        "--workers 1 2 16 --points 3000 --seconds 0.06 --for 10",
+        None,
+        workers,
     ),
     "scan": Row(
         "what a scan of 1000 × 1000 heights (8 MB, of noise) adds to a cheap point",

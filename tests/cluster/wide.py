@@ -1,6 +1,7 @@
 """Cost of hundreds of workers and a million points for the driver: which wall comes first.
 
-    python -m tests.cluster.wide --workers 200 --points 1000000 --seconds 2 --for 120
+    python -m tests.cluster.wide --workers 200 --points 50000 --seconds 2 --for 120
+    python -m tests.cluster.wide --workers 1 2 16 --points 3000 --seconds 0.06 --for 10
 
 The workers are threads of one process, and wait at each point in place of computing it; scheduler,
 schedule, commits and network (without encryption) are real. Prints a JSON document.
@@ -38,24 +39,23 @@ class EnoughError(Exception):
 
 
 class Waiting:
-    """Replacement of `run_points` that waits, and returns data of the first point at each load."""
+    """Replacement of `run_point` that waits, and returns data of the first point at each load."""
 
     def __init__(self, seconds):
-        self._seconds, self._known, self._run_points = seconds, {}, work.run_point
+        self._seconds, self._known, self._run_point = seconds, {}, work.run_point
         self._lock = threading.Lock()
 
-    def __call__(self, sweep, points, trunks=None):
+    def __call__(self, scene, stations, point, *_, **options):
         with self._lock:
-            for point in points:
-                if point.load not in self._known:
-                    (self._known[point.load],) = self._run_points(sweep, (point,))
-        time.sleep(self._seconds * len(points))
-        return tuple(replace(self._known[point.load], point=point) for point in points)
+            if point.load not in self._known:
+                self._known[point.load] = self._run_point(scene, stations, point, **options)
+        time.sleep(self._seconds)
+        return replace(self._known[point.load], point=point, wall_time=self._seconds)
 
 
 async def host(address, number):
     """Workers, all in this process."""
-    workers = [Worker(address, nthreads=2, memory_limit=0) for _ in range(number)]
+    workers = [Worker(address, nthreads=1, memory_limit=0) for _ in range(number)]
     await asyncio.gather(*workers)
     await asyncio.gather(*(worker.finished() for worker in workers))
 
@@ -66,9 +66,9 @@ def driven(out, address, options):
     start, commit = Jobs.submit, Store.commit
     began = time.monotonic(), time.process_time()
 
-    def counted(self, *arguments):
-        tasks.append(None)
-        start(self, *arguments)
+    def counted(self, jobs):
+        tasks.extend(jobs)
+        start(self, jobs)
 
     def timed(self, records):
         before = time.monotonic(), time.thread_time()
@@ -112,18 +112,8 @@ def driven(out, address, options):
     }
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--workers", type=int, default=200)
-    parser.add_argument("--points", type=int, default=10_000)
-    parser.add_argument("--seconds", type=float, default=4.0, help="of a point")
-    parser.add_argument("--for", dest="duration", type=float, default=60.0, help="seconds")
-    parser.add_argument("--host", metavar="ADDRESS", help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.host:
-        work.run_point, work._one_at_a_time = Waiting(options.seconds), nullcontext()
-        asyncio.run(host(options.host, options.workers))
-        return
+def measured(options):
+    """Report of a run on so many workers."""
     with (
         tempfile.TemporaryDirectory() as folder,
         LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
@@ -134,11 +124,29 @@ def main():
             cwd=ROOT,
         )
         try:
-            report = driven(Path(folder) / "out.zarr", cluster.scheduler_address, options)
+            return driven(Path(folder) / "out.zarr", cluster.scheduler_address, options)
         finally:
             workers.kill()
             workers.wait()
-        print(json.dumps(report, indent=1))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--workers", type=int, nargs="+", default=[200])
+    parser.add_argument("--points", type=int, default=10_000)
+    parser.add_argument("--seconds", type=float, default=4.0, help="of a point")
+    parser.add_argument("--for", dest="duration", type=float, default=60.0, help="seconds")
+    parser.add_argument("--host", metavar="ADDRESS", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.host:
+        work.run_point, work._one_at_a_time = Waiting(options.seconds), nullcontext()
+        asyncio.run(host(options.host, *options.workers))
+        return
+    reports = [
+        measured(argparse.Namespace(**vars(options) | {"workers": count}))
+        for count in options.workers
+    ]
+    print(json.dumps(reports, indent=1))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,6 @@ from tests.house.measure import ROOT
 
 _ALLOWED = {
     "cluster/cheap.py _GROUP": "as many tasks are sent together as by a run",
-    "cluster/scaling.py _count_steps": "steps of a ramp, by which times are divided",
     "cluster/wide.py _one_at_a_time": "points that only wait need no turn",
     "pipeline/figures/test_fit.py _suptitle": "matplotlib has no public name of it",
     "pipeline/store/test_s3.py _registry": "fsspec as it is without s3fs",
