@@ -31,7 +31,7 @@ from tests.helpers import tiny
 from tests.helpers.campaigns import conclude
 
 FEWER, MANY = 10_000, 100_000
-LOADS = 10
+LOADS = 20
 COMPARED = 40  # points compared with those computed alone
 MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
 """Limits of 100 000 points: files, and times [s]."""
