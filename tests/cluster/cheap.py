@@ -55,7 +55,6 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
             "window.pixels": [scan, scan],
             "window.pixel_size": [f"{384 / scan} um", f"{80 / scan} um"],
             "fidelity.pixels_per_element": scan // 20,
-            "fidelity.elements_per_summit": 0.0,
         }
     return pipeline.load_scene(
         "first_try",

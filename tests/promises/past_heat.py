@@ -21,7 +21,6 @@ def rise(duration, model):
         "loading.rate": f"{LOAD / duration} N/s",
         "loading.reference_load": f"{LOAD} N",
         "fidelity.heat_model": model,
-        "fidelity.history_coarsening": 1,
     }
     sweep = pipeline.load_scene("first_try", "standard", own)
     verdict = pipeline.run_point(sweep, LOAD, VELOCITY).verdict(sweep.conditions)
