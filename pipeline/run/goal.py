@@ -19,6 +19,7 @@ from pipeline.sweep.stations import load_that_counts
 from pipeline.sweep.variants import Variant
 from tribo import InputError, SelfAffineRoughness
 
+_ROUNDING = 1e-9
 _MORE = 1.4  # further patches that are needed at last, over those by one patch's own estimate
 
 
@@ -164,22 +165,21 @@ class Searches:
     def forecast(self) -> int | None:
         """About how many points are to come, once the first patch is done; None before and later.
 
-        Raises an `InputError` if the goal is out of reach.
+        Raises an `InputError` if the goal is out of reach by what is known now.
         """
-        if (
-            self._told
-            or self._only_first
-            or not all(one.search.is_first_patch_done for one in self._all)
-        ):
+        searches = [one.search for one in self._all]
+        if self._only_first or not all(one.is_first_patch_done for one in searches):
+            return None
+        for one in searches:
+            self._require_reach(one)
+        if self._told:
             return None
         self._told = True
-        for one in self._all:
-            self._require_reach(one.search)
-        return sum(round(_MORE * one.search.to_come()) for one in self._all)
+        return sum(round(_MORE * one.to_come()) for one in searches)
 
     def _require_reach(self, search: Search) -> None:
         best, worst = search.best()
-        if best <= self._accuracy:
+        if best <= self._accuracy * (1 + _ROUNDING):
             return
         load, patches = f"{search.loads[worst]:g} N", search.goal.patches
         if math.isnan(best):
