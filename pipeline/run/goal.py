@@ -170,8 +170,9 @@ class Searches:
         searches = [one.search for one in self._all]
         if self._only_first or not all(one.is_first_patch_done for one in searches):
             return None
-        for one in searches:
-            self._require_reach(one)
+        for one in self._all:
+            if one.batch:
+                self._require_reach(one.search)
         if self._told:
             return None
         self._told = True

@@ -27,6 +27,7 @@ from tribo.types import Array, Indices
 
 MOST_PATCHES = 256
 _NO_STORE: Any = None  # rises and their errors need none
+_UNSURE = 1.3  # by which the surface's part may be smaller than few patches tell
 _SLOPE = -0.8  # of ln(critical velocity) over ln(load), for a first guess
 _GIVEN_UP = 3  # failed points of a load, if none is done: then its others are not tried
 _COLDEST = 1e-9  # rise [K], in place of 0, which has no logarithm
@@ -192,7 +193,8 @@ class Search:
         parts = self.errors[:, self._searched].copy()
         counts = np.isfinite(self._rises[:, self._searched]).any(axis=2).sum(axis=0)
         shares = [patches_share(n, self._specimen.is_highest) for n in (self.goal.patches, counts)]
-        parts[SURFACE] *= shares[0] / shares[1] if self.goal.counts_surface else 0.0
+        sure = np.where(counts < self.goal.patches, _UNSURE, 1.0)
+        parts[SURFACE] *= shares[0] / shares[1] / sure if self.goal.counts_surface else 0.0
         whole = np.sqrt(np.square(parts).sum(axis=0))[np.isfinite(self.critical[self._searched])]
         if not whole.size:
             return 0.0, 0

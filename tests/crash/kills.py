@@ -124,8 +124,9 @@ def _with_workers(trial, way):
     if way in _COMMANDS:
         (name, *options), always, trial.stages = _COMMANDS[way]
         scene = str(_SCENE).format(name)
-        sweep = pipeline.load_scene(scene, overrides=dict(map(_entry, always)))
-        sweep = sweep._with_patches(MOST_PATCHES) if options else sweep
+        overrides = dict(map(_entry, always))
+        overrides |= {"sweep.realizations": MOST_PATCHES} if options else {}
+        sweep = pipeline.load_scene(scene, overrides=overrides)
         trial.expected = _AsStored(sweep, trial.path)
         command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
 

@@ -61,7 +61,7 @@ class Planes:
         """Scenes of the patches of a sweep."""
         if self.fixed:
             return [sweep.scene]
-        return [case.scene for case in sweep.with_patches(MOST_PATCHES).cases]
+        return [case.scene for case in sweep.source.with_patches(sweep, MOST_PATCHES).cases]
 
     def point(self, preset, patch, load, velocity):
         """Rise at friction 1 [K], its deviation, warning flags and duration; NaN if it fails."""

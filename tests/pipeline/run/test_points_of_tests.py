@@ -154,8 +154,8 @@ def test_no_kill_while_a_store_takes_a_further_test_loses_a_finished_one(
 
 
 def test_a_run_with_a_goal_computes_the_tests_too_and_once(tmp_path):
-    sweep, path = load(tmp_path, STEP, WORN), tmp_path / "lab.zarr"
-    sweep = sweep.changed("fidelity.preset", "standard")._with_patches(1)
+    sweep = load(tmp_path, STEP, WORN, sweep="realizations = 1\n")
+    sweep, path = sweep.changed("fidelity.preset", "standard"), tmp_path / "lab.zarr"
     outcome = pipeline.run_sweep(sweep, path, workers=1, accuracy=0.6)
     assert (outcome.tests.total, outcome.tests.done) == (3, 3)
     assert compute(path, sweep) == 0
