@@ -12,6 +12,7 @@ must have as many crossings as the whole plane.
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import sys
@@ -244,10 +245,11 @@ def report(rows, accuracies):
 
 
 def drawn(count):
-    """`count` scenes of all families in random order, each with its number."""
+    """`count` scenes drawn from all families, each with its number; small windows first."""
     scenes = cases(NUMBERS)
     order = np.random.default_rng(0).permutation(len(scenes))[:count]
-    return [(int(number), scenes[number]) for number in order]
+    pairs = [(int(number), scenes[number]) for number in order]
+    return sorted(pairs, key=lambda pair: math.prod(pair[1].entries["window.pixels"]))
 
 
 def main():
