@@ -184,9 +184,11 @@ class _Runs:
     @classmethod
     def of(cls, sweep: Sweep, report: Report) -> _Runs:
         began = time.process_time()
-        report(Progress("presets: a point of each"))
-        presets = goal_presets(sweep)
-        seconds = {one.preset: seconds_of_point(one) for one in presets}
+        report(Progress("how heat must act"))
+        presets, seconds = goal_presets(sweep), dict[str | None, float]()
+        for one in presets:
+            report(Progress(f"a timed point of preset {one.preset}"))
+            seconds[one.preset] = seconds_of_point(one)
         choosing = time.process_time() - began
         report(Progress(f"boundary of the first patch by preset {presets[0].preset}"))
         first = FirstPatch.of(presets[0], report)

@@ -27,7 +27,7 @@ def small(**changes):
 def measured():
     said = Heard()
     found = pipeline.trade(small(), progress=said.hear)
-    assert said[0] == "presets: a point of each"
+    assert said[1:3] == ["a timed point of preset standard", "a timed point of preset fine"]
     assert said[-1] == "runs with each accuracy"
     return found
 
