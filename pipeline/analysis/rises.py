@@ -368,7 +368,7 @@ def rises_of(whole: Results, conditions: Conditions | None = None) -> Rises:
         surface=specimen.error,
         flags=np.bitwise_or.reduce(flags[counts], axis=0),
         durations=times[counts].max(axis=0),
-        is_left_out=left_out[0],
+        is_left_out=left_out[0] | specimen.is_alone[:, None],
         is_made=np.asarray(made_points(scene).reshape(shape).any(axis=0)),
         conditions=conditions,
         promised=velocity_error(scene.sweep),

@@ -2,7 +2,9 @@
 
 Each surface of a sweep is a patch of one specimen. Patches differ by nearly a constant along
 velocity, so a patch that lacks a place counts by its difference from the first patch at the nearest
-place of that load that both have. At each load those patches count that have a point there.
+place of that load that both have. At each load those patches count that have a point there. Loads
+that the first patch has alone, between loads of several patches, are not counted: a single patch is
+up to some percent off there, and the specimen's rises follow from the loads beside.
 """
 
 from __future__ import annotations
@@ -41,6 +43,8 @@ class Specimen:
         ln(rise) of each patch minus that of the first one; NaN at loads where it has no point.
     sampling : ndarray, shape (n_load,)
         Standard deviation of ln(rise) from patch to patch that the patches state themselves.
+    is_alone : ndarray of bool, shape (n_load,)
+        Loads of the first patch alone, between loads of several; its points there do not count.
     is_highest : bool
         True if the highest temperature decides. Then the specimen's is that of its hottest patch;
         the mean would be 4 to 8 % too low.
@@ -51,6 +55,7 @@ class Specimen:
     first: Array
     differences: Array
     sampling: Array
+    is_alone: Mask
     is_highest: bool = False
 
     @classmethod
@@ -68,8 +73,10 @@ class Specimen:
             level = np.where(np.isnan(level), own - differences[-1], level)
         has_point = np.asarray(np.isfinite(y).any(axis=2))
         has_point[0] = has_point.any(axis=0)
-        known = np.where(has_point[..., None], np.array(differences), np.nan)
-        return cls(loads, velocities, level, known, _mean_square(sampling), is_highest)
+        is_alone = _alone(has_point)
+        known = np.where((has_point & ~is_alone)[..., None], np.array(differences), np.nan)
+        level = np.where(is_alone[:, None], np.nan, level)
+        return cls(loads, velocities, level, known, _mean_square(sampling), is_alone, is_highest)
 
     @functools.cached_property
     def _counts(self) -> Array:
@@ -179,6 +186,15 @@ def specimen_of(data: Results, rises: Array, conditions: Conditions) -> Specimen
     sampling = _sampling(data, conditions).reshape(shape)[counts]
     is_highest = conditions.criterion.is_highest
     return Specimen.of(data.loads, data.velocities, y, sampling, is_highest)
+
+
+def _alone(has_point: Mask) -> Mask:
+    """Mask of the loads (n_load,) of one patch (m, n_load) between loads of several."""
+    counts = has_point.sum(axis=0)
+    several = np.flatnonzero(counts > 1)
+    number = np.arange(len(counts))
+    first, last = several[[0, -1]] if several.size else (0, 0)
+    return np.asarray((counts == 1) & (first < number) & (number < last))
 
 
 def _mean_square(sampling: Array) -> Array:

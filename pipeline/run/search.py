@@ -134,7 +134,7 @@ class Search:
             surface=self._specimen.error,
             flags=self._flags,
             durations=self._durations,
-            is_left_out=~self.asked[0],
+            is_left_out=~self.asked[0] | self._specimen.is_alone[:, None],
             is_made=np.zeros_like(self.asked[0]),
             conditions=self.conditions,
             promised=self.goal.promised,
