@@ -65,7 +65,7 @@ def _load(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
     """Import the command's module, and return the function of the command."""
     gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
     try:
-        with _hidden("dask", "pint"):
+        with _hidden("dask.array", "pint"):
             function = function_of(options)
             if xarray := sys.modules.get("xarray"):
                 # With its first variable xarray looks for libraries of arrays and imports those
