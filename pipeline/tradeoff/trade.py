@@ -42,6 +42,7 @@ _HEADS = (
 )  # fmt: skip
 
 
+@shown
 @dataclass(frozen=True, slots=True)
 class Choice:
     """What a run would compute, its cost, and the error of the boundary that it would reach."""
