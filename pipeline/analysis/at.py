@@ -125,7 +125,7 @@ def at(
     >>> import pipeline
     >>> warmer = pipeline.at("results/first_try.zarr", friction=0.09, bulk_temperature="40 degC")
     >>> pipeline.boundary(warmer)["critical_velocity"].sel(load=600).round(2).item()
-    1.5
+    1.51
     >>> several = pipeline.at("results/first_try.zarr", friction=(0.09, 0.103))
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
     array([1.92, 1.5 ])

@@ -102,10 +102,10 @@ def boundary(ds: ResultsLike, **conditions: Unpack[ConditionKeywords]) -> xr.Dat
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> pipeline.boundary(ds)["critical_velocity"].round(2).to_series()
     load
-    200.0    3.75
-    400.0    2.33
-    600.0    1.58
-    750.0    1.26
+    200.0    3.76
+    400.0    2.31
+    600.0    1.59
+    750.0    1.25
     Name: critical_velocity, dtype: float64
     >>> warmer = pipeline.boundary(ds, friction=0.09, bulk_temperature="40 degC")
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()

@@ -69,7 +69,7 @@ def results(ds: ResultsLike) -> Results:
     >>> import pipeline
     >>> data = pipeline.results("results/first_try.zarr")
     >>> data.columns["mean_rise"].shape, data.loads.tolist()
-    ((4, 6, 4), [200.0, 400.0, 600.0, 750.0])
+    ((4, 6, 8), [200.0, 400.0, 600.0, 750.0])
     >>> pipeline.margin(data, "400 N", "1.4 m/s").verdict
     'mild'
     """

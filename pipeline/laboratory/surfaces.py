@@ -27,7 +27,7 @@ from tribo.types import Array
 _MOST_BYTES = 2**30  # largest file, unpacked
 _MOST_PACKED = 100  # most times that packing makes measured heights smaller
 _SAME = 0.01  # relative difference below which two lengths agree
-_INFINITE = 1e9  # height [m] that stands for none; squares of higher ones may overflow
+_INFINITE = 1e100  # height [m] that stands for none; squares of higher ones may overflow
 _LONE = 30.0  # distance of an outlier from all other heights, in their standard deviations
 
 
