@@ -65,11 +65,14 @@ def _load(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
     """Import the command's module, and return the function of the command."""
     gc.disable()  # modules stay, and looking through them for garbage takes 0.1 s
     try:
-        with _hidden("dask.array", "pint"):
+        # When it is loaded, and with its first variable, xarray looks for libraries of arrays and
+        # imports those that it finds, dask.array and pint: 0.3 s. A command has none of their
+        # arrays. Extras may load Dask itself.
+        if "." in options.command or "xarray" in sys.modules:
+            return function_of(options)
+        with _hidden("dask", "pint"):
             function = function_of(options)
             if xarray := sys.modules.get("xarray"):
-                # With its first variable xarray looks for libraries of arrays and imports those
-                # that it finds, dask.array and pint: 0.3 s. A command has none of their arrays.
                 xarray.Variable((), 0.0).to_numpy()
             return function
     finally:
