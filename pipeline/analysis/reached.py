@@ -13,6 +13,8 @@ from pipeline.analysis.rise_error import SURFACE, velocity_errors
 from pipeline.analysis.rises import rises_of
 
 _PARTS = "points left out", "preset", "warned points", "surface"
+_HELP = {"points left out": "; give more sweep.velocities and sweep.loads"}
+"""What reduces the largest part of an error that is too large, beside another accuracy."""
 
 
 class Reached(NamedTuple):
@@ -33,9 +35,11 @@ class Reached(NamedTuple):
             parts = ", ".join(
                 f"{name} {percent(part)}" for name, part in self.parts.items() if part
             )
+            largest = max(self.parts, key=lambda name: np.nan_to_num(self.parts[name]))
+            advice = "" if state == "reached" else _HELP.get(largest, "")
             yield (
                 f"{case}accuracy {percent(accuracy)} {state}: at most ± {percent(self.total)}, at "
-                f"{self.load:g} N ({parts})"
+                f"{self.load:g} N ({parts}){advice}"
             )
             if surface and self.parts["surface"]:
                 yield f"surface ± {percent(self.parts['surface'])}: {surface}"

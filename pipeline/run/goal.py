@@ -191,5 +191,5 @@ class Searches:
         by = f" by {patches} patches of the surface" if patches > 1 else ""
         raise InputError(
             f"accuracy is {percent(self._accuracy)}, which is out of reach: the least error at "
-            f"{load} is {percent(best)}{by}; give more than that"
+            f"{load} is {percent(best)}{by}; give more than that, or more sweep.velocities"
         )
