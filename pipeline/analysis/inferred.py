@@ -90,7 +90,7 @@ def weigh(data: Results, conditions: Conditions, effects: Effects) -> Weighed:
 
 @shown
 @dataclass(frozen=True, slots=True)
-class Known:
+class KnownInput:
     """An uncertain input before and after the tests, in words."""
 
     path: str  #: Its entry.
@@ -115,7 +115,7 @@ class Inferred:
     own_spread: float  #: Standard deviation on this rig, without the bias [K].
     at_least: float | None  #: Where only mild tests bound it: its 5 % quantile [K].
     at_most: float | None  #: Where only severe tests bound it: its 95 % quantile [K].
-    inputs: tuple[Known, ...]  #: Each other uncertain input, before and after the tests.
+    inputs: tuple[KnownInput, ...]  #: Each other uncertain input, before and after the tests.
     evidence: Evidence = field(repr=False)  #: Tests at the temperature found.
 
     @property
@@ -204,7 +204,7 @@ def infer_critical_temperature(data: Results, conditions: Conditions) -> Inferre
     )
 
 
-def known_inputs(found: Weighed) -> tuple[Known, ...]:
+def known_inputs(found: Weighed) -> tuple[KnownInput, ...]:
     """Each uncertain input with a standard uncertainty, before and after the tests."""
     means, spreads = found.evidence.belief.inputs()
     rows, effects = [], found.effects
@@ -223,11 +223,11 @@ def known_inputs(found: Weighed) -> tuple[Known, ...]:
                 value = one.value * math.exp(one.spread * mean)
         if one.path == RISE:
             value = (1 + one.value) * math.exp(one.spread * mean) - 1
-        rows.append(Known(one.path, one.words(), one.words(value, width), mean, spread))
+        rows.append(KnownInput(one.path, one.words(), one.words(value, width), mean, spread))
     return tuple(rows)
 
 
-def inputs_frame(inputs: Sequence[Known]) -> pd.DataFrame:
+def inputs_frame(inputs: Sequence[KnownInput]) -> pd.DataFrame:
     """Data frame of uncertain inputs, with a row for each."""
     heads = "uncertain input", "before the tests", "after the tests"
     return frame_of(heads, [(one.path, one.before, one.after) for one in inputs])

@@ -45,7 +45,7 @@ class Prior:
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class SpecimenResult:
     """The result of one specimen: severe at `y`, and mild at `y` − `width`.
 
     A width of infinity stands for a specimen that was only severe. `sign` −1 mirrors the result:
@@ -77,14 +77,14 @@ class Belief:
     covariances: Array
     bias: Array
     scatter: Array
-    #: Probability of each result by the others, as `Result`s are given: of its outcome, or twice
-    #: the smaller tail of an interval.
+    #: Probability of each result by the others, in their order: of its outcome,
+    #: or twice the smaller tail of an interval.
     expected: tuple[float, ...] = ()
 
     def probability(self, y: Array | float, a: Sequence[float] | Array = ()) -> Array:
         """Probability that a place is severe, at each of `y`.
 
-        `a` (n,) as in `Result`, or (k, n) for k places along the last axis of `y`.
+        `a` (n,) as in `SpecimenResult`, or (k, n) for k places along the last axis of `y`.
         """
         places, effects = np.asarray(y, float), np.asarray(a, float)
         if effects.ndim < 2:
@@ -148,7 +148,7 @@ class Belief:
 
 
 @functools.lru_cache(maxsize=64)
-def condition(results: tuple[Result, ...], prior: Prior, inputs: int = 0) -> Belief:
+def condition(results: tuple[SpecimenResult, ...], prior: Prior, inputs: int = 0) -> Belief:
     """Update the prior by the results of tests, one for each specimen.
 
     `inputs` is the number of uncertain inputs, each with a prior of standard deviation 1.
@@ -196,7 +196,9 @@ class _Conditioned:
     (n, g) are its natural parameters. That of a transition is exact.
     """
 
-    def __init__(self, results: Sequence[Result], bias: Array, scatter: Array, inputs: int) -> None:
+    def __init__(
+        self, results: Sequence[SpecimenResult], bias: Array, scatter: Array, inputs: int
+    ) -> None:
         g, n = len(bias), len(results)
         self.results, self.scatter = results, scatter
         self.rows = np.empty((n, g, inputs + 1))
@@ -218,7 +220,7 @@ class _Conditioned:
             if np.all(np.abs(after - before) <= _SETTLED * np.maximum(after.max(axis=0), 1e-12)):
                 break
 
-    def _variance(self, result: Result) -> Array:
+    def _variance(self, result: SpecimenResult) -> Array:
         """Variance of a result about the latent value, without inputs and bias."""
         width = result.width**2 / 12 if result.is_transition else 0.0
         return self.scatter**2 + result.own**2 + width
@@ -292,7 +294,7 @@ class _Conditioned:
         return tuple(found)
 
 
-def _interval(result: Result, m: Array, variance: Array) -> tuple[Array, Array, Array]:
+def _interval(result: SpecimenResult, m: Array, variance: Array) -> tuple[Array, Array, Array]:
     """Ln of the probability of an interval, its first derivative by `m`, and minus its second.
 
     The latent value has the mean `m` and the `variance`, both (g,).

@@ -25,7 +25,7 @@ from pipeline.analysis.specimen import counted
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
-from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.along import OperatingPoint, OperatingPoints
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.names import Heading
 from pipeline.scene.units import in_si, is_unit, to_si
@@ -122,7 +122,7 @@ def margin(
     if (load is None or isinstance(load, float | int)) and (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
     if velocity is not None:
-        place = Place(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
+        place = OperatingPoint(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
         points = OperatingPoints((place,), {})
     elif not (load is None or isinstance(load, OperatingPoints)):
         points = OperatingPoints.read(load)
@@ -142,7 +142,7 @@ class Asked(NamedTuple):
     """An operating point asked of one scene: its `Margin`, or why that is unknown."""
 
     source: Results  # results of the scene
-    place: Place
+    place: OperatingPoint
     own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
     reason: str = ""
@@ -170,11 +170,13 @@ def asked_of(data: Results, points: OperatingPoints | None) -> Iterator[Asked]:
                 "no operating point is given, and rows of the sweep have none; give a load and a "
                 "velocity (--load and --velocity), or a table of them (--points)"
             )
-        own_place = [(Place(*place), dict[str, float]())] if place else []
+        own_place = [(OperatingPoint(*place), dict[str, float]())] if place else []
         yield from _asked(judge, [*(points.rows if points else own_place)])
 
 
-def _asked(judge: Judge, points: Sequence[tuple[Place, Mapping[str, float]]]) -> list[Asked]:
+def _asked(
+    judge: Judge, points: Sequence[tuple[OperatingPoint, Mapping[str, float]]]
+) -> list[Asked]:
     """Judge operating points of one scene: an `Asked` for each, in the order of `points`.
 
     Each of `points` is a pair: its load [N] and velocity [m/s], and by name the conditions of this

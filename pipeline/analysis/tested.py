@@ -14,7 +14,7 @@ import pandas as pd
 from pipeline.analysis.dataset import Layout
 from pipeline.analysis.film import OUTSIDE_WORDS, is_test_outside
 from pipeline.analysis.inputs import Effects, effects_of
-from pipeline.analysis.likelihood import Belief, Result, condition
+from pipeline.analysis.likelihood import Belief, SpecimenResult, condition
 from pipeline.analysis.results import Results
 from pipeline.analysis.results_of_tests import ABSENT, TestResults
 from pipeline.analysis.specimen import specimen_at
@@ -40,7 +40,7 @@ _HEADS = (
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ComparedTest:
     """A test at its own conditions: y where it was severe, and where it was mild.
 
     A measured transition has both: with a step at its two ends, without one the same twice. NaN
@@ -73,13 +73,13 @@ class Row:
 class Evidence:
     """All tests of a scene, under one oil's conditions, and what they make of the prior."""
 
-    rows: tuple[Row, ...]
-    results: tuple[Result, ...]  # one for each specimen that has a y
-    members: tuple[tuple[Row, ...], ...]  # rows of each result
+    rows: tuple[ComparedTest, ...]
+    results: tuple[SpecimenResult, ...]  # one for each specimen that has a y
+    members: tuple[tuple[ComparedTest, ...], ...]  # rows of each result
     belief: Belief
 
     @property
-    def waiting(self) -> tuple[Row, ...]:
+    def waiting(self) -> tuple[ComparedTest, ...]:
         """Tests without a y: they wait, have failed, or cannot be compared."""
         return tuple(row for row in self.rows if row.reason)
 
@@ -126,7 +126,7 @@ def evidence_of(
     """
     effects = effects_of(data, oil) if effects is None else effects
     rows = tuple(_rows(data, oil)) if data.takes_tests else ()
-    grouped = dict[str, list[Row]]()
+    grouped = dict[str, list[ComparedTest]]()
     for row in rows:
         if not (row.reason or row.is_outside):
             grouped.setdefault(row.specimen, []).append(row)
@@ -135,7 +135,7 @@ def evidence_of(
     return Evidence(rows, results, members, condition(results, data.prior, len(effects.inputs)))
 
 
-def _result(rows: Sequence[Row], effects: Effects, way: float) -> Result:
+def _result(rows: Sequence[ComparedTest], effects: Effects, way: float) -> SpecimenResult:
     """What one specimen says, with the inputs at their values before the tests."""
     found = [effects.of_test(row.place, row.test, row.conditions) for row in rows if row.conditions]
     a = tuple(np.mean(found, axis=0).tolist())
@@ -143,17 +143,19 @@ def _result(rows: Sequence[Row], effects: Effects, way: float) -> Result:
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.nan)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=math.nan)
     if math.isnan(mild):
-        result = Result(severe)
+        result = SpecimenResult(severe)
     elif math.isnan(severe):
-        result = Result(mild, sign=-1)
+        result = SpecimenResult(mild, sign=-1)
     elif severe >= mild:
-        result = Result(severe, width=severe - mild)
+        result = SpecimenResult(severe, width=severe - mild)
     else:  # the specimen contradicts itself, which counts as a transition
-        result = Result((severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3))
+        result = SpecimenResult(
+            (severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3)
+        )
     return replace(result, y=result.y - moved, a=a)
 
 
-def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
+def _rows(data: Results, oil: Conditions) -> Iterator[ComparedTest]:
     """Yield the tests of a scene with their y.
 
     They are computed on the first patch, and raised by what the specimen differs from it.
@@ -166,11 +168,11 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
             own = with_own(oil, test.simulated.conditions)
             limit = rise_limit(own)
         except InputError as error:
-            yield Row(test, None, reason=f"cannot be compared: {error}")
+            yield ComparedTest(test, None, reason=f"cannot be compared: {error}")
             continue
         points = np.flatnonzero(held.numbers == number).tolist()
         if reason := next(filter(None, (_why_missing(held, place) for place in points)), ""):
-            yield Row(test, own, reason=reason)
+            yield ComparedTest(test, own, reason=reason)
             continue
         try:
             rises = [held.rise(place, own) for place in points]
@@ -178,7 +180,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
                 aparts = itertools.starmap(specimen.apart_at, test.places)
                 rises = [x * math.exp(apart) for x, apart in zip(rises, aparts, strict=True)]
         except InputError as error:
-            yield Row(test, own, reason=f"cannot be compared: {error}")
+            yield ComparedTest(test, own, reason=f"cannot be compared: {error}")
             continue
         with np.errstate(divide="ignore"):
             y = np.clip(np.log(np.array(rises) / limit), -_FARTHEST, _FARTHEST).tolist()
@@ -186,7 +188,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[Row]:
         severe = y[-1] if test.outcome != "mild" else math.nan
         mild = y[0] if test.outcome != "severe" else math.nan
         beyond = any(is_test_outside(data, place, own) for place in points)
-        yield Row(test, own, severe, mild, temperature, place=number, is_outside=beyond)
+        yield ComparedTest(test, own, severe, mild, temperature, place=number, is_outside=beyond)
 
 
 def _why_missing(held: TestResults, place: int) -> str:
@@ -237,7 +239,7 @@ def forbidden(
     return no_mild, no_severe, [", ".join(dict.fromkeys(one)) for one in names]
 
 
-def is_alike(data: Results, conditions: Conditions, row: Row) -> bool:
+def is_alike(data: Results, conditions: Conditions, row: ComparedTest) -> bool:
     """True if a place and a test differ in nothing but what may be compared."""
     if row.conditions is None:
         return False

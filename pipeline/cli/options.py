@@ -22,7 +22,7 @@ class Option:
         return Option(*self.names, **self.settings | settings)
 
 
-class Group(NamedTuple):
+class OptionGroup(NamedTuple):
     """Options under a title. Without a title the options exclude each other."""
 
     title: str
@@ -36,7 +36,7 @@ class Command(NamedTuple):
     function: str
     purpose: str
     example: str
-    takes: tuple[Option | Group, ...]
+    takes: tuple[Option | OptionGroup, ...]
 
 
 def value(words: str, use: str, read: Callable[[str], Any] | None = None, **more: Any) -> Option:
@@ -142,7 +142,7 @@ OF_TABLE_FILE = (
 """Options on the file of a table: its columns, rows, decimal mark and sheet."""
 TOPIC = value("topic TOPIC", "name of a page or of a command", nargs="?")
 OF_NEW = (
-    Group("", (
+    OptionGroup("", (
         value("file FILE.toml", "file to write", user_path, nargs="?"),
         LIST.but(help="list the shipped scenes"),
         flag("--schema", "print a JSON Schema of scenes, by which editors complete and check them"),
@@ -162,7 +162,7 @@ KEPT = (
 )  # fmt: skip
 OF_RUN = (
     output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.store),
-    Group("", (
+    OptionGroup("", (
         WORKERS,
         value("--scheduler ADDRESS", "address of a running Dask scheduler"),
         value("--scheduler-file FILE", "file that a running Dask scheduler has written", user_path),
@@ -210,7 +210,7 @@ CRITERION = several(
     "--criterion NAME", 'temperature that decides: "share" (the one that --share of the contact '
     'exceeds), "highest" or "mean"', str,
 )  # fmt: skip
-CONDITIONS = Group("conditions, instead of the scene's", (
+CONDITIONS = OptionGroup("conditions, instead of the scene's", (
     FRICTION,
     BULK,
     several(

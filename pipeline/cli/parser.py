@@ -187,7 +187,7 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_options(parser: Any, takes: Sequence[o.Option | o.Group]) -> None:
+def _add_options(parser: Any, takes: Sequence[o.Option | o.OptionGroup]) -> None:
     """Add to a parser the options and groups of options that a command takes."""
     for taken in takes:
         if isinstance(taken, o.Option):

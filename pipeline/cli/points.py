@@ -17,7 +17,7 @@ from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, tell, working, wrapped
 from pipeline.cli.verdicts import place_lines
 from pipeline.run.here import compute_here, computed_dataset
-from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.along import OperatingPoint, OperatingPoints
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
 from pipeline.sweep.model import Point
@@ -49,10 +49,10 @@ def point(options: argparse.Namespace) -> Result:
     with working("simulating") as progress, writing(None, places) as store:
         wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
         compute_here(store, wanted, source, progress)
-    return _margin_result(computed_dataset(store), Place(load, velocity))
+    return _margin_result(computed_dataset(store), OperatingPoint(load, velocity))
 
 
-def _margin_result(ds: xr.Dataset, place: Place) -> Result:
+def _margin_result(ds: xr.Dataset, place: OperatingPoint) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis.dataset import require_one_scene
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.results import Results
-from pipeline.analysis.tested import Row
+from pipeline.analysis.tested import ComparedTest
 from pipeline.figures import style
 from pipeline.figures.overlays import mark_test
 from pipeline.figures.style import BLACK, GREEN, GREY
@@ -61,5 +61,5 @@ def draw_tests(data: Results) -> Figure:
     return figure
 
 
-def _label(row: Row) -> str:
+def _label(row: ComparedTest) -> str:
     return f"{row.test.normal_load:g} N, {row.test.velocity:g} m/s"

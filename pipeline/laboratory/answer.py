@@ -29,7 +29,7 @@ from pipeline.quantities import UNITS, shown_in
 from pipeline.scene.choices import Choices
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.format_of_tests import Stages, Test
+from pipeline.scene.format_of_tests import StagedRunTable, Test
 from pipeline.scene.runs import run_faults
 from pipeline.scene.sheet import Sheet
 from pipeline.scene.units import in_si
@@ -119,7 +119,7 @@ def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:
     runs = staged_runs(log) if found and not faults else []
     toml = [*_log_toml(log, path, options)] if found and not (faults or runs) else []
     toml += [line for run in runs for line in ("[[tested]]", *_entries(run))]
-    doubts = [*_unit_doubts(log.in_si)] if log.row_class is not Stages else []
+    doubts = [*_unit_doubts(log.in_si)] if log.row_class is not StagedRunTable else []
     document = {
         "file": str(path), **_describe(log.sheet, log.export), "words": log.words, "tests": found,
         "faults": faults, "toml": "\n".join(toml), "doubts": doubts,

@@ -54,21 +54,21 @@ def strokes(column: Array) -> int:
     return int(crossings) if is_many and not is_held else 0
 
 
-class Command(NamedTuple):
+class Commanded(NamedTuple):
     """Commanded load or velocity (n,), and the standard deviation of its estimate."""
 
     values: Array
     noise: float
 
 
-def command_of(column: Array) -> Command:
+def command_of(column: Array) -> Commanded:
     """Estimate the commanded load or velocity from the measured one, `column` (n,).
 
     The estimate is a mean over many strokes if the signal oscillates, else a running median.
     """
     if crossings := strokes(column):
         size = max(5, 20 * len(column) // crossings)
-        return Command(uniform_filter1d(column, size, mode="reflect"), 0.0)
+        return Commanded(uniform_filter1d(column, size, mode="reflect"), 0.0)
     # 80 % of steps are within 1.28 standard deviations, even if noise grows with load.
     noise = float(np.quantile(np.abs(np.diff(column)), 0.8)) / 1.28 / math.sqrt(2)
     # The median of n readings has 1.25/√n times the standard deviation of a reading. Four
@@ -77,7 +77,7 @@ def command_of(column: Array) -> Command:
     size = int(min(max(_FILTERED, needed), max(_FILTERED, len(column) // 20)))
     size += 1 - size % 2
     filtered: Array = median_filter(column, size=size, mode="reflect")
-    return Command(filtered, 1.25 * noise / math.sqrt(size))
+    return Commanded(filtered, 1.25 * noise / math.sqrt(size))
 
 
 def at_rest(column: Array) -> Array:
@@ -112,7 +112,7 @@ def ramp_level(column: Array, time: Array, rows: slice, is_end: bool) -> float:
     return float(line[-1])
 
 
-def cut_stages(commands: Sequence[Command], time: Array) -> list[Piece]:
+def cut_stages(commands: Sequence[Commanded], time: Array) -> list[Piece]:
     """Cut a trace into its stages, which are holds and ramps.
 
     `commands` are the load and velocity at each `time` in motion [s]. Rows between stages belong to

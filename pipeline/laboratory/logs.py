@@ -21,7 +21,7 @@ from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.choices import Choices
 from pipeline.scene.declare import table_of
 from pipeline.scene.faults import quoted, row_text
-from pipeline.scene.format_of_tests import Stages, Test, TransitionTable
+from pipeline.scene.format_of_tests import StagedRunTable, Test, TransitionTable
 from pipeline.scene.sheet import EMPTY, Sheet
 from pipeline.sweep.measurement import OUTCOMES
 
@@ -63,7 +63,7 @@ class Log:
 
     sheet: Sheet
     export: Export
-    row_class: type  # what a row is: `Test`, `Stages` of a run, or `Transition`
+    row_class: type  # what a row is: `Test`, `StagedRunTable` of a run, or `Transition`
     words: dict[str, str] = field(default_factory=dict)  # outcome meant by each word
     tests: list[dict[str, Any]] = field(default_factory=list)  # as tables of a scene
     in_si: list[dict[str, Any]] = field(default_factory=list)  # the same tests in SI
@@ -125,7 +125,7 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
     sheet.require(needed, ["load", "velocity"])
     if row_class is Test:
         _read_outcomes(log, words)
-    elif row_class is Stages:
+    elif row_class is StagedRunTable:
         ends = [sheet.places[name] for name in ("mild_up_to", "severe_at") if name in sheet.places]
         no_end = [row.number for row in sheet.rows if not any(row.cells[k] for k in ends)]
         sheet.leave_out(dict.fromkeys(no_end, "has neither end"))
@@ -138,11 +138,11 @@ def log_of(read: Read, words: Mapping[str, str], key: str | None = None) -> Log:
 
 
 def _row_class(sheet: Sheet) -> type | None:
-    """Class of a table's rows, from its columns: `Test`, `Stages`, `Transition` or None."""
+    """Class of a table's rows, from its columns: `Test`, `StagedRunTable`, `Transition` or None."""
     if "outcome" in sheet.places:
         return Test
     if "mild_up_to" in sheet.places:
-        return Stages
+        return StagedRunTable
     return TransitionTable if {"severe_at", "transition_load"} & sheet.places.keys() else None
 
 

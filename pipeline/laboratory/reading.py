@@ -14,12 +14,12 @@ from pipeline.laboratory.tables import INGREDIENTS, WordNames, derive, units_of
 from pipeline.laboratory.trace import LEAST_ROWS
 from pipeline.scene.choices import Choices, choose, choose_unit, require_known
 from pipeline.scene.declare import table_of
-from pipeline.scene.format_of_tests import Stages, Test
+from pipeline.scene.format_of_tests import StagedRunTable, Test
 from pipeline.scene.lines import SheetRow, read_lines
 from pipeline.scene.sheet import Sheet, sheet_of
 from pipeline.scene.units import to_si
 
-_LISTED = dict.fromkeys([*table_of(Test).keys, *table_of(Stages).keys])
+_LISTED = dict.fromkeys([*table_of(Test).keys, *table_of(StagedRunTable).keys])
 OF_TESTS = *(name for name in _LISTED if name != "with"), "transition_load"
 """Quantities that a log may have."""
 NEEDED = "time", "friction", "load", "velocity"

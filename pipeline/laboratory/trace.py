@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
-from pipeline.laboratory.commanded import Command, command_of, cut_stages, held_level, ramp_level
+from pipeline.laboratory.commanded import Commanded, command_of, cut_stages, held_level, ramp_level
 from tribo.types import Array
 
 LEAST_ROWS = 20
@@ -34,7 +34,7 @@ class LoadStage(NamedTuple):
     velocity: Level
 
 
-class Friction(NamedTuple):
+class StageFriction(NamedTuple):
     """Friction in a stage, as medians: in its first seconds, overall, and in its last seconds."""
 
     begin: float
@@ -64,7 +64,7 @@ class Trace:
     period: int = 1  # rows of one stroke to and fro; 1 without strokes
 
     @cached_property
-    def commands(self) -> dict[str, Command]:
+    def commands(self) -> dict[str, Commanded]:
         """Commanded load and velocity in each row, those of both that were recorded."""
         columns = {name: getattr(self, name) for name in COMMANDS}
         return {name: command_of(x) for name, x in columns.items() if x is not None}
@@ -106,14 +106,14 @@ class Trace:
         time = self.running[stage.rows]
         return float(time[-1] - time[0] + np.median(np.diff(time)))
 
-    def friction_of(self, stage: LoadStage) -> Friction:
+    def friction_of(self, stage: LoadStage) -> StageFriction:
         """Friction at the beginning of a stage, steady, highest and at its end."""
         time, course = self.time[stage.rows], self.course[stage.rows]
         reach = min(_FIRST, float(time[-1] - time[0]) / 10)
         first = course[: max(3, int(np.searchsorted(time, time[0] + reach)))]
         last = course[min(-3, -int(np.count_nonzero(time > time[-1] - reach))) :]
         steady = float(np.median(self.friction[stage.rows]))
-        return Friction(
+        return StageFriction(
             float(np.median(first)), steady, float(course.max()), float(np.median(last))
         )
 

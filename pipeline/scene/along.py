@@ -51,12 +51,12 @@ _TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
 """Beginnings of the key paths of entries, such as ``pin.``."""
 
 
-class Place(NamedTuple):
+class OperatingPoint(NamedTuple):
     """Operating point: load [N] and velocity [m/s].
 
     Examples
     --------
-    >>> place = Place(load=400.0, velocity=2.2)
+    >>> place = OperatingPoint(load=400.0, velocity=2.2)
     >>> f"friction heat at friction 0.1: {0.1 * place.load * place.velocity:.0f} W"
     'friction heat at friction 0.1: 88 W'
     """
@@ -73,14 +73,14 @@ class OperatingPoints:
     them. `counted` states how many rows were used and left out.
     """
 
-    places: tuple[Place, ...]
+    places: tuple[OperatingPoint, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
     remarks: tuple[str, ...] = ()  # columns and sheets that were not used
     counted: str = ""  # rows used and left out, with the reasons, if any is left out
 
     @property
-    def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
+    def rows(self) -> list[tuple[OperatingPoint, Mapping[str, float]]]:
         """Place and conditions of each row."""
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
@@ -115,7 +115,7 @@ class OperatingPoints:
         conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
-        places = tuple(Place(row["load"], row["velocity"]) for row in rows)
+        places = tuple(OperatingPoint(row["load"], row["velocity"]) for row in rows)
         remarks = [*sheet.remarks]
         bulk = sheet.heading("bulk_temperature") if "bulk_temperature" in sheet.places else None
         if bulk and bulk.name != "bulk_temperature":  # that of the oil

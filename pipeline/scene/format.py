@@ -22,7 +22,7 @@ from pipeline.scene.declare import (
     table_of,
 )
 from pipeline.scene.fidelity import FidelityTable
-from pipeline.scene.format_of_tests import Stages, Test, TransitionTable, list_of_tests
+from pipeline.scene.format_of_tests import StagedRunTable, Test, TransitionTable, list_of_tests
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
     BULK,
@@ -332,7 +332,7 @@ class SceneFile(Declared):
     measured: A[tuple[Any, ...], list_of_tests(TransitionTable),
         "Measured transitions, a table for each: for the diagram, for `irg infer`, and for the "
         "model's own error."] = ()
-    tested: A[tuple[Any, ...], list_of_tests(Test, Stages),
+    tested: A[tuple[Any, ...], list_of_tests(Test, StagedRunTable),
         "Tests that stayed mild or turned severe: a table for each, a run by its stages, or a log; "
         "for `irg infer`, and for the model's own error."] = ()
 # fmt: on

@@ -81,7 +81,7 @@ class _RunTable(TestTable):
 class Test(_RunTable):
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
 
-class Stages(_RunTable):
+class StagedRunTable(_RunTable):
     form_name = "run by stages"
     load: A[float | None, LOAD, "Normal load on the pin."] = None  # type: ignore[assignment]
     velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]

@@ -9,7 +9,7 @@ from typing import Any
 
 from pipeline.quantities import UNITS, display
 from pipeline.scene.faults import Faults
-from pipeline.scene.format_of_tests import Stages, Test, TestTable
+from pipeline.scene.format_of_tests import StagedRunTable, Test, TestTable
 from pipeline.scene.kinds import LOAD, VELOCITY
 from pipeline.scene.parts import levels_of
 from tribo import InputError
@@ -35,7 +35,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
                 continue
             own = next(number)
             named = replace(entry, number=own) if entry.number is None else entry
-            if isinstance(named, Stages):
+            if isinstance(named, StagedRunTable):
                 tests += _read_stages(named, f"{key}[{index}]", faults)
             else:
                 tests.append(named)
@@ -43,7 +43,7 @@ def expand_tests(scene: Any, faults: Faults) -> Any:
     return replace(scene, **expanded)
 
 
-def _read_stages(entry: Stages, place: str, faults: Faults) -> Iterator[Test]:
+def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[Test]:
     """Tests at the last mild and the first severe stage of a run, which `entry` states."""
     if faults.touches(place):
         return

@@ -17,7 +17,7 @@ from pipeline.analysis.tables import records
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
 from pipeline.constants import PRESET_BOUNDS
-from pipeline.scene.along import OperatingPoints, Place
+from pipeline.scene.along import OperatingPoint, OperatingPoints
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
 from tests.helpers.scenes import MEASURED
@@ -99,7 +99,8 @@ def margin_in_python(ds, options):
     """Margins of an operating point as plain data, computed in Python."""
     found = [
         *asked_of(
-            pipeline.results(ds), OperatingPoints((Place(options.load, options.velocity),), {})
+            pipeline.results(ds),
+            OperatingPoints((OperatingPoint(options.load, options.velocity),), {}),
         )
     ]
     margins = [one.known() for one in found]

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 from scipy.special import ndtr
 
-from pipeline.analysis.likelihood import Prior, Result, condition
+from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from tests.helpers.campaigns import conclude, table
 
 KINDS = "transitions", "stages", "outcomes"
@@ -32,7 +32,7 @@ def tests(kind, rng, shift, scatter, effects):
     width = {"transitions": 0.0, "stages": _STAGE, "outcomes": np.inf}[kind]
     signs = np.where(y > at, 1, -1) if kind == "outcomes" else np.ones(n, int)
     rows = zip(y.tolist(), signs.tolist(), effects.tolist(), strict=True)
-    return tuple(Result(one, sign, width, a=tuple(a)) for one, sign, a in rows)
+    return tuple(SpecimenResult(one, sign, width, a=tuple(a)) for one, sign, a in rows)
 
 
 def cumulated(belief, a, shift):

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
 from pipeline import results
-from pipeline.analysis.likelihood import Prior, Result, condition
+from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.sweep.conditions import known_critical_temperature
 from tribo.types import Array
@@ -176,7 +176,7 @@ def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Pred
 
     length = min(place.curves, key=misfit)
     belief = condition(
-        tuple(Result(test.y(critical, length), width=0.0) for test in tests), Prior()
+        tuple(SpecimenResult(test.y(critical, length), width=0.0) for test in tests), Prior()
     )
     return _predicted(place, belief.level(0.5), critical, length, constant=length)
 
@@ -192,7 +192,7 @@ def _by_tests(critical: float, tests: Sequence[_Place], place: _Place) -> _Predi
             return -(found - bulk) / (found - test.bulk)
 
         own = [(test.y(found, length) - effect(test) * way, effect(test)) for test in tests]
-        tested = tuple(Result(y, width=0.0, a=(a,)) for y, a in own)
+        tested = tuple(SpecimenResult(y, width=0.0, a=(a,)) for y, a in own)
         belief = condition(tested, Prior(), 1)
         step = prior + float(belief.inputs()[0][0]) - at
         at += step

@@ -7,25 +7,25 @@ import numpy as np
 import pytest
 from scipy.stats import norm, t
 
-from pipeline.analysis.likelihood import Prior, Result, condition
+from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 
 INF = math.inf
 PLACES = np.array([-0.3, -0.1, 0.0, 0.1, 0.3])
 # Probabilities [%] of severe wear at PLACES (PHYSICS 20): one row for each set of tests.
 TABLE = {
     "none": ([], (0.7, 14, 50, 86, 99.3)),
-    "20 mild far off": ([Result(-1.0, sign=-1)] * 20, (0.7, 14, 50, 86, 99.3)),
-    "20 mild near": ([Result(-0.05, sign=-1)] * 20, (0, 0.4, 13, 66, 99)),
-    "one severe": ([Result(-0.3)], (30, 65, 78, 88, 97)),
-    "one severe, farther": ([Result(-0.75)], (57, 67, 73, 78, 86)),
-    "two severe": ([Result(-0.3)] * 2, (65, 89, 93, 95, 98)),
+    "20 mild far off": ([SpecimenResult(-1.0, sign=-1)] * 20, (0.7, 14, 50, 86, 99.3)),
+    "20 mild near": ([SpecimenResult(-0.05, sign=-1)] * 20, (0, 0.4, 13, 66, 99)),
+    "one severe": ([SpecimenResult(-0.3)], (30, 65, 78, 88, 97)),
+    "one severe, farther": ([SpecimenResult(-0.75)], (57, 67, 73, 78, 86)),
+    "two severe": ([SpecimenResult(-0.3)] * 2, (65, 89, 93, 95, 98)),
     "one severe, 20 mild": (
-        [Result(-0.3), *[Result(-0.3, sign=-1)] * 20],
+        [SpecimenResult(-0.3), *[SpecimenResult(-0.3, sign=-1)] * 20],
         (3, 40, 66, 85, 98),
     ),
-    "one of each": ([Result(-0.3), Result(0.3, sign=-1)], (17, 37, 50, 64, 83)),
+    "one of each": ([SpecimenResult(-0.3), SpecimenResult(0.3, sign=-1)], (17, 37, 50, 64, 83)),
     "20 severe just below": (
-        [Result(float(y)) for y in np.linspace(-0.02, 0.0, 20)],
+        [SpecimenResult(float(y)) for y in np.linspace(-0.02, 0.0, 20)],
         (5, 67, 98, 100, 100),
     ),
 }
@@ -58,11 +58,11 @@ def by_quadrature(results, places, prior):
 
 
 SETS = [
-    [Result(0.1)],
-    [Result(-0.1), Result(0.05, sign=-1)],
-    [Result(0.05, width=0.2), Result(-0.04, width=0.1)],
-    [Result(0.03, width=0.0), Result(-0.06, width=0.0), Result(0.08)],
-    [Result(-0.05, width=0.0, own=0.1), Result(0.02, sign=-1)],
+    [SpecimenResult(0.1)],
+    [SpecimenResult(-0.1), SpecimenResult(0.05, sign=-1)],
+    [SpecimenResult(0.05, width=0.2), SpecimenResult(-0.04, width=0.1)],
+    [SpecimenResult(0.03, width=0.0), SpecimenResult(-0.06, width=0.0), SpecimenResult(0.08)],
+    [SpecimenResult(-0.05, width=0.0, own=0.1), SpecimenResult(0.02, sign=-1)],
 ]
 
 
@@ -73,7 +73,7 @@ def test_probabilities_are_those_of_a_quadrature(results):
 
 
 def test_a_slip_three_decades_off_leaves_the_plane_open():
-    found = condition((Result(-5.0),), Prior()).probability([-0.5, 0.5])
+    found = condition((SpecimenResult(-5.0),), Prior()).probability([-0.5, 0.5])
     assert found == pytest.approx([0.66, 0.74], abs=0.02)
 
 
@@ -81,19 +81,24 @@ def test_a_slip_three_decades_off_leaves_the_plane_open():
 def test_a_severe_test_makes_no_easier_place_less_likely_severe(seed):
     draw = np.random.default_rng(seed)
     before = tuple(
-        Result(float(y), sign=int(sign))
+        SpecimenResult(float(y), sign=int(sign))
         for y, sign in zip(draw.normal(0, 0.2, 4), draw.choice([-1, 1], 4), strict=True)
     )
     place = float(draw.normal(0, 0.2))
     easier = place - np.array([0.0, 0.05, 0.2, 0.5])
     plain = condition(before, Prior()).probability(easier)
-    after = condition((*before, Result(place)), Prior()).probability(easier)
+    after = condition((*before, SpecimenResult(place)), Prior()).probability(easier)
     assert np.all(after >= plain - 0.02)
 
 
 def test_probabilities_rise_with_y_and_are_never_unknown():
     places = np.array([-INF, -60.0, -1.0, 0.0, 1.0, 60.0, INF])
-    kinds = [Result(20.0), Result(-20.0), Result(20.0, sign=-1), Result(0.3, width=0.0)]
+    kinds = [
+        SpecimenResult(20.0),
+        SpecimenResult(-20.0),
+        SpecimenResult(20.0, sign=-1),
+        SpecimenResult(0.3, width=0.0),
+    ]
     for some in itertools.combinations(kinds, 2):
         found = condition(some, Prior()).probability(places)
         assert np.isfinite(found).all()
@@ -102,13 +107,13 @@ def test_probabilities_rise_with_y_and_are_never_unknown():
 
 
 def test_a_place_is_as_likely_as_its_level_says():
-    belief = condition((Result(-0.1),), Prior())
+    belief = condition((SpecimenResult(-0.1),), Prior())
     for share in (0.05, 0.5, 0.95):
         assert belief.probability(belief.level(share)) == pytest.approx(share, abs=1e-9)
 
 
 def test_each_result_is_expected_as_by_the_others_alone():
-    results = (Result(-0.2), Result(-0.1, sign=-1), Result(0.05, width=0.0))
+    results = (SpecimenResult(-0.2), SpecimenResult(-0.1, sign=-1), SpecimenResult(0.05, width=0.0))
     found = condition(results, Prior()).expected
     others = condition(results[1:], Prior()).probability(-0.2)
     assert found[0] == pytest.approx(float(others), abs=0.01)
@@ -118,7 +123,7 @@ def test_each_result_is_expected_as_by_the_others_alone():
 
 def test_an_input_that_all_places_share_is_learned_from_a_transition():
     a = (-1.0,)
-    belief = condition((Result(0.4, width=0.0, a=a),), Prior(), inputs=1)
+    belief = condition((SpecimenResult(0.4, width=0.0, a=a),), Prior(), inputs=1)
     mean, spread = belief.inputs()
     assert mean[0] == pytest.approx(0.4, abs=0.01)
     assert 0.05 < spread[0] < 0.13

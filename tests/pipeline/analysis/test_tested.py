@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.likelihood import Prior, Result, condition
+from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from pipeline.analysis.outcomes import MILD
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.measurement import Measurement
@@ -41,21 +41,21 @@ def chances(ds, *ys):
 SPECIMENS = {
     "mild rows count by the highest": (
         [at(-0.3, "mild", run="a"), at(-0.1, "mild", run="a")],
-        Result(-0.1, sign=-1),
+        SpecimenResult(-0.1, sign=-1),
     ),
     "severe rows count by the lowest": (
         [at(0.2, "severe", run="a"), at(0.1, "severe", run="a")],
-        Result(0.1),
+        SpecimenResult(0.1),
     ),
     "both are an interval": (
         [at(-0.2, "mild", run="a"), at(0.1, "severe", run="a")],
-        Result(0.1, width=0.3),
+        SpecimenResult(0.1, width=0.3),
     ),
     "inverted ones are a transition in their middle": (
         [at(0.2, "mild", run="a"), at(0.0, "severe", run="a")],
-        Result(0.1, width=0.0, own=0.1 / math.sqrt(3)),
+        SpecimenResult(0.1, width=0.0, own=0.1 / math.sqrt(3)),
     ),
-    "a transition has no width": ([at(-0.1)], Result(-0.1, width=0.0)),
+    "a transition has no width": ([at(-0.1)], SpecimenResult(-0.1, width=0.0)),
 }
 
 
@@ -71,7 +71,7 @@ def test_a_transition_with_a_step_is_the_interval_of_the_step():
     test = at(0.0)
     stepped = Measurement(LOAD, test.velocity, velocity_step=0.5)
     low = math.log((test.velocity - 0.5) / test.velocity) * synthetic.VELOCITY_EXPONENT
-    expected = condition((Result(0.0, width=-low),), Prior()).probability([-0.1, 0.1])
+    expected = condition((SpecimenResult(0.0, width=-low),), Prior()).probability([-0.1, 0.1])
     assert chances(swept(stepped), -0.1, 0.1) == pytest.approx(expected, abs=1e-6)
 
 
@@ -153,11 +153,13 @@ def test_friction_and_bulk_move_the_place_alone_and_the_oil_moves_its_tests_too(
         conditions=synthetic.CONDITIONS | {"critical_temperature": 438.15},
     )
     assert plain == pytest.approx(
-        condition(tuple(Result(y, width=0.0) for y in (-0.1, 0.0)), Prior()).probability(y),
+        condition(tuple(SpecimenResult(y, width=0.0) for y in (-0.1, 0.0)), Prior()).probability(y),
         abs=1e-6,
     )
     shifted = [math.log(140 / 120)] * 2
-    results = tuple(Result(y - way, width=0.0) for y, way in zip((-0.1, 0.0), shifted, strict=True))
+    results = tuple(
+        SpecimenResult(y - way, width=0.0) for y, way in zip((-0.1, 0.0), shifted, strict=True)
+    )
     rise = synthetic.rise(400.0, 2.2, 0.9)
     place = math.log(rise / synthetic.limit(critical=438.15))
     expected = condition(results, Prior()).probability(place)
