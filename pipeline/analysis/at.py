@@ -128,7 +128,7 @@ def at(
     1.51
     >>> several = pipeline.at("results/first_try.zarr", friction=(0.09, 0.103))
     >>> pipeline.boundary(several)["critical_velocity"].sel(load=600).round(2).values
-    array([1.92, 1.5 ])
+    array([1.93, 1.5 ])
     """
     ds = dataset_of(ds)
     given = {

@@ -109,7 +109,7 @@ def boundary(ds: ResultsLike, **conditions: Unpack[ConditionKeywords]) -> xr.Dat
     Name: critical_velocity, dtype: float64
     >>> warmer = pipeline.boundary(ds, friction=0.09, bulk_temperature="40 degC")
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()
-    1.5
+    1.51
     """
     data = asked_at(ds, conditions)
     require_kind(data.kind, Layout.PLANE)
