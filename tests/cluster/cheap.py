@@ -55,6 +55,7 @@ def scene_of(points, scan=0, folder=Path(), fields=False):
             "window.pixels": [scan, scan],
             "window.pixel_size": [f"{384 / scan} um", f"{80 / scan} um"],
             "fidelity.pixels_per_element": scan // 20,
+            "fidelity.fewest_elements": 0,  # so that elements have these pixels
         }
     return pipeline.load_scene(
         "first_try",
