@@ -337,20 +337,24 @@ def record(draw, number):
 def measured(draw, number):
     """Entries and file of a measured surface: scratched, with plateaus, or turned."""
     entries, velocity, _ = lay(draw, number)
-    shape = entries["window.pixels"]
-    seed = entries["disk.roughness.seed"]
+    kind = ("scratched", "plateaus", "turned")[number % 3]
+    return entries, velocity, measure(entries, kind)
+
+
+def measure(entries, kind):
+    """Replace the roughness of `entries` by a measured surface of a kind; return its file."""
+    shape, seed = entries["window.pixels"], entries["disk.roughness.seed"]
     ra = float(entries["disk.roughness.ra"].split()[0])
     for key in [key for key in entries if key.startswith("disk.roughness")]:
         del entries[key]
     entries |= {"disk.roughness.file": "heights.npy", "disk.roughness.height_unit": "um"}
     entries["disk.roughness.transpose"] = True
-    kind = ("scratched", "plateaus", "turned")[number % 3]
     entries["title"] = f"{kind} surface of seed {seed}, Ra {ra:g} µm"
 
     def write(path):
         np.save(path, measured_heights(shape, kind, seed, ra))
 
-    return entries, velocity, {"heights.npy": write}
+    return {"heights.npy": write}
 
 
 def measured_heights(shape, kind, seed, ra):
@@ -390,28 +394,17 @@ def measured_heights(shape, kind, seed, ra):
 def tops(draw, number):
     """Entries and file of a surface with tops of an own shape, judged by several criteria."""
     entries, velocity, _ = (local if number % 4 == 3 else lay)(draw, number)
-    shape = [number // 2 % 2 * 32 + 128, 64]
-    scale = entries["window.pixels"][0] / shape[0]
+    pixels = [number // 2 % 2 * 32 + 128, 64]
+    scale = entries["window.pixels"][0] / pixels[0]
     sizes = [float(one.split()[0]) * scale for one in entries["window.pixel_size"]]
-    entries |= {"window.pixels": shape, "window.pixel_size": [f"{one:.3g} um" for one in sizes]}
-    seed = entries["disk.roughness.seed"]
-    ra = float(entries["disk.roughness.ra"].split()[0])
-    for key in [key for key in entries if key.startswith("disk.roughness")]:
-        del entries[key]
-    entries |= {"disk.roughness.file": "heights.npy", "disk.roughness.height_unit": "um"}
-    entries["disk.roughness.transpose"] = True
+    entries |= {"window.pixels": pixels, "window.pixel_size": [f"{one:.3g} um" for one in sizes]}
     kind = ("honed", "stepped", "needles", "two scales", "grooves")[number % 5]
-    entries["title"] = f"{kind} surface of seed {seed}, Ra {ra:g} µm"
     share = (0.5, 0.01, "mean", 0.05, "highest", 0.2)[number // 2 % 6]
     if isinstance(share, str):
         entries["temperature.criterion"] = share
     else:
         entries["temperature.failing_share"] = share
-
-    def write(path):
-        np.save(path, measured_heights(shape, kind, seed, ra))
-
-    return entries, velocity, {"heights.npy": write}
+    return entries, velocity, measure(entries, kind)
 
 
 def stages(draw, number):
