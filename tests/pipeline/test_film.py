@@ -59,6 +59,14 @@ def test_a_ball_has_no_inlet_of_this_kind():
     assert np.isnan(film_inlet(ball.scene, state)).all()
 
 
+def test_between_smooth_bodies_the_inlet_is_not_known():
+    smooth = scene_of("fig4").scene
+    *_, state = tribo.simulate(smooth, 200.0, 1.0)
+    inlet, pressure = film_inlet(smooth, state)
+    assert np.isnan(inlet)
+    assert pressure == pytest.approx(4.08e8, rel=0.03)  # of Hertz
+
+
 def filmed(inlet=None):
     """Synthetic sweep whose film carries a fifth of 400 N at 2 m/s, or with another inlet."""
     ds = synthetic.sweep(oil=synthetic.OIL)

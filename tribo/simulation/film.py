@@ -40,8 +40,9 @@ _OIL_CONDUCTIVITY = 0.13  # [W/(m K)]
 def film_inlet(scene: Scene, state: State) -> tuple[float, float]:
     """Integral of the inlet [1/m] and mean pressure [Pa] of a worn line contact.
 
-    The integral is ∫ g/(h₀ + g)³ dx, while summits carry 80 % of the load and a film the rest. Both
-    values are NaN under a ball or a crowned pin, and without a contact.
+    The integral is ∫ g/(h₀ + g)³ dx, while summits carry 80 % of the load and a film the rest. It
+    is NaN between smooth bodies. Both values are NaN under a ball or a crowned pin, and without a
+    contact.
 
     Examples
     --------
@@ -139,6 +140,8 @@ def _inlet_integral(x: Array, gap: Array, half_width: float, within: float, radi
 
     Beyond the window the gap goes on as the parabola of the pin.
     """
+    if not within:  # between smooth bodies, where the integral diverges
+        return math.nan
     order = np.argsort(x)
     x, gap = x[order], np.maximum(gap[order], 0.0)
     beyond = x >= half_width
