@@ -76,7 +76,7 @@ class OperatingPoints:
     places: tuple[OperatingPoint, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
-    remarks: tuple[str, ...] = ()  # columns and sheets that were not used
+    remarks: tuple[str, ...] = ()  # columns that change no verdict, and sheets that were not read
     counted: str = ""  # rows used and left out, with the reasons, if any is left out
 
     @property
@@ -116,7 +116,9 @@ class OperatingPoints:
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
         places = tuple(OperatingPoint(row["load"], row["velocity"]) for row in rows)
-        remarks = [*sheet.remarks]
+        beside = ", ".join(sheet.unused)
+        remarks = [f"columns shown, but not judged by: {beside}"] * bool(beside)
+        remarks += filter(None, [sheet.other_sheets])
         bulk = sheet.heading("bulk_temperature") if "bulk_temperature" in sheet.places else None
         if bulk and bulk.name != "bulk_temperature":  # that of the oil
             taken = f"column {quoted(bulk.text)} is taken as the bulk temperature of both bodies"

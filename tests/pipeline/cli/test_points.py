@@ -92,7 +92,7 @@ def test_a_row_is_judged_by_its_own_friction_and_temperatures(store, tmp_path, f
 def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, irg):
     points = tmp_path / "duty.csv"
     points.write_text("part,load [N],velocity [m/s],Grenztemperatur [°C]\nA,400,1.2,100\n")
-    assert "columns not used: part" in irg("margin", "out.zarr", "--points", points)
+    assert "columns shown, but not judged by: part" in irg("margin", "out.zarr", "--points", points)
     (record,) = irg("margin", "out.zarr", "--points", points, "--json")
     hot = pipeline.at(store, critical_temperature="100 degC")
     margin = pipeline.margin(hot, 400.0, 1.2)
@@ -104,7 +104,9 @@ def test_what_is_not_used_is_named_and_what_cannot_act_refused(store, tmp_path, 
     assert record["error by the preset [K]"] == margin.error.preset
     assert record["model error"] == margin.model_error
     points.write_text("oil,pin,load [N],velocity [m/s]\nFVA 3,a,400,1.2\n")
-    assert "columns not used: oil, pin" in irg("margin", "out.zarr", "--points", points)
+    assert "columns shown, but not judged by: oil, pin" in irg(
+        "margin", "out.zarr", "--points", points
+    )
     for head in ("pin.radius [mm]", "hold [s]", "wear.specific_wear_rate"):
         points.write_text(f"load [N],velocity [m/s],{head}\n400,1.2,3\n")
         said = irg("margin", "out.zarr", "--points", points, code=2)
@@ -117,7 +119,7 @@ def test_the_track_of_a_rotation_counts_as_used_and_a_lone_mu_is_no_unit(store, 
         "load [N],speed [rpm],track diameter [mm],friction coefficient µ\n400,300,80,0.12\n",
         encoding="utf-8",
     )
-    assert "columns not used" not in irg("margin", "out.zarr", "--points", points)
+    assert "not judged by" not in irg("margin", "out.zarr", "--points", points)
     (record,) = irg("margin", "out.zarr", "--points", points, "--json")
     margin = pipeline.margin(pipeline.at(store, friction=0.12), 400.0, math.pi * 0.08 * 5)
     assert record["distance [K]"] == pytest.approx(margin.distance)
@@ -211,7 +213,7 @@ def test_a_failing_share_of_a_row_is_judged_and_a_probability_said_in_words(stor
     points.write_text("load [N],velocity [m/s],failing share [%]\n400,1.2,10\n400,2.2,1\n")
     said = irg("margin", "out.zarr", "--points", points)
     assert "less than 1 %" in said
-    assert "columns not used" not in said
+    assert "not judged by" not in said
     first, second = irg("margin", "out.zarr", "--points", points, "--json")
     usual = pipeline.margin(store, 400.0, 1.2)
     assert (first["distance [K]"], first["probability"]) == (usual.distance, usual.probability)
