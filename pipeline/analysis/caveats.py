@@ -22,7 +22,7 @@ from pipeline.scene.shipped import typed_name
 from pipeline.sweep.condition_words import unmodelled_rise_words
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import error_in_words
+from pipeline.sweep.selection import error_in_words, velocity_error
 from pipeline.sweep.surface import find_lubrication
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
@@ -49,7 +49,7 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         UNKNOWN_FILM if sweep.scene.pin.length is None and find_lubrication(sweep) else None,
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
         exact,
-        error_in_words(sweep) if critical else None,
+        error_in_words(sweep) if critical and velocity_error(sweep) is None else None,
     ]
     return tuple(line for line in lines if line)
 

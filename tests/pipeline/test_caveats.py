@@ -45,11 +45,20 @@ def doors(irg, store, tmp_path):
 def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):
     expected = pipeline.margin(store, 400.0, 2.0).caveats
     assert expected[0] == OWN
-    for part in ("sharp pin ends", "taken as exact", "preset standard"):
+    for part in ("sharp pin ends", "taken as exact"):
         assert sum(part in line for line in expected) == 1
     for lines, told, text in doors(irg, store, tmp_path):
         assert told == lines
         assert [text.count(line) for line in lines] == [1] * len(lines)
+
+
+def test_numerical_choices_are_a_caveat_where_their_error_is_not_known():
+    said = {
+        preset: any("numerical choices" in one for one in pipeline.margin(ds, 400.0, 2.0).caveats)
+        for preset in ("standard", None)
+        for ds in [synthetic.sweep(preset=preset)]
+    }
+    assert said == {"standard": False, None: True}
 
 
 def test_a_caveat_of_ours_is_a_line_of_at_most_100_columns():

@@ -102,7 +102,7 @@ def test_what_is_typed_or_moved_changes_the_boundary_unless_it_cannot_be(page):
     assert driver.execute_script("return chosen.conditions") == before | {"friction": 0.12}
     field.send_keys("x" + Keys.ENTER)
     assert driver.find_element(By.ID, "friction-fault").text == "give a number such as 0.12"
-    assert "may be off by up to" in driver.find_element(By.ID, "caveats").text
+    assert "are taken as exact" in driver.find_element(By.ID, "caveats").text
     assert driver.find_element(By.ID, "now").text.startswith("At friction 0.12, bulk temperature")
     typed(driver, "friction", "0.9")
     assert all(row.endswith("severe throughout") for row in table(driver))

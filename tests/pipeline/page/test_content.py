@@ -79,5 +79,5 @@ def test_a_reader_without_the_program_is_told_to_type_nothing(tmp_path):
     pipeline.explore(synthetic.sweep(preset="standard"), tmp_path / "a.html")
     text = (tmp_path / "a.html").read_text("utf-8")
     shown = re.sub(r"<script.*?</script>|<style.*?</style>|<[^>]*>", "", text, flags=re.DOTALL)
-    assert "may be off by up to 1.5 %" in shown
+    assert "are taken as exact" in shown
     assert re.findall(r"\birg (?!transition)\w+", shown) == []
