@@ -149,7 +149,8 @@ class EvenStages(Declared):
     hold: A[float, HELD, "Time for which each stage is held."]
 
 class RampTable(Declared):
-    rate: A[float, Quantity("150 N/s"), "Rate at which the load grows from 0."]
+    rate: A[float, Quantity("150 N/s"),
+        "Rate at which the load grows from 0; needed for stages, too."]
     reference_load: A[float, Quantity("750 N"), _REFERENCE_LOAD]
     hold: A[float, DURATION,
         "Time for which each load is held after the ramp, in growing steps."] = 0.0
