@@ -105,20 +105,25 @@ def tests_apart(boundaries: xr.Dataset) -> list[str]:
 def next_run_line(boundary: xr.Dataset) -> str:
     """Sentence on the velocities at which a further run is 5, 50 and 95 % likely to be severe.
 
-    They are stated at the lowest and the highest load.
+    They are stated at the lowest and the highest load. Those beyond the sweep are stated where 50 %
+    are within it.
     """
-    said, ends_of_sweep = [], np.sort(boundary["velocity"].values)
+    said, (lowest, highest) = [], np.sort(boundary["velocity"].values)[[0, -1]].tolist()
     for load in dict.fromkeys(boundary["load"].values[[0, -1]].tolist()):
         here = boundary.sel(load=load)
         names = "tested_velocity_low", "tested_velocity", "tested_velocity_high"
         low, middle, high = (here[name].item() for name in names)
-        centre = f"{middle:.3g} m/s" if math.isfinite(middle) else "no velocity of the sweep"
-        if math.isfinite(middle) and not ends_of_sweep[0] <= middle <= ends_of_sweep[-1]:
-            centre += ", beyond the sweep,"
-        ends = {"5 %": low, "95 %": high}
-        told = ", ".join(f"{k}: {end:.3g} m/s" for k, end in ends.items() if math.isfinite(end))
+        is_inside, ends = lowest <= middle <= highest, {"5 %": low, "95 %": high}
+        if is_inside:
+            centre = f"at {middle:.3g} m/s"
+        elif math.isnan(middle):
+            centre = "at no velocity of the sweep"
+        else:
+            centre = f"below {lowest:.3g} m/s" if middle < lowest else f"above {highest:.3g} m/s"
+        known = {k: x for k, x in ends.items() if lowest <= x <= highest or is_inside}
+        told = ", ".join(f"{k}: {x:.3g} m/s" for k, x in known.items() if math.isfinite(x))
         said.append(f"{centre} at {load:g} N" + f" ({told})" * bool(told))
-    return f"severe wear is 50 % likely at {'; '.join(said)}"
+    return f"severe wear is 50 % likely {'; '.join(said)}"
 
 
 def margin_lines(here: Margin, axes: Collection[str] = ("velocity", "load")) -> Iterator[str]:

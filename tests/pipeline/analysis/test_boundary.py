@@ -126,6 +126,13 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
     assert said.startswith(f"severe wear is 50 % likely at {found['tested_velocity'][0]:.3g} m/s")
 
 
+def test_no_velocity_beyond_the_sweep_is_stated_where_wear_does_not_turn_within_it():
+    found = boundary(synthetic.sweep(velocities=(1.0, 1.5, 2.0)))
+    assert found["tested_velocity"][0] > 3.0
+    said = next_run_line(found)
+    assert said.startswith("severe wear is 50 % likely above 2 m/s at 200 N; at 1.2")
+
+
 def test_conditions_are_keywords():
     ds = synthetic.sweep()
     one, other = boundary(ds, friction=0.12), boundary(at(ds, friction=0.12))
