@@ -89,6 +89,13 @@ def open_arrays(
 
     `prefix` is the path of the group that has them, with a slash, or empty for the root.
     """
+    arrays = _open_async_arrays(store, documents, prefix)
+    return {name: zarr.Array(array) for name, array in arrays.items()}
+
+
+def _open_async_arrays(
+    store: Store, documents: Mapping[str, Document], prefix: str
+) -> dict[str, Any]:
     # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
     # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}
@@ -96,7 +103,7 @@ def open_arrays(
     for name, document in documents.items():
         metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**COMPRESSION)]}
         place = StorePath(store, prefix + path_of(name))
-        array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, place, settings))
+        array = arrays[name] = zarr.AsyncArray(metadata, place, settings)
         if isinstance(store, FolderStore):
             # What does not compress at all grows by less than this.
             store.most[place.path] = 2 * _size(array.dtype, array.chunks) + _MOST_OF_TEXT
@@ -113,7 +120,7 @@ class Encoder:
 
     def __init__(self, documents: Mapping[str, Document], prefix: str = "") -> None:
         self._memory: dict[str, Any] = {}
-        self._arrays = open_arrays(MemoryStore(self._memory), documents, prefix)
+        self._arrays = _open_async_arrays(MemoryStore(self._memory), documents, prefix)
 
     def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
         """Encode `parts`; return the bytes of each chunk by the chunk's key.
@@ -127,5 +134,5 @@ class Encoder:
     async def _set(self, parts: Sequence[tuple[str, Any, Any]]) -> None:
         """Give Zarr all parts in one go: one by one they would take twice as long."""
         arrays = self._arrays
-        tasks = (arrays[name].async_array.setitem(place, values) for name, place, values in parts)
+        tasks = (arrays[name].setitem(place, values) for name, place, values in parts)
         await asyncio.gather(*tasks)
