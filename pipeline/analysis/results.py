@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.likelihood import Prior
 from pipeline.analysis.results_of_tests import TestResults
-from pipeline.store.read import open_store
+from pipeline.store.read import open_messages
 from pipeline.store.schema import (
     ASKED,
     COORDINATES,
@@ -307,7 +307,7 @@ class Results:
         found = np.full(self.columns["status"].shape, "", object)
         if self.store is None:
             return found
-        stored = open_store(self.store)["message"].load()
+        stored = open_messages(self.store)
         axes = {"load": self.loads, "velocity": self.velocities} | dict(self.rows.coords)
         with suppress(KeyError):  # if the dataset has places that the store lacks
             texts = stored.sel({name: axes[name] for name in stored.dims if name in axes})

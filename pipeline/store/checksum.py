@@ -33,7 +33,7 @@ def checksum(scene_hash: str, point: Point, entries: Mapping[str, Any]) -> str:
         content = entries[name]
         if isinstance(content, str):
             content = content.encode()
-        elif not (isinstance(content, np.ndarray) and content.flags.c_contiguous):
+        elif isinstance(content, np.ndarray) and not content.flags.c_contiguous:
             content = np.ascontiguousarray(content)
         parts += word, zlib.crc32(content).to_bytes(4, "little")
     return hashlib.blake2b(b"".join(parts), digest_size=8).hexdigest()

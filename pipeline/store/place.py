@@ -104,8 +104,9 @@ class Folder:
 
     def keys(self) -> set[str]:
         """Names of all files below the folder; links to folders are not followed."""
-        paths = filter(Path.is_file, self.path.rglob("*"))
-        return {path.relative_to(self.path).as_posix() for path in paths}
+        start = len(str(self.path)) + 1
+        paths = (f"{folder}/{name}" for folder, _, names in os.walk(self.path) for name in names)
+        return {path[start:].replace(os.sep, "/") for path in paths}
 
 
 @dataclass(frozen=True)

@@ -128,6 +128,14 @@ def open_tests(path: PathLike) -> xr.Dataset:
     return xr.Dataset(coords={**shares, **_test_coordinates(store)})
 
 
+def open_messages(path: PathLike) -> xr.DataArray:
+    """Messages of the points of a store, "" for a point without one, by the store's axes."""
+    store = opened(path)
+    texts = store.read("message", ...).astype(object)
+    texts[store.flags == PENDING] = ""
+    return xr.DataArray(texts, {dim: list(store.axes[dim]) for dim in store.dims}, store.dims)
+
+
 class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data."""
 
@@ -150,6 +158,6 @@ class _Masked(BackendArray):
         dims = [str(number) for number in range(count)]
         mask = xr.Variable(dims, self._mask)[key[:count]].values  # outer indexing, as the array's
         with read_errors(self._place, self._name):
-            values = np.array(self._array.oindex[key], self.dtype)
+            values = np.asarray(self._array.oindex[key], self.dtype)
         values[~mask] = self._array.fill_value
         return values

@@ -164,10 +164,10 @@ def read_block(store: Store, block: Slices) -> Iterator[tuple[Slices, dict[str, 
     fields = [name for name in names if name in AT_END]
     block = tuple(slice(*one.indices(n)) for one, n in zip(block, store.flags.shape, strict=True))
     with ThreadPoolExecutor(THREADS) as threads:  # an object store answers them side by side
+        apply = threads.map if isinstance(store.place, Bucket) else map
 
         def read(names: Sequence[str], at: Slices) -> dict[str, Any]:
-            found = threads.map(lambda name: _read(store, name, at), names)
-            return dict(zip(names, found, strict=True))
+            return dict(zip(names, apply(lambda name: _read(store, name, at), names), strict=True))
 
         values = read([name for name in names if name not in AT_END], block)
         for part in parts_of(block, store.block_of(fields[0])) if fields else [block]:
@@ -184,11 +184,11 @@ def stored_entries(
 
     The part is at the slices `part`; `values` are from `read_block`. A damaged value is None.
     """
-    first = [one.start for one in part]
-    indices = np.argwhere(store.flags[part] != PENDING) + first
-    places = map(tuple, indices.tolist())
-    for index, point in zip(places, store.points_at([*indices.T]), strict=True):
-        is_done, within = store.flags[index] == DONE, tuple(np.subtract(index, first).tolist())
+    inside = np.argwhere(store.flags[part] != PENDING)
+    indices = inside + [one.start for one in part]
+    places = (map(tuple, numbers.tolist()) for numbers in (indices, inside))
+    for index, within, point in zip(*places, store.points_at([*indices.T]), strict=True):
+        is_done = store.flags[index] == DONE
         entries: dict[str, Any] = {
             name: None if of_part is None else of_part[within]
             for name, of_part in values.items()
