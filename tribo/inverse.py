@@ -102,10 +102,7 @@ def specific_wear_rate(
 
 
 def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
-    """Two wear rates [m²/N], at most 1 % apart, between which `exceeds` changes to True.
-
-    Below about 1e-20 m²/N the search ends, with two rates that are a factor of 10 apart.
-    """
+    """Two wear rates [m²/N], at most 1 % apart, between which `exceeds` changes to True."""
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10

@@ -226,10 +226,7 @@ def oil_temperature(name: str, value: float | str) -> float:
 
 
 def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """Copy of a dataset with `values` [SI], by path of their entry, recorded in its attributes.
-
-    Coordinates of conditions that the values replace are dropped.
-    """
+    """Copy of a dataset with `values` [SI], by path of their entry, recorded in its attributes."""
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
@@ -247,11 +244,7 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
-    """Restrict a dataset to `values` of the entries that vary in it.
-
-    Returns the restricted dataset, and the `values` of all other entries. A scalar load or velocity
-    of the dataset becomes a dimension of size 1.
-    """
+    """Restrict a dataset to `values` of entries that vary in it; return the other values, too."""
     taken = {name for name, _ in name_at(scene_sweep(ds).variants, ds)}
     columns = {*entry_dims(ds), *taken, *{"realization"}.intersection(map(str, ds.dims))}
     chosen = {dim: one for path, one in values.items() if (dim := dimension_of(path)) in columns}

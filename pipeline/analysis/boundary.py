@@ -122,11 +122,7 @@ def boundary(ds: ResultsLike, **conditions: Unpack[ConditionKeywords]) -> xr.Dat
 
 
 def _plane_boundary(data: Results) -> xr.Dataset:
-    """Critical velocities by load, and critical loads by velocity, of one scene.
-
-    Returns the dataset that `boundary` describes. The points must be a grid of loads and
-    velocities.
-    """
+    """Critical velocities by load, and critical loads by velocity, of one scene on a grid."""
     data.require_lists(*PLANE)
     judge = judge_of(data)
     data, conditions = judge.source, judge.conditions
@@ -188,11 +184,7 @@ _TURNS = 64  # most changes of wear stored for a line; more are artefacts of int
 
 
 def _transitions(judge: Judge, axis: str, line: str) -> dict[str, Any]:
-    """Variables of a boundary that describe transitions along `axis`, by name.
-
-    `axis` is "velocity" or "load". The variables have a value for each value of the other axis,
-    `line`.
-    """
+    """Variables of a boundary along `axis`, by name, at each value (`line`) of the other axis."""
     places = judge.rises.loads if line == "load" else judge.rises.velocities
     found = judge.rises.turns(axis, places)
     critical, texts = turns_inside(judge.rises, axis, places, found)

@@ -72,12 +72,7 @@ def doubt_lines(sweep: Sweep, most: int = 3, answered: bool = False) -> list[str
 
 
 def _warm_transitions(data: Results, conditions: Conditions) -> str:
-    """Velocities, in words, from which wear is severe if heat of a body's earlier turns counts.
-
-    They are those at the lowest and the highest load. The text is empty
-    unless the scene leaves that heat out, the results are of a single scene with a grid of loads
-    and velocities, and `conditions` are those of `data.sweep`.
-    """
+    """From where wear is severe, in words, with heat of earlier turns; empty if unknown."""
     tracks, is_known = cold_tracks(data.sweep), {*NEEDED} <= {*data.columns}
     is_own = data.kind is Layout.PLANE and not data.labels and conditions == data.sweep.conditions
     if not (tracks and is_known and is_own):

@@ -69,12 +69,7 @@ class Curve:
     @functools.cached_property
     @np.errstate(divide="ignore", invalid="ignore")
     def _cubics(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Abscissae u and ordinates of the points, and the cubic in each interval, as five arrays.
-
-        Abscissae and ordinates (..., n) are logarithms if `is_log`. The other three arrays
-        (..., n - 1) are the cubic's coefficients of Δu, Δu² and Δu³, where Δu is the distance from
-        the beginning of the interval.
-        """
+        """Abscissae, ordinates (..., n), coefficients of Δu, Δu², Δu³ in intervals (..., n - 1)."""
         u, v = self._scaled(self.x), self._scaled(self.y)
         h = np.diff(u)
         m = np.diff(v) / h
@@ -92,11 +87,7 @@ class Curve:
         return u, v, low, (3 * m - 2 * low - high) / h, (low + high - 2 * m) / h**2
 
     def _cubic(self, pieces: Indices, way: Array) -> Array:
-        """Ordinates (logarithms if `is_log`) within intervals of the curves, shape (..., p).
-
-        `pieces` has the numbers of the intervals. `way` has the distances from their beginnings
-        along the abscissa, also logarithmic if `is_log`.
-        """
+        """Ordinates (..., p) in the intervals `pieces`, at the distances `way` in them."""
         _, v, low, bend, twist = (np.take_along_axis(part, pieces, -1) for part in self._cubics)
         return v + way * (low + way * (bend + way * twist))
 
@@ -182,11 +173,7 @@ class Curve:
         return found.reshape(*limit.shape, -1)
 
     def _crossings(self, rows: Indices, pieces: Indices, limit: Array) -> Array:
-        """Abscissae of n crossings, (n,), found by halving the interval of each.
-
-        Each crossing has the number of its curve in `rows`, the number of its interval in `pieces`,
-        and the ordinate that is crossed in `limit`, all (n,).
-        """
+        """Abscissae (n,) at which curves `rows` reach `limit` in the intervals `pieces`."""
         x, y, *cubics = (
             part.reshape(-1, part.shape[-1]) for part in (self.x, self.y, *self._cubics)
         )
@@ -231,11 +218,7 @@ def _pairs(rows: Indices, values: Array) -> Array:
 
 
 def _end_slope(h: Array, next_h: Array, m: Array, next_m: Array) -> Array:
-    """Slope at an end, from the parabola through three points, limited to keep the curve monotone.
-
-    `h` and `m` are width and mean slope of the outermost interval. `next_h` and `next_m` belong to
-    its neighbour.
-    """
+    """Slope at an end, from the parabola through three points, limited to stay monotone."""
     slope = ((2 * h + next_h) * m - h * next_m) / (h + next_h)
     slope = np.where(np.sign(slope) == np.sign(m), slope, 0.0)
     is_steep = (np.sign(m) != np.sign(next_m)) & (np.abs(slope) > 3 * np.abs(m))

@@ -79,11 +79,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionKeywor
 
 
 def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
-    """Contact temperatures [K] of one scene: highest, mean and quantiles.
-
-    With a critical temperature the dataset also has the share of the contact above it. The
-    dimensions are those of the dataset `like`.
-    """
+    """Highest, mean and quantiles of the contact temperature [K] of one scene, as `like`."""
     scene.require("max_rise", "mean_rise", "rise_quantile")
     if len(scene.shares) < len(QUANTILES):
         raise InputError(
@@ -116,10 +112,7 @@ def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
 
 
 def _shaped(like: xr.DataArray, dims: Sequence[str], values: Array) -> xr.DataArray:
-    """Array with the dimensions and coordinates of `like`, and new `values`.
-
-    `dims` are the dimensions of `values`. Of dimensions that `like` lacks, the first value is used.
-    """
+    """Array with the dimensions and coordinates of `like`, and new `values` along `dims`."""
     whole = xr.Variable(dims, values)
     cut = whole.isel({name: 0 for name in dims if name not in like.dims})
     return like.drop_attrs().copy(data=cut.transpose(*like.dims).values)

@@ -83,10 +83,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
 
 
 def _boundary(a: Results, b: Results) -> pd.DataFrame:
-    """Frame of critical velocities at common loads.
-
-    It is empty if `boundary` raises an `InputError`, such as without a critical temperature.
-    """
+    """Frame of critical velocities at common loads; empty if there is no boundary."""
     heads = "load [N]", "a [m/s]", "b [m/s]", "change [%]", "outcome a", "outcome b"
     try:
         first, second = (_critical_velocities(data) for data in (a, b))
@@ -101,10 +98,7 @@ def _boundary(a: Results, b: Results) -> pd.DataFrame:
 
 
 def _critical_velocities(data: Results) -> pd.DataFrame:
-    """Frame of critical velocity [m/s] and outcome in words, by load.
-
-    The velocity is NaN where there is none.
-    """
+    """Frame of critical velocity [m/s], NaN where there is none, and outcome, by load."""
     found, meanings = boundary(data), outcomes("velocity")
     outcome = [meanings[code] for code in found["outcome_at_load"].values.tolist()]
     velocities, loads = found["critical_velocity"].values, found["load"].values
@@ -131,13 +125,7 @@ def _differing_points(a: Results, b: Results) -> tuple[pd.DataFrame, int]:
 
 
 def _point_states(data: Results, has_seeds: bool) -> pd.DataFrame:
-    """Frame of points with load, velocity, variant, state and rise [K].
-
-    The rise is the highest in the contact at the end of the point's simulation, per unit friction
-    coefficient. Pending points are included if the last run was to compute them. The variant is a
-    text: the seed of the point's surface. If `data` has no dimension of surfaces, the variant is
-    the seed of the single surface if `has_seeds`, else None.
-    """
+    """Frame of points that are done or asked for: place, seed as text, state, highest rise [K]."""
     data.require("max_rise")
     values = {
         "status": data.columns["status"],

@@ -170,17 +170,14 @@ def condition(results: tuple[SpecimenResult, ...], prior: Prior, inputs: int = 0
 
 
 def _scales(prior: Prior) -> tuple[Array, Array, Array]:
-    """Scales of bias and scatter at 40 × 40 nodes, with the logarithm of their prior weight.
-
-    The nodes cover the whole tails of both: with cut tails one slip three decades off would make
-    the whole plane severe.
-    """
+    """Scales of bias and scatter at 40 × 40 nodes, with the logarithm of their prior weight."""
 
     def nodes(low: float, high: float) -> tuple[Array, Array]:
         half = 0.5 * (high - low)
         return half * _NODES + 0.5 * (high + low), np.log(half * _WEIGHTS)
 
     # A bias of Student's t is Gaussian with precision Gamma(2, 2) over its scale.
+    # The whole tails: else one slip three decades off would make the whole plane severe.
     u, weight_u = nodes(math.log(1e-6), math.log(20.0))
     v, weight_v = nodes(math.log(0.1 * prior.scatter), math.log(max(50.0, 10 * prior.scatter)))
     log_u = WORTH / 2 * (u - np.exp(u)) + weight_u
@@ -295,10 +292,7 @@ class _Conditioned:
 
 
 def _interval(result: SpecimenResult, m: Array, variance: Array) -> tuple[Array, Array, Array]:
-    """Ln of the probability of an interval, its first derivative by `m`, and minus its second.
-
-    The latent value has the mean `m` and the `variance`, both (g,).
-    """
+    """Ln of an interval's probability, its first derivative by `m`, and minus its second."""
     k = np.sqrt(variance)
     high, low = result.sign * m / k, (result.sign * m - result.width) / k
     if math.isinf(result.width):

@@ -177,11 +177,7 @@ def asked_of(data: Results, points: OperatingPoints | None) -> Iterator[Asked]:
 def _asked(
     judge: Judge, points: Sequence[tuple[OperatingPoint, Mapping[str, float]]]
 ) -> list[Asked]:
-    """Judge operating points of one scene: an `Asked` for each, in the order of `points`.
-
-    Each of `points` is a pair: its load [N] and velocity [m/s], and by name the conditions of this
-    point alone, such as its friction.
-    """
+    """Judge operating points (load, velocity) of one scene, each with its own conditions."""
     found, alike = dict[int, Asked](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(points):
         alike.setdefault((*own.items(),), []).append(number)

@@ -148,13 +148,7 @@ def preset_error(velocity_error: float | None) -> float:
 def _interpolation(
     rises: Rises, rows: Indices, columns: Indices, loads: Array, velocities: Array
 ) -> Array:
-    """Relative errors (k,) of rises at k pairs of load and velocity due to interpolation.
-
-    Each rise is interpolated between points of `rises`. `rows` (k, 2) are the indices of two loads,
-    and `columns` (k, 2, 2) those of two velocities at each of these loads, from
-    `Rises.rests_on`. Beyond the two velocities the error is that of extrapolation. An error is
-    NaN outside the two loads, or if `rises` has too few points to estimate the error.
-    """
+    """Relative errors (k,) of rises interpolated between the points that `Rises.rests_on` names."""
     lowest, highest = rises.loads[rows].T
     along = _along_velocity(rises, loads, velocities)
     errors = np.hypot(along, _between_loads(rises, np.log(highest / lowest)))
@@ -164,21 +158,13 @@ def _interpolation(
 
 
 def _between_loads(rises: Rises, gaps: Array) -> Array:
-    """Relative errors (k,) of rises that are interpolated along load.
-
-    Each of `gaps` (k,) is the difference of ln(load) between the two computed loads on either side.
-    A gap is 0 at a computed load, and so is the error. An error is NaN if `rises` has too few loads
-    to estimate it.
-    """
+    """Relative errors (k,) along load, across `gaps` of ln(load); NaN with too few loads."""
     factor, power = (BETWEEN_LOADS, 2) if rises.is_left_out.any() else (BETWEEN, 1)
     return np.where(gaps > 0, factor * _left_out_error(rises) * gaps**power, 0.0)
 
 
 def _along_velocity(rises: Rises, loads: Array, velocities: Array) -> Array:
-    """Relative errors (k,) of rises between or beyond the computed velocities.
-
-    At a load without points they are those of the loads beside, along lines of equal rise.
-    """
+    """Relative errors (k,) of rises between or beyond the computed velocities."""
     aligned = Alignment.of(rises.loads, rises.velocities, rises.plane)
     errors = np.full(len(loads), math.nan)
     for load in np.unique(loads):
@@ -218,12 +204,7 @@ def _along_row(rises: Rises, row: int, places: Array) -> Array:
 
 @functools.lru_cache(maxsize=1024)  # many places are between the same points
 def _left_out_error(rises: Rises) -> float:
-    """Root mean square of error of ln(rise) over gap, over loads that are left out in turn.
-
-    A left-out load is interpolated from the others, and the gap is the difference of ln(load)
-    between its neighbours; its square where a search has left loads out. The result is NaN if no
-    load can be interpolated.
-    """
+    """RMS of error of ln(rise) over gap of ln(load), or over gap², leaving loads out in turn."""
     if rises.is_left_out.any():
         every = _left_out_loads(rises)
         return float(np.sqrt(np.mean(every**2))) if every.size else math.nan
@@ -241,10 +222,7 @@ def _left_out_error(rises: Rises) -> float:
 
 
 def _left_out_loads(rises: Rises) -> Array:
-    """(Error of ln(rise))/gap² of each inner load, interpolated from the others; a searched plane.
-
-    Rises are interpolated along lines of equal rise, as at loads that the search left out.
-    """
+    """(Error of ln(rise))/gap² of each inner load, along lines of equal rise as after a search."""
     aligned, found = Alignment.of(rises.loads, rises.velocities, rises.plane), []
     for number in range(1, len(aligned.rows) - 1):
         load, known_here = rises.loads[aligned.rows[number]], rises.plane[aligned.rows[number]]
@@ -257,10 +235,7 @@ def _left_out_loads(rises: Rises) -> Array:
 
 @functools.lru_cache(maxsize=1024)  # many places are beyond the same points
 def _slope_spread(rises: Rises) -> float:
-    """Standard deviation of the slopes d ln(rise)/d ln(velocity) of the points in `rises`.
-
-    Slopes are between neighbouring velocities at the same load. Without any slope the result is 0.
-    """
+    """Standard deviation of d ln(rise)/d ln(velocity) between neighbours; 0 without any."""
     x, y = _logarithms(rises.velocities, rises.plane)
     slopes = np.diff(y) / np.diff(x)
     slopes = slopes[np.isfinite(slopes)]
@@ -268,10 +243,7 @@ def _slope_spread(rises: Rises) -> float:
 
 
 def _logarithms(x: Array, rows: Array) -> tuple[Array, Array]:
-    """Logarithms of the known points of curves: abscissae `x` and ordinates `rows`, then NaN.
-
-    Points that are not positive count as unknown.
-    """
+    """Logarithms of curves' known, positive points: abscissae `x`, ordinates `rows`, then NaN."""
     is_known = np.isfinite(rows) & (rows > 0) & (x > 0)
     curves = Curve(np.where(is_known, x, math.nan), rows)
     return np.log(curves.x), np.log(curves.y)

@@ -144,11 +144,7 @@ class Rises:
         return Curve(self.loads, self._rows(each)[:, back].T)(loads[:, None])[:, 0]
 
     def _rows(self, velocities: Array, near: slice = slice(None)) -> Array:
-        """Rises with the effect of velocity on friction at all loads or those `near` (n_load, k).
-
-        They go on beyond the velocities of a load. NaN at a load without points; one with a single
-        point that cannot be estimated has that alone.
-        """
+        """Rises (n_load, k), with the effect of velocity on friction, also beyond velocities."""
         curve, factor = Curve(self.velocities, self._filled[near]), self.conditions.friction_factor
         rises = curve(velocities, continued=True)
         is_own = (curve.count > 1)[:, None] | (velocities == curve.end(0)[0][:, None])
@@ -160,11 +156,7 @@ class Rises:
         return np.asarray((first <= velocities) & (velocities <= last))
 
     def _is_certain(self, velocities: Array) -> Mask:
-        """True where the side of the limit is certain at each load (n_load, k).
-
-        It is between computed velocities, below them if wear is mild at the lowest, and above them
-        if wear is severe at the highest.
-        """
+        """True where the side of the limit is certain at each load (n_load, k)."""
         within = self._is_within(velocities)
         if self.conditions.has_friction_curve:
             return within
@@ -274,11 +266,7 @@ class Rises:
         return np.concatenate([x[0] / beyond[::-1], inner, x[-1] * beyond])
 
     def _lines(self, loads: Array, nodes: Array, *masks: Mask) -> list[Array]:
-        """Rises along n nodes of velocity at k loads (k, n) [K], for each of the `masks`.
-
-        They are NaN unless the mask (n_load, n) is True at both loads beside, and unknown beyond
-        the points of a load of the sweep unless all of the mask is True.
-        """
+        """Rises (k, n) [K] at `loads` and `nodes`, NaN unless a mask (n_load, n) holds around."""
         at, is_own = np.searchsorted(self.loads, loads), np.isin(loads, self.loads)
         near = slice(None)
         if self._is_done.all():  # a cubic between two loads is made of these and one on either side
@@ -298,11 +286,9 @@ class Rises:
         return found
 
     def _marks(self, velocities: Array, holds: Mask) -> Array:
-        """1 where `holds` (n_load, k), else 2; NaN at a load that tells nothing of others.
-
-        A cubic through these marks along load is 1 only between two loads at which they are.
-        """
+        """1 where `holds` (n_load, k), else 2; NaN at a load that tells nothing of others."""
         tells = (self._is_known.sum(axis=1) > 1)[:, None] | self._is_within(velocities)
+        # A cubic through these marks is 1 only between two loads at which they are.
         return np.where(tells, np.where(holds, 1.0, 2.0), math.nan)
 
     def rests_on(self, loads: Array, velocities: Array) -> tuple[Indices, Indices]:
@@ -324,12 +310,7 @@ class Rises:
 
     @functools.cached_property
     def _loads_around(self) -> Indices:
-        """Indices of the two loads between which a rise is interpolated; -1 if there are none.
-
-        The shape is (2 n_velocity + 1, 2 n_load + 1, 2), with axes for the slot of the velocity,
-        the slot of the load, and the two loads. A slot is a value of the axis, a gap between two
-        values, or the range beyond an end, numbered by `slots`.
-        """
+        """Indices (2 n_velocity + 1, 2 n_load + 1, 2) of the loads around `slots`, or -1."""
         goes_on = self._is_done.sum(axis=1) >= 2  # rows that can be extrapolated
         reached = np.repeat(goes_on[None], 2 * len(self.velocities) + 1, axis=0)
         reached[1::2] |= self._is_done.T
@@ -337,11 +318,7 @@ class Rises:
 
     @functools.cached_property
     def _velocities_around(self) -> Indices:
-        """Indices of the two velocities between which a rise is interpolated; -1 if there are none.
-
-        The shape is (n_load, 2 n_velocity + 1, 2), with axes for the load, the slot of the
-        velocity, and the two velocities. Beyond an end the two are the nearest.
-        """
+        """Indices (n_load, 2 n_velocity + 1, 2) of the velocities around `slots`, or -1."""
         return neighbours(self._is_done)
 
 

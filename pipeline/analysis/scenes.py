@@ -81,11 +81,7 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 
 def _usual_unit(axis: xr.DataArray) -> str:
-    """Unit in which users are shown values of the coordinate `axis`, such as "mm" for a radius.
-
-    For an entry of the scene it is the unit of the example that documents the entry. For any other
-    coordinate it is taken from `_OWN`, or is the SI unit if `_OWN` lacks it.
-    """
+    """Unit in which users are shown values of the coordinate `axis`, such as "mm" for a radius."""
     path, unit = path_of_dimension(str(axis.name)), str(axis.attrs.get("units", ""))
     own = typeset(number_at(path).unit)
     return own if own and unit else _OWN.get(unit, unit)
@@ -145,10 +141,7 @@ def require_one_sweep(ds: xr.Dataset, table: Variants) -> None:
 
 
 def _row_ids(ds: xr.Dataset, ids: Sequence[int], table: Variants) -> xr.Variable:
-    """Scene ids of the rows of a dataset, picked from `ids` of all rows of the sweep's `table`.
-
-    A dimension of the table that the dataset lacks is kept, with all its values.
-    """
+    """Scene ids of a dataset's rows, from `ids` of all rows; dimensions that it lacks are kept."""
     axes = table.axes
     whole = xr.Variable([*axes], np.reshape(ids, [len(values) for values in axes.values()]))
     return whole.isel(
@@ -172,10 +165,7 @@ def _numbers(values: Sequence[Label], labels: Any) -> Array:
 
 
 def _places_in_words(ds: xr.Dataset, wrong: xr.Variable) -> str:
-    """List, in words, where `wrong` marks points of another scene.
-
-    Loads are always listed. Other axes are listed only if some of their values have no such point.
-    """
+    """List where `wrong` marks points of another scene, by load and by axes that matter."""
     words = []
     for dim in sorted(map(str, wrong.dims), key=lambda dim: dim != "load"):
         among = wrong.any([other for other in wrong.dims if other != dim]).values

@@ -156,10 +156,7 @@ def _result(rows: Sequence[ComparedTest], effects: Effects, way: float) -> Speci
 
 
 def _rows(data: Results, oil: Conditions) -> Iterator[ComparedTest]:
-    """Yield the tests of a scene with their y.
-
-    They are computed on the first patch, and raised by what the specimen differs from it.
-    """
+    """Yield the tests of a scene with their y, on the specimen of all patches."""
     held, specimen = data.tests, None
     if data.patches > 1 and data.kind is Layout.PLANE:
         specimen = specimen_at(data.take_moving(), oil)
@@ -176,6 +173,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[ComparedTest]:
             continue
         try:
             rises = [held.rise(place, own) for place in points]
+            # They were computed on the first patch alone.
             if specimen:
                 aparts = itertools.starmap(specimen.apart_at, test.places)
                 rises = [x * math.exp(apart) for x, apart in zip(rises, aparts, strict=True)]

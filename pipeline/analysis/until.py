@@ -191,14 +191,12 @@ class Until:
 def _first(
     begin: float, end: float, gives: Callable[[float], bool], is_linear: bool = False
 ) -> float | None:
-    """First value from `begin` to `end` that gives the verdict; None without.
-
-    The whole range is looked through: where a film is thick, its end may be outside the model.
-    """
+    """First value from `begin` to `end` that gives the verdict; None without."""
     if begin == end:
         return None
     spaced = np.linspace if is_linear else np.geomspace
     places = spaced(begin, end, _PLACES + 1).tolist()
+    # All places, as the end may be outside the model, where a film is thick.
     number = next((k for k, value in enumerate(places) if k and gives(value)), None)
     if number is None:
         return None

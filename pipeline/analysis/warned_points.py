@@ -103,20 +103,14 @@ def _is_molten(scene: Results) -> Mask:
 
 
 def _mask_by_scene(data: Results, mark: Callable[[Results], Mask]) -> Mask:
-    """Mask of all points, joined from the masks that `mark` returns for each scene.
-
-    It is False everywhere if the points are not on a grid.
-    """
+    """Mask of all points, joined from those that `mark` returns by scene; False off a grid."""
     if data.kind is not Layout.PLANE:
         return np.zeros(data.done.shape, bool)
     return np.reshape([mark(scene) for scene in data.scenes], data.done.shape)
 
 
 def _example(data: Results, flags: Indices) -> str:
-    """The first point that carries a warning, with its message; empty without warnings.
-
-    `flags` are sums of `WarningKind` codes, 0 without a warning, by row, load and velocity.
-    """
+    """The first point that carries a warning (`flags` not 0), with its message; else empty."""
     if not flags.any():
         return ""
     *row, load, velocity = np.argwhere(flags)[0].tolist()
@@ -132,10 +126,7 @@ def _example(data: Results, flags: Indices) -> str:
 
 
 def _rises_slowly(scene: Results) -> Mask:
-    """Mask of points where d ln(rise)/d ln(velocity) is below `SLOWEST`.
-
-    The rise is per unit friction coefficient, for bodies of equal bulk temperature.
-    """
+    """Mask of points where d ln(rise)/d ln(velocity), for equal bulks, is below `SLOWEST`."""
     stored = scene.sweep.conditions.criterion
     kind = stored.name if stored.name in CRITERIA else "share"
     plain = Conditions(1.0, 300.0, criterion=Criterion(kind, stored.share))

@@ -69,10 +69,7 @@ _Row = tuple[str, str]
 
 
 def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
-    """Yield rows that describe a scene: contact, surface, motion, film, wear and heat.
-
-    `memory` states in words how much memory a simulation needs.
-    """
+    """Yield rows that describe a scene: contact, surface, motion, film, wear and heat."""
     worn = "worn" if facts.wear_depth else "unworn"
     rough = "rough" if facts.surface else "smooth"
     yield (
@@ -138,10 +135,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
 
 
 def _text(span: Span, unit: str = "") -> str:
-    """Range of a quantity as text in a `unit`, such as "1.2 to 3 µm".
-
-    It is a single value if both ends agree.
-    """
+    """Range of a quantity, or its single value, as text in a `unit`, such as "1.2 to 3 µm"."""
     low, high = (f"{shown_in(value, unit):.3g}" for value in span)
     return f"{low if low == high else f'{low} to {high}'} {unit}".rstrip()
 

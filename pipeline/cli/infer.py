@@ -102,12 +102,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
 
 
 def _hold_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
-    """Sweep in which `load` [N] is held after its ramp, so that a test lasts `duration` [s].
-
-    If `duration` is None, the sweep is returned unchanged. Raises an `InputError` if the ramp alone
-    lasts longer than `duration`, or if the load does not grow by a ramp, but follows a measured
-    record.
-    """
+    """Sweep whose tests at `load` [N] last `duration` [s], by a hold; unchanged for None."""
     if duration is None:
         return sweep
     if not isinstance(sweep.scene.loading, Ramp):

@@ -71,10 +71,7 @@ def _margin_result(ds: xr.Dataset, place: OperatingPoint) -> Result:
 
 
 def _contact_frame(ds: xr.Dataset) -> pd.DataFrame:
-    """Frame of one row: the contact at the end of a point, and its temperature over all steps.
-
-    The highest temperature and the failed share are the largest of all steps.
-    """
+    """Frame of one row: the contact at the end of a point, and its hottest over all steps."""
     highest = pipeline.temperatures(ds).max("step")
     both = pipeline.end_of_point(ds).merge(highest, compat="override")
     values = {head: both[name].item() for name, head in _CONTACT.items() if name in both}

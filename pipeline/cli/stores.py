@@ -64,10 +64,7 @@ def _is_store(path: Path) -> bool:
 
 
 def _stores_below(folder: Path) -> Iterator[Path]:
-    """Paths of the stores in a folder and its subfolders.
-
-    Subfolders that are unreadable, hidden or symbolic links are not searched.
-    """
+    """Paths of the stores in a folder and its subfolders, but not behind links or hidden names."""
     for path in sorted(folder.iterdir()):
         with suppress(OSError):
             if _is_store(path):
@@ -77,10 +74,7 @@ def _stores_below(folder: Path) -> Iterator[Path]:
 
 
 def _listed(path: Path, name: str) -> list[object]:
-    """Row of the table of stores for the store at `path`, which is shown as `name`.
-
-    If the store cannot be read, the row says why.
-    """
+    """Row of the table of stores for the store at `path`, or why it cannot be read."""
     try:
         state, sweep = states(path)
         return _row(name, state, sweep.preset)

@@ -135,11 +135,7 @@ _INSIDE = 1e-4  # distance from a point, over the interval: at points the error 
 
 
 def _refine_axis(points: Array, count: int) -> Array:
-    """Fine axis with at least `count` values, between the loads or velocities `points`.
-
-    All intervals between two points have the same number of values. The outermost values of an
-    interval lie just beside its points.
-    """
+    """Fine axis with at least `count` values, equally many between any two `points`."""
     begins, ends = points[:-1], points[1:]
     inside, parts = _INSIDE * (ends - begins), max(2, math.ceil(count / len(begins)))
     return np.linspace(begins + inside, ends - inside, parts, axis=1).ravel()
@@ -153,11 +149,7 @@ def _plane(rises: Rises, x: Array, y: Array) -> Array:
 
 
 def _shade_verdicts(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array) -> list[Artist]:
-    """Shade regions by the verdict of `pipeline.margin` at each node; name mild and severe ones.
-
-    The list has the legend entry of the region that is not decided, if there is such a region.
-    `plane` is NaN where nothing is known, and nothing is shaded there.
-    """
+    """Shade regions by verdict where `plane` is known; return the undecided one's entry."""
     places = tuple(axis.ravel() for axis in np.meshgrid(y, x, indexing="ij"))
     verdicts = np.reshape(judge.verdicts(*places), plane.shape)
     low, _, high = (np.reshape(part, plane.shape) for part in judge.chances(places[0], places[1]))
@@ -221,11 +213,7 @@ def _friction_lines(axes: Axes, rises: Rises, x: Array, y: Array) -> list[Artist
 
 
 def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
-    """Mark each point by its outcome on all surfaces together; return the legend's entries.
-
-    Wear is mild, severe, or severe on some patches; or the point is failed or pending. A point
-    with a warning has a second mark.
-    """
+    """Mark each point by its outcome on all surfaces, and by its warning; return legend entries."""
     r, limit = data.rises(conditions), rise_limit(conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
     failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)
@@ -254,8 +242,5 @@ def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Arti
 
 
 def _any_surface(holds: Mask) -> Mask:
-    """Mask (load, velocity) that is True where `holds` is True on at least one surface.
-
-    `holds` has the shape (..., load, velocity).
-    """
+    """Mask (load, velocity): True where `holds` (..., load, velocity) is on any surface."""
     return np.asarray(holds.any(axis=tuple(range(holds.ndim - len(PLANE)))))

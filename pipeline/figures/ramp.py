@@ -90,10 +90,7 @@ def ramp(
 
 
 def _stored_variable(data: Results, name: str) -> tuple[str, str]:
-    """Axis label with unit, and the unchanged `name`, of a variable that is stored at each step.
-
-    Raises an `InputError` if no variable with this name is stored at each step.
-    """
+    """Axis label with unit, and `name`; `InputError` unless it is stored at each step."""
     stepped = {*STEPPED, *MADE, "own_grid"} & {*data.columns, *data.rest}
     names = sorted(one for one in stepped if VARIABLES[one].dims[-1] == "step")
     if name not in names:
@@ -102,11 +99,7 @@ def _stored_variable(data: Results, name: str) -> tuple[str, str]:
 
 
 def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: Any) -> None:
-    """Draw `values` over time: for each of `points` a line over its steps, the last step marked.
-
-    `values` has the axes (load, velocity, step). Steps on larger elements than the last step are
-    drawn as a separate line. `look` has properties of Matplotlib's lines by name.
-    """
+    """Draw `values` (load, velocity, step) over time, a line for each point, its end marked."""
     for number, point in enumerate(points):
         time, own = (data.values(name)[point] for name in ("time", "own_grid"))
         known = np.isfinite(values[point])
@@ -116,11 +109,7 @@ def _draw(axes: Axes, data: Results, values: Array, points: list[Spot], look: An
 
 
 def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Conditions) -> None:
-    """Draw the highest and the criterion's contact temperature of points over time.
-
-    The criterion's temperature is the one that is compared with the critical temperature, which is
-    drawn, too.
-    """
+    """Draw the highest, the criterion's and the critical temperature of points over time."""
     handles = []
     for judged, look in _line_styles(conditions):
         rise = judged.criterion.rise({**data.columns, "quantile": data.shares})
@@ -135,11 +124,7 @@ def _temperatures(axes: Axes, data: Results, points: list[Spot], conditions: Con
 
 
 def _line_styles(conditions: Conditions) -> list[tuple[Conditions, dict[str, Any]]]:
-    """Temperatures to draw, as pairs (conditions, line style): the highest, then the criterion's.
-
-    The criterion of the conditions in a pair selects its temperature. There is only one pair if the
-    criterion is the highest temperature.
-    """
+    """Pairs (conditions, line style): the highest temperature, then the criterion's if another."""
     highest = changed_conditions(conditions, {"criterion": "highest"})
     is_other = conditions.criterion.temperature != highest.criterion.temperature
     return [(highest, _DASHED), *[(conditions, _SOLID)] * is_other]

@@ -137,11 +137,7 @@ def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:
 
 
 def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result:
-    """Result of ``irg tests`` for a trace, a record of friction over time, with the table `read`.
-
-    It has the stages and the largest rises of friction, a figure if `options` name a file for it,
-    and lines of a scene file if they say what happened.
-    """
+    """Result of ``irg tests`` for a trace: stages, largest rises, figure, lines of a scene file."""
     trace = read_trace(read)
     stages, rises = [*_stage_rows(trace)], trace.rises
     is_told = options.outcome or options.scuffed_at
@@ -216,10 +212,7 @@ def _rise_lines(trace: Trace) -> Iterator[str]:
 
 
 def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
-    """Yield lines on a file: its format, rows left out, and how to copy a scene for the test rig.
-
-    `export` is the format of the test machine's export.
-    """
+    """Yield lines on a file: its format, rows left out, and how to copy a scene for its rig."""
     form = [f"form of {export.title}"] if export.title else []
     yield f"{path}: {', '.join([*form, *sheet.form])}"
     if sheet.counted:
@@ -230,11 +223,7 @@ def _file_lines(path: Path, sheet: Sheet, export: Export) -> Iterator[str]:
 
 
 def _describe(sheet: Sheet, export: Export) -> dict[str, Any]:
-    """How a file was read, as plain data by name: format, columns, rows left out, and a scene.
-
-    The scene is the name of a shipped scene that fits the test rig, or None. `export` is the format
-    of the test machine's export.
-    """
+    """How a file was read, as plain data: format, columns, rows left out, scene for its rig."""
     return {
         "form": [export.title, *sheet.form] if export.title else sheet.form,
         "columns": {name: sheet.headings[k].text for name, k in sheet.places.items()},
@@ -263,10 +252,7 @@ def _unit_doubts(in_si: Iterable[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def _column_frames(sheet: Sheet, words: Mapping[str, str]) -> Iterator[pd.DataFrame]:
-    """Yield a table with a row for each column of the file: heading, quantity, first cell.
-
-    `words` has the meanings of words for outcomes.
-    """
+    """Yield a table with a row for each column of the file: heading, quantity, first cell."""
     names = {place: name for name, place in sheet.places.items()}
     rows = []
     for place, heading in enumerate(sheet.headings):

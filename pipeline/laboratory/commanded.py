@@ -213,10 +213,7 @@ def _goes_on(before: Piece, ramp: Piece, time: Array) -> bool:
 
 
 def _is_transition(pieces: Sequence[Piece], spans: Sequence[float], k: int) -> bool:
-    """True if ramp `k` only leads to the first stage, or from one hold to the next.
-
-    A last ramp is a stage: the test may have ended on it.
-    """
+    """True if ramp `k` only leads to the first stage, or from one hold to the next."""
     before = [span for span, one in zip(spans[:k], pieces[:k], strict=True) if not one.is_ramp]
     after = [
         span for span, one in zip(spans[k + 1 :], pieces[k + 1 :], strict=True) if not one.is_ramp
@@ -224,6 +221,7 @@ def _is_transition(pieces: Sequence[Piece], spans: Sequence[float], k: int) -> b
     if not before:
         return spans[k] <= _SHORT * max(spans[k + 1 :], default=0.0)
     # The last hold may be short, as a scuff ends it.
+    # A last ramp is a stage: the test may have ended on it.
     return bool(after) and spans[k] <= (min if after[1:] else max)(before[-1], after[0])
 
 

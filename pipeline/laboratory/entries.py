@@ -39,12 +39,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, None]:
 def _read_tests(
     entry: dict[str, Any], key: str, number: int, folder: Path, faults: Faults, is_alone: bool
 ) -> list[dict[str, Any]]:
-    """Read the tests of a log file as tables of a scene; faults name row and column.
-
-    `entry` is the table of the scene that names the file, at index `number` of the list `key`.
-    Unless the log is alone, its name stands before the ``number`` and ``run`` of its tests: several
-    logs may each count from 1.
-    """
+    """Read the tests of the log that a table names; faults name row and column."""
     before, place = len(faults), f"{key}[{number}]"
     read = table_of(LogTable).read(entry, place, faults)
     if len(faults) > before:
@@ -62,6 +57,7 @@ def _read_tests(
             faults.note(place, note)
         if is_alone:
             return log.tests
+        # Several logs may each count from 1.
         labels = ("number", "run")
         return [test | {k: f"{file} {test[k]}" for k in labels if k in test} for test in log.tests]
     return []

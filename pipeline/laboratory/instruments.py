@@ -103,10 +103,7 @@ def _read_by_library(path: Path, content: bytes) -> RawScan:
 
 
 def _why_unreadable(formats: Any, path: Path, error: Exception) -> str:
-    """Why SurfaceTopography cannot read a file: its error, or that it has no reader for the file.
-
-    `formats` is its module of readers, and `error` was raised by the first attempt.
-    """
+    """Why SurfaceTopography cannot read a file: its error, or that it has no reader for it."""
     if type(error).__name__ != "CannotDetectFileFormat":
         return (str(error).strip().splitlines() or [type(error).__name__])[0].rstrip(".")
     for reader in formats.readers:

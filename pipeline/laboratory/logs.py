@@ -147,12 +147,7 @@ def _row_class(sheet: Sheet) -> type | None:
 
 
 def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
-    """Find what the words in a log's column of outcomes mean, and store it in ``log.words``.
-
-    `words` has the meanings that the user gives, with "" for empty cells. Rows without an outcome
-    are left out. If all other rows have the same outcome, an empty cell may mean the opposite: then
-    a fault asks the user.
-    """
+    """Find what the words for outcomes mean, given by `words`, and store it in ``log.words``."""
     sheet, place, title = log.sheet, log.sheet.places["outcome"], log.sheet.heading("outcome").title
     empty = [row for row in sheet.rows if row.cells[place].lower() in EMPTY]
     for _, cells in empty if "" in words else ():
@@ -161,6 +156,7 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
     found = {cell: words.get(cell) or outcome_of(cell, title) for cell in found_cells}
     log.words = {cell: one for cell, one in found.items() if one and cell not in OUTCOMES}
     meanings = {cell: one or cell for cell, one in found.items() if cell.lower() not in EMPTY}
+    # An empty cell may mean the opposite of the only outcome, which the user must say.
     if empty and "" not in words and len({*meanings.values()}) == 1:
         word, outcome = next(iter(meanings.items()))
         other = "severe" if outcome == "mild" else "mild"
@@ -184,12 +180,7 @@ def _read_outcomes(log: Log, words: Mapping[str, str]) -> None:
 
 
 def _leave_out_copies(sheet: Sheet) -> None:
-    """Leave out rows that are copies of earlier rows.
-
-    A copy equals an earlier row in every cell, and one of these cells, such as the test's number,
-    would differ if the test had been repeated. Equal rows without such a cell are repeated tests,
-    and are kept.
-    """
+    """Leave out rows that are copies of earlier rows."""
     used = {k for name, k in sheet.places.items() if name not in _DISTINGUISHING} | sheet.sources
     distinguishing = {
         k
@@ -198,6 +189,7 @@ def _leave_out_copies(sheet: Sheet) -> None:
     }
     first, twice = dict[tuple[str, ...], int](), dict[int, str]()
     for number, cells in sheet.rows:
+        # Equal rows without a number, date or the like of their own are repeated tests.
         is_distinct = any(cells[k] for k in distinguishing)
         if is_distinct and first.setdefault((*cells,), number) != number:
             twice[number] = "repeats an earlier row"

@@ -88,18 +88,14 @@ def add_hints(sheet: Sheet) -> None:
 
 
 def _read_levels(sheet: Sheet, step: str) -> None:
-    """Turn the last mild and first severe levels of stepwise tests in a sheet into numbers.
-
-    A cell such as "> 12" means that level 12 was still mild, and that no level was severe. If the
-    sheet has a column for only one of the two levels, the other level is one step of load away.
-    `step` is this step as text, such as "100 N"; empty if it is not known.
-    """
+    """Turn last mild and first severe levels into numbers; either is one `step` from the other."""
     beyond = {name: _read_more_than(sheet, name) for name in _ENDS}
     ends = [name for name in _ENDS if name in sheet.places]
     if not ends or not (step or any(beyond[name] for name in _ENDS)):
         return
     unknown = np.full(len(sheet.rows), np.nan)
     mild, severe = (sheet.numbers(x) if x in ends else unknown.copy() for x in _ENDS)
+    # "> 12": level 12 was still mild, and no level was severe.
     is_open = np.zeros(len(sheet.rows), bool)
     for k, (number, _) in enumerate(sheet.rows):
         is_open[k] = number in beyond["mild_up_to"] or number in beyond["severe_at"]
@@ -117,10 +113,7 @@ def _read_levels(sheet: Sheet, step: str) -> None:
 
 
 def _read_more_than(sheet: Sheet, name: str) -> set[int]:
-    """Numbers of the rows whose cell of quantity `name` says "more than".
-
-    Such a cell is replaced by the number in it; a cell without digits becomes empty.
-    """
+    """Numbers of the rows whose cell of `name` says "more than", which is taken off the cell."""
     rows, place = set[int](), sheet.places.get(name, 0)
     for number, cells in sheet.rows if name in sheet.places else ():
         if match := _BEYOND.fullmatch(cells[place]):

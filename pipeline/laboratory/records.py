@@ -69,10 +69,7 @@ def _columns(read: Read) -> dict[str, Array]:
 
 
 def _drop_rest(sheet: Sheet, columns: dict[str, Array], commands: Iterable[str]) -> None:
-    """Count time from the first row, orient load and velocity, and leave out rows at rest.
-
-    The time in motion is added to `columns` as "running" [s].
-    """
+    """Orient load and velocity, leave out rows at rest, and add the time in motion [s]."""
     time = columns["time"] = columns["time"] - columns["time"][0]
     if "velocity" in columns:
         columns["velocity"] = np.abs(columns["velocity"])
@@ -101,10 +98,7 @@ def _signed_load(sheet: Sheet, load: Array) -> Array:
 
 
 def _drop(sheet: Sheet, columns: dict[str, Array], reason: str, rows: Any) -> None:
-    """Leave out rows, for a reason, from the table and from the arrays in `columns`.
-
-    `rows` is a mask, True for rows to leave out.
-    """
+    """Leave out the rows of a mask, for a reason, from the table and from arrays in `columns`."""
     numbers = [row.number for row, is_out in zip(sheet.rows, rows, strict=True) if is_out]
     sheet.leave_out(dict.fromkeys(numbers, reason))
     columns |= {name: values[~rows] for name, values in columns.items()}

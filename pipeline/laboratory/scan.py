@@ -249,12 +249,7 @@ def surface_statistics(
 def _compare(
     heights: Array, sides: tuple[float, float], rough: ArealRoughness
 ) -> tuple[SelfAffineFit | None, str, Likenesses]:
-    """Compare a scan with random surfaces that have the spectrum fitted to the scan.
-
-    `heights` and `rough` are the scan's heights [m] and roughness, and `sides` those of a pixel
-    [m]. Returns the fit, why the scan differs from random surfaces (empty if it does not), and the
-    compared quantities.
-    """
+    """Fit of random surfaces to a scan, why it differs from them (or empty), what is compared."""
     level, *_ = remove_form(heights, sides)
     holes = ~np.isfinite(level)
     try:

@@ -170,11 +170,7 @@ class _Modes(NamedTuple):
 def _fit(
     modes: _Modes, starts: Sequence[Array], bounds: list[Any], fewest: int
 ) -> tuple[Array, float]:
-    """Best parameters of a spectrum from any start, and its largest factor off the power in a band.
-
-    Whittle's misfit Σ(ln S + P/S) of spectrum S to power P is lowest, with the best factor on S.
-    Bands of wavelength with fewer than `fewest` modes are left out; the factor is 1 without others.
-    """
+    """Best parameters of a spectrum from any start, and its largest factor off in a band."""
     from scipy.optimize import minimize
 
     power, q = modes.power / modes.power.mean(), modes.wavenumber

@@ -83,11 +83,9 @@ def _varied(trace: Trace, stages: list[LoadStage]) -> str | None:
 
 
 def _before_scuff(trace: Trace, stages: list[LoadStage], at: int) -> slice:
-    """Rows of the last stage before the scuff at row `at`; of the stage before if there are none.
-
-    Friction may have risen earlier than the person says; rows after the rise are left out.
-    """
+    """Rows of the last stage before the scuff at row `at`, or else of the stage before it."""
     rows = stages[-1].rows
+    # Friction may have risen earlier than the person says.
     rises = [one.row for one in trace.rises[:1] if rows.start <= one.row <= at]
     stop = min([*rises, at, rows.stop])
     if stop >= rows.start + _LEAST_ROWS:
@@ -104,10 +102,7 @@ def _conditions(trace: Trace, rows: slice) -> dict[str, Any]:
 
 
 def _place(trace: Trace, stage: LoadStage, at: int | None) -> dict[str, str]:
-    """Load and velocity of a test by name, as text; on a ramp at row `at`, or its higher end.
-
-    What was not recorded becomes a text such as "... N", for the user to fill in.
-    """
+    """Load and velocity of a test as text, "... N" if not recorded; on a ramp at row `at`."""
     place = dict[str, str]()
     for name in COMMANDS:
         level: Level = getattr(stage, name)

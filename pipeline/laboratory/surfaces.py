@@ -133,10 +133,7 @@ def _require_size(path: Path) -> None:
 
 
 def _read_array(path: Path) -> RawScan:
-    """Read heights (nx, ny) from a .npy file whose array has the shape (ny, nx), or a profile (n,).
-
-    Heights are in the file's unit, which such a file does not state.
-    """
+    """Read heights (nx, ny), in the file's unit, from a .npy array (ny, nx); or a profile (n,)."""
     try:
         with path.open("rb") as file:
             array = np.lib.format.read_array(file, allow_pickle=False)
@@ -154,10 +151,7 @@ def _read_array(path: Path) -> RawScan:
 
 
 def _remove_outliers(heights: Array, unit: float) -> list[str]:
-    """Turn isolated outliers such as −9999 into holes, in place; return a note on each value.
-
-    `heights` are in m. Notes state values in the file's unit of height, whose length is `unit` [m].
-    """
+    """Turn isolated outliers such as −9999 into holes, in place; note each in the file's `unit`."""
     notes = list[str]()
     values = heights[np.isfinite(heights)]
     while values.size > 2:
@@ -279,13 +273,7 @@ def window_heights(
 def _cropped(
     heights: Array, table: Mapping[str, Any], pixels: tuple[int, int], faults: Faults
 ) -> Array | None:
-    """Cut a patch of the size of the simulated window, `pixels`, out of a scan's heights [m].
-
-    `table` has the scene's entries ``disk.roughness``. The patch begins at the pixel ``crop``. If
-    ``repeat`` is "mirror" or "tile", it may end early, at the edge of the scan. If the
-    patch begins outside the scan, or ends outside with ``repeat`` "no", a fault is added to
-    `faults`, and the result is None.
-    """
+    """Cut the window's patch out of a scan's heights [m]; None, with a fault, if it is outside."""
     (i, j), (rows, columns) = table["crop"], pixels
     if table["repeat"] != "no":
         left = np.subtract(heights.shape, table["crop"])
@@ -302,11 +290,7 @@ def _cropped(
 
 
 def _fill_holes(heights: Array, missing: str, faults: Faults) -> Array | None:
-    """Copy heights [m] and fill the holes (NaN) smoothly from their surroundings, by `filled`.
-
-    Heights without holes are returned as they are. If `missing` is "refuse" instead of "fill", or
-    if all heights are missing, a fault is added to `faults`, and the result is None.
-    """
+    """Copy heights [m] with holes (NaN) filled; None, with a fault, if they cannot be."""
     holes = np.argwhere(~np.isfinite(heights))
     if not len(holes):
         return heights

@@ -105,11 +105,7 @@ def _step(line: Array) -> float:
 
 
 def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] | None]:
-    """Remove a first column of y and a first row of x; return heights, and steps of x and y.
-
-    The row of x may also be the line `above` the table. Without such coordinates, the steps are
-    None.
-    """
+    """Remove a column of y and a row of x (or line `above`); return heights, steps of x and y."""
     if min(table.shape) < 5:
         return table, None
     for first in (1, 0):
@@ -123,11 +119,7 @@ def _strip_axes(table: Array, above: Array) -> tuple[Array, tuple[float, float] 
 
 
 def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
-    """Split a text; return header lines, table, x coordinates, number of tables.
-
-    Missing heights are NaN in the table. The x coordinates are from the row above the table; they
-    are empty without such a row.
-    """
+    """Split a text: header, table with NaN for gaps, x coordinates above it, count of tables."""
     filled = [line for line in lines if line.strip()]
     mark = find_separator(filled[len(filled) // 2 :][:_SAMPLE])
     rows = {row.number: [*map(_number, row.cells)] for row in split_lines(lines, mark)}
@@ -177,18 +169,12 @@ def _split(lines: list[str]) -> tuple[list[str], Array, Array, int]:
 
 
 def _is_comment(line: str, row: list[float | None]) -> bool:
-    """True if a line begins with a comment sign, and has a word or fewer than two cells.
-
-    `row` has the value of each cell: a number, NaN for a missing height, or None for a word.
-    """
+    """True if a line begins with a comment sign, and has a word or fewer than two cells."""
     return line.lstrip().startswith(_COMMENT) and (None in row or len(row) < 2)
 
 
 def _number(cell: str) -> float | None:
-    """Read the number in a cell, with decimal point or comma; None if it has another text.
-
-    The result is NaN if the height is missing: the cell is empty, or has a mark such as "bad".
-    """
+    """Read the number in a cell; NaN for a missing height such as "bad", None for another text."""
     try:
         return float(cell.replace(",", "."))
     except ValueError:
@@ -196,11 +182,7 @@ def _number(cell: str) -> float | None:
 
 
 def _header_sizes(head: list[str]) -> tuple[dict[str, float], dict[str, float]]:
-    """Read lengths [m] from `head`, the lines of a header: sizes by name, and units of columns.
-
-    Sizes are "width" and "height" of the surface, "x step" and "y step" of its pixels, and "unit",
-    the unit of heights. Units of columns have the keys "x", "y" and "z".
-    """
+    """Read lengths [m] from header lines: sizes by name, and units of columns x, y and z."""
     sizes: dict[str, float] = {}
     units: dict[str, float] = {}
     for line in head:
@@ -227,11 +209,7 @@ def _length(text: str) -> float | None:
 
 
 def _grid_heights(path: Path, table: Array, units: dict[str, float], unit: float | None) -> RawScan:
-    """Heights (nx, ny) from rows of x, y, z on a regular grid; NaN where a row is missing.
-
-    `table` has the rows, `units` the units of its columns in metres, by name. `unit` is the unit of
-    z in metres, or None. If x or y is constant, the result is a profile, (n, 1).
-    """
+    """Heights (nx, ny), NaN for missing rows, from rows of x, y, z on a regular grid."""
     axes, places = [], []
     for axis, column in enumerate(table.T[:2]):
         values = np.unique(column[np.isfinite(column)])

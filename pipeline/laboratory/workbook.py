@@ -64,11 +64,7 @@ def _open_book(path: Path) -> tuple[Any, Any]:
 
 
 def _read_sheet(path: Path, name: str, names: list[str], values: Any, formulas: Any) -> Lines:
-    """Rows of the sheet `name` of a workbook, and a note on the sheets that are not read.
-
-    `values` and `formulas` are this sheet, with the values and with the formulas of its cells.
-    `names` are all sheets of the workbook.
-    """
+    """Rows of the sheet `name` of a workbook, and a note on the sheets that are not read."""
     rows, widest = list[SheetRow](), 0
     for sheet in (values, formulas):
         sheet.reset_dimensions()  # the dimensions in the file may be wrong

@@ -104,10 +104,7 @@ def choose_unit(sheet: Sheet, name: str, unit: str) -> None:
 
 
 def _take_rows(sheet: Sheet, values: Mapping[str, Any], is_kept: bool) -> None:
-    """Keep only the rows that have `values` in columns, or leave them out if not `is_kept`.
-
-    `values` are by heading or quantity.
-    """
+    """Keep only rows with `values` by heading or quantity, or leave them out if not `is_kept`."""
     heads = [heading.text for heading in sheet.headings]
     for head, value in values.items():
         if head not in heads and head not in sheet.places:

@@ -164,10 +164,7 @@ def notes_on_scene(sweep: Sweep) -> tuple[Remark, ...]:
 
 
 def _notes_on_pasts(sweep: Sweep) -> tuple[Remark, ...]:
-    """How the past of tests differs from the plane's, a line for each kind, with its effect.
-
-    Each test is simulated with its own past; so places of the plane are not like it.
-    """
+    """How the past of tests differs from the plane's, a line for each kind, with its effect."""
     plane, found = sweep.scene.loading, dict[str, list[Measurement]]()
     for test in sweep.tests:
         if words := _difference(test.simulated.scene.loading, plane):

@@ -162,10 +162,7 @@ def _read(name: str, value: Any) -> Any:
 
 
 def _with_values(law: Any, values: Any, path: str, faults: Faults) -> Any:
-    """Copy of a law with new `values` of its fields.
-
-    If a value does not fit, a fault is added to `faults`, and the law itself is returned.
-    """
+    """Copy of a law with new `values` of its fields, or with a fault the law itself."""
     if isinstance(values, dict):
         own = {one.name for one in fields(law)}
         values = {key: one for key, one in values.items() if key in own or key not in ASKED}

@@ -116,13 +116,9 @@ def load_scene(
 
 
 def _begin_extensions(document: Document, faults: Faults) -> tuple[Document, list[Extend]]:
-    """Let each extension change the document of a scene: several values, rows, logs.
-
-    An extension is a module with a function ``begin``, imported only where a scene needs it: of
-    this package, or ``entries`` of an extra whose ``format`` finds its entries. Returns the
-    document, and the functions that later add variants to the sweep.
-    """
+    """Let extensions (`over`, `along`, logs) change a scene; return what adds variants."""
     extensions, entries = list[Extend](), document.entries()
+    # Modules with a function ``begin``, imported only where a scene needs them.
     named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
     named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]
     for paths, module in named:

@@ -99,15 +99,13 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
-    """Layout of the points of tests in a store with the tests of a sweep.
-
-    Results of the layout before stay where they are, unless the tests need more steps.
-    """
+    """Layout of the points of tests in a store with the tests of a sweep."""
     old = before.layout if before else None
     if not sweep._own_points:
         return old and old._replace(slots=grown_slots(old.slots, sweep))
     judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
     steps = most_steps(sweep, slots, judges_hold)
+    # Results stay where they are, unless the tests need more steps.
     if old and steps <= old.steps and judges_hold == old.judges_hold:
         return old._replace(slots=slots)
     return TestLayout(wanted_slots(sweep), steps, judges_hold)
@@ -160,10 +158,7 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
 def _chunks_of(
     wanted: Mapping[str, Variable], axes: Axes, sizes: Mapping[str, int]
 ) -> list[dict[str, int]]:
-    """Number of points along each dimension in a chunk, and in a chunk of a field.
-
-    `sizes` are the lengths of the dimensions of points.
-    """
+    """Number of points along each dimension in a chunk, and in a chunk of a field."""
     fields = [one for name, one in wanted.items() if name in AT_END]
     others = [one for name, one in wanted.items() if not (name in AT_END or is_coordinate(name))]
     block = chunk_sizes(sizes, bytes_of_a_point(others, axes))

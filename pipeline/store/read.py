@@ -102,10 +102,7 @@ def _dataset_of(store: Store) -> xr.Dataset:
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
-    """Results at the points of tests, as coordinates: `xarray` keeps these in all it does.
-
-    The points that the present scene asks for are in the order of its tests.
-    """
+    """Results at points of the scene's tests, as coordinates: xarray keeps these in all it does."""
     if not (store.tests and store.tests.root.points):
         return {}
     ds = _dataset_of(store.tests)

@@ -173,12 +173,9 @@ def _storable(value: Any) -> Any:
 
 
 def _source_sha256(code: Any) -> str:
-    """SHA-256 of the file that defines a class or function, or of its source if not in a file.
-
-    The hash is kept as an attribute of the class, and goes to workers with the class. So it belongs
-    to the code that runs, even if the file is edited later.
-    """
+    """SHA-256 of the file that defines a class or function, or of its source if not in a file."""
     try:
+        # Kept on the class, so that it is of the code that runs, also on workers and after edits.
         if _KEPT not in vars(code):
             setattr(code, _KEPT, hashlib.sha256(_source(code)).hexdigest())
         return str(vars(code)[_KEPT])

@@ -267,10 +267,7 @@ class Sweep:
         return made
 
     def _with_hold(self, duration: float) -> Self:
-        """The sweep with another `duration` for which the full load is held after the ramp [s].
-
-        Raises an `InputError` if the load follows a record instead of a ramp.
-        """
+        """The sweep with another `duration` for which the full load is held after the ramp [s]."""
         if not isinstance(self.scene.loading, Ramp):
             raise InputError(
                 f"hold is {duration:g} s, but the load follows a record or stages, which have "
@@ -279,10 +276,7 @@ class Sweep:
         return self.changed("loading.hold", f"{duration!r} s")
 
     def _take_surface(self, seed: int | None) -> Self:
-        """The sweep on the random surface of a seed, without variants; itself if the seed is None.
-
-        Raises an `InputError` if the scene's surface is not random.
-        """
+        """The sweep on the random surface of a seed, without variants; itself for None."""
         if seed is None:
             return self
         if not isinstance(self.scene.roughness, SelfAffineRoughness):

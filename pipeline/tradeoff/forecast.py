@@ -206,12 +206,7 @@ def time_steps(sweep: Sweep) -> tuple[float, float, State]:
 def _count_steps(
     scene: Scene, stations: Stations, load: float, velocity: float
 ) -> tuple[int, int, int]:
-    """Count the steps of the loading up to a load [N]; return three numbers.
-
-    The first is the number of steps that are shared with higher loads. The second is the number of
-    all other steps, and the third counts those of them at which a temperature is always computed.
-    All steps of stages are shared.
-    """
+    """Numbers of steps that higher loads share, of all others, and of those with a temperature."""
     requested = stations.heat_steps(scene, load)
     steps = list(scene.stations(load, requested, velocity))
     if isinstance(scene.loading, Stages):

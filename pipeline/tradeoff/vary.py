@@ -136,10 +136,7 @@ def vary(
 
 
 def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.DataFrame:
-    """Make the frame `Variations.table` from a frame `found` with the boundaries of all scenes.
-
-    `variations` has pairs (changed entry, value) as text, one for each scene.
-    """
+    """Make `Variations.table` from the boundaries `found`, with a (changed entry, value) each."""
     velocity = found["critical velocity [m/s]"].to_numpy().reshape(len(variations), -1)
     change = 100 * (velocity / velocity[0] - 1)
     change[0] = math.nan  # the unchanged scene
@@ -154,10 +151,7 @@ def _table(found: pd.DataFrame, variations: Sequence[tuple[str, str]]) -> pd.Dat
 
 
 def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequence[Sweep]) -> Sweep:
-    """One sweep with a variant for each of `scenes`, labelled by `variations`: (entry, value).
-
-    Each variant has the entries in which its scene differs from the scene of `sweep`.
-    """
+    """One sweep with a variant for each of `scenes`, labelled by `variations`: (entry, value)."""
     words = (" = ".join(filter(None, variation)) for variation in variations)
     arrays = [one.source.reader.contents.arrays for one in (sweep, *scenes)]
     contents = replace(sweep.source.reader.contents, arrays=dict(ChainMap(*arrays)))
@@ -180,10 +174,7 @@ def _combine(sweep: Sweep, variations: Sequence[tuple[str, str]], scenes: Sequen
 
 
 def _absolute_values(sweep: Sweep, key: str, values: Iterable[Any]) -> Iterator[Any]:
-    """Yield values of the entry `key`; ``"+20%"`` becomes 1.2 times the scene's value.
-
-    For ``model.rise``, which is a change itself, it is the value.
-    """
+    """Yield values of the entry `key`; ``"+20%"`` becomes 1.2 times the scene's value."""
     is_change = key == PATHS["unmodelled_rise"]
     for value in values:
         relative = _RELATIVE.fullmatch(value) if isinstance(value, str) and not is_change else None

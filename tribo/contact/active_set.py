@@ -89,13 +89,7 @@ def _conjugate_gradients(
     goals: tuple[float, float],
     most: int,
 ) -> tuple[Array, int]:
-    """Find the pressure [Pa] at the free nodes that makes the gap at all of them equal.
-
-    The pressure may leave its bounds. Free nodes are `judged.nodes`. The search begins at
-    `pressure`, which is overwritten, and whose gap is `judged.gap`. The residual is the gap's
-    deviation from its mean [m]. `goals` are a fraction of the first residual, and a residual [m];
-    reaching either is enough. Returns the pressure, and the number of iterations, at most `most`.
-    """
+    """Pressure [Pa], unbounded, that makes the gap at the free nodes equal; and iterations."""
     nodes, (reduction, gap_goal) = judged.nodes, goals
     residual = judged.gap.take(nodes)
     residual -= residual.mean()
@@ -142,14 +136,10 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 
 def _clip(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
-    """Clip the pressure at the free nodes to its bounds [Pa].
-
-    Pressures between the bounds are then changed so that the displacement stays about the same;
-    these may leave the bounds a little. `stencil` is the function from `Neighbourhood.on` for the
-    free nodes: it applies the influence of neighbours, or its inverse.
-    """
+    """Clip the pressure [Pa], and move others so that the displacement stays about the same."""
     clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)
     change = between * stencil(problem.near.influence, clipped - pressure)
+    # These may leave the bounds a little.
     clipped -= between * stencil(problem.near.inverse, change)
     return clipped

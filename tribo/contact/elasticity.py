@@ -89,10 +89,7 @@ class ElasticHalfSpace(Convolution):
 
 
 def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
-    """Transform of ∫∫ 1/r over one element and its images [m], shape (mx, my // 2 + 1).
-
-    ``(mx, my)`` are the lengths of the transforms, the `padded_shape` of the grid.
-    """
+    """Transform of ∫∫ 1/r over one element and its images [m], over the `padded_shape`."""
     if kernel not in get_args(ElasticKernel):
         raise InputError(f"kernel is {kernel!r}; allowed are {', '.join(get_args(ElasticKernel))}")
     if kernel == "nearest-image" and sum(grid.periodic) != 1:
@@ -117,11 +114,7 @@ def _spectrum(grid: Grid, kernel: ElasticKernel) -> Array:
 
 
 def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
-    """Widths s of Gaussians [m], and their weights [m] in a sum that replaces an integral over s.
-
-    The integral is that of Eq. (1) of this module. The weights are √π/2 times those of the
-    trapezoidal rule in ln s.
-    """
+    """Widths s of Gaussians [m], and weights [m] of the sum for the integral of Eq. (1)."""
     shortest = min(grid.spacing) / (2 * _REACH)
     endless = any(grid.periodic) and kernel == "periodic"
     longest = max(grid.size) * (_REACH / math.pi if endless else _FAR)
@@ -136,11 +129,7 @@ def _widths(grid: Grid, kernel: ElasticKernel) -> tuple[Array, Array]:
 
 
 def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) -> Array:
-    """Discrete Fourier transform of the kernel's factor E along one axis.
-
-    E is defined in Eq. (1) of this module. `s` has the widths of the Gaussians [m]; the shape is
-    (widths, modes). Along a periodic axis the transform includes the images in other periods.
-    """
+    """Transform (widths, modes) of E of Eq. (1) along one axis, with images if it is periodic."""
     n, step, length = grid.shape[axis], grid.spacing[axis], padded_shape(grid)[axis]
     if not grid.periodic[axis]:
         return _even_transform(_factor_values(length // 2 + 1, step, s), length)
@@ -151,23 +140,14 @@ def _factor_transform(grid: Grid, axis: int, kernel: ElasticKernel, s: Array) ->
 
 
 def _factor_values(n: int, step: float, s: Array) -> Array:
-    """Kernel's factor E, Eq. (1) of this module, at the offsets of n elements, (widths, n).
-
-    The offsets are 0 to n − 1 times `step`, the side of an element; `s` has the Gaussians' widths,
-    in the same unit.
-    """
+    """E of Eq. (1) at the offsets 0 to n − 1 times `step`, (widths, n)."""
     edges = (np.arange(n + 1) - 0.5) * step
     values: Array = np.diff(scipy.special.erf(edges / s[:, None]))
     return values
 
 
 def _all_images(n: int, s: Array) -> Array:
-    """Discrete Fourier transform of the kernel's factor E along a periodic axis, with all images.
-
-    E is defined in Eq. (1) of this module, and its transform in Eq. (2). A period has n elements,
-    and `s` has the Gaussians' widths in elements. The shape is (widths, n // 2 + 1), with a column
-    for each mode.
-    """
+    """Transform (2) of E with all images, periods of n elements, (widths, n // 2 + 1)."""
     # Below the shortest node s, E is 2 on the element and 0 off it.
     s = np.maximum(s, 1 / (2 * _REACH))
     narrow, wide = s[s < _WIDE], s[s >= _WIDE, None, None]
@@ -181,11 +161,7 @@ def _all_images(n: int, s: Array) -> Array:
 
 
 def _line_load(grid: Grid, axis: int) -> Array:
-    """Transform of the influence of an endless strip across `axis`, as wide as an element [m].
-
-    The influence is −2 ∫ ln(|x|/c) dx over the strip's width, with x along the axis. The length c
-    only adds a constant, and exceeds all |x|.
-    """
+    """Transform of −2 ∫ ln(|x|/c) dx over an endless strip across `axis`, an element wide [m]."""
     step, length = grid.spacing[axis], padded_shape(grid)[axis]
     c = length * step + grid.size[1 - axis]
     x, a = np.arange(length // 2 + 1) * step, step / 2
@@ -196,11 +172,7 @@ def _line_load(grid: Grid, axis: int) -> Array:
 
 
 def _even_transform(values: Array, length: int) -> Array:
-    """Discrete Fourier transform, which is real, of an even kernel of period `length`.
-
-    The last axis of `values` has the kernel at the offsets 0, 1, … length // 2; further values are
-    ignored. The last axis of the result has the modes 0, 1, … length // 2.
-    """
+    """Real transform of an even kernel of period `length`, at offsets 0 to length // 2."""
     index = np.arange(length)
     transform: Array = np.fft.rfft(values[..., np.minimum(index, length - index)]).real
     return transform

@@ -79,10 +79,7 @@ def _cropped(solid: ElasticHalfSpace, shape: tuple[int, int]) -> ElasticHalfSpac
 
 
 def _extent(loaded: Mask) -> slice:
-    """Slice of an axis from the first to the last loaded element, with a margin on both sides.
-
-    `loaded` is True at loaded elements. If there are none, the slice is the whole axis.
-    """
+    """Slice of an axis with all loaded elements and a margin; the whole axis if there are none."""
     places = np.flatnonzero(loaded)
     if not places.size:
         return slice(0, loaded.size)
@@ -93,12 +90,7 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _spring_pressure(heights: Array, total: float, hardness: float) -> Array:
-    """Pressure [Pa] if elements were independent springs, and a tenth of them carried the load.
-
-    The loaded elements are those with the least separation. `heights` is the separation [m],
-    `total` the sum of the pressure [Pa]. Pressures above the `hardness` [Pa] are cut to it, so that
-    the sum may be lower.
-    """
+    """Pressure [Pa] if elements were independent springs, and a tenth of them carried the load."""
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)
     weight = float(penetration.sum())

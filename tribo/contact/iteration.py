@@ -138,11 +138,7 @@ def iterate(
 def _first_iterate(
     problem: Problem, guess: Array, displacement: Array | None, spent: float
 ) -> Iterate:
-    """Scale a guess of the pressure [Pa] to the load, and move it into the bounds.
-
-    `displacement` [m] is caused by the guess, if known, and `spent` is the number of convolutions
-    that the guess took.
-    """
+    """Scale a guess of the pressure [Pa] to the load, and move it into the bounds."""
     # Heights count from a datum near the contact: far from 0 they would have few digits.
     datum = float(problem.heights.min())
     separation = problem.heights - datum

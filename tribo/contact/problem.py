@@ -104,12 +104,7 @@ def soft_rows(solid: ElasticHalfSpace) -> SoftRows:
 
 @functools.lru_cache(maxsize=4)  # many contacts share one solid, as at positions of the disk
 def _prepare_solid(solid: ElasticHalfSpace) -> tuple[SoftRows, Neighbourhood, ElasticHalfSpace]:
-    """Compute the fields `soft`, `near` and `fast` of a `Problem` from its solid.
-
-    `soft` says how much elements of a row displace each other, and `near` approximates the
-    influence of elements on their next neighbours. `fast` is a copy of the solid in single
-    precision, or the solid itself if the copy is slower or not accurate enough. Results are cached.
-    """
+    """Compute the fields `soft`, `near` and `fast` of a `Problem` from its solid; cached."""
     soft, unit = SoftRows.of(solid), solid.self_influence
     coupling = soft.coupling if soft.is_needed else 0.0
     fast = solid.faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid

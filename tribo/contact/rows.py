@@ -143,10 +143,7 @@ class RowMetric:
     def _solve_together(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array] | None:
-        """Find the shifts sᵢ of all rows that solve Eq. (2) of `nearest`, by a few Newton steps.
-
-        Parameters and result are those of `_shift_and_clip`; the result is None if the steps fail.
-        """
+        """As `_shift_and_clip`, by a few Newton steps of all rows; None if they fail."""
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):
@@ -177,13 +174,7 @@ class RowMetric:
     def _shift_and_clip(
         self, q: Array, sums: Array, total: float, highest: float
     ) -> tuple[Array, Array, Array]:
-        """Shift the values of each row, and clip them, so that Eq. (2) of `nearest` holds.
-
-        Shifts are as exact as rounding allows. `q` has the values of the nodes before the shift,
-        and `sums` has the terms Qᵢ of Eq. (2), one for each row. Returns the shifted values clipped
-        to 0 and `highest`, whose sum is `total`; the shift of each row; and the sum of the clipped
-        values in each row.
-        """
+        """Shift each row and clip, by Eq. (2) of `nearest`; return values, shifts, sums."""
         top = min(highest, total)
         digits = _ROUNDING * (total + float(np.abs(sums).sum()))
         reach = self._d * (top + float(np.abs(q).max()))
@@ -208,14 +199,7 @@ class RowMetric:
     def _solve_rows(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
     ) -> tuple[Array, Array, Array]:
-        """Find the shift of each row that solves Eq. (2) of `nearest` for a given μ, `mu`.
-
-        `q` has the values of the nodes before the shift, and `sums` has the terms Qᵢ of Eq. (2),
-        one for each row. `shift` is the first guess. `top` is `highest`, or the sum of all nodes if
-        that is less; it only bounds the search. Returns the shifted values clipped to 0 and
-        `highest`, the shifts, and the number of unclipped nodes in each row. If no shift solves the
-        equation of a row, its nodes are all 0 or all `highest`.
-        """
+        """Solve Eq. (2) of `nearest` at μ for each row; return values, shifts, free nodes."""
         d, k = self._d, self._k
         low = np.full(shift.shape, -float(q.max()))
         high = np.full(shift.shape, top - float(q.min()))

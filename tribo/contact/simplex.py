@@ -94,10 +94,7 @@ def nearest(pressure: Array, total: float, hardness: float) -> Array:
 
 
 def _shift_and_clip(pressure: Array, total: float, hardness: float) -> tuple[Array, float]:
-    """Find s so that clip(p + s) sums to `total` within rounding; return clip(p + s) and s [Pa].
-
-    Values are clipped to 0 and the hardness.
-    """
+    """Find s so that clip(p + s), to 0 and the hardness, sums to `total`; return both [Pa]."""
     bound = total if hardness == math.inf else hardness
     low = -float(pressure.max())
     high = bound - float(pressure.min())

@@ -219,10 +219,7 @@ def _check(
 
 
 def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
-    """Mean pressure of a load [N] on the whole patch [Pa], and a displacement [m].
-
-    The displacement is that of one element if it alone carries this pressure.
-    """
+    """Mean pressure of a load [N] on the patch [Pa], and one element's displacement by it [m]."""
     stress = normal_load / solid.grid.area
     return stress, stress * solid.self_influence
 

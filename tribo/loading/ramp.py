@@ -166,11 +166,7 @@ class Ramp:
             )
 
     def _hold_ends(self, before: float, increments: int) -> Iterator[float]:
-        """Times since the start of the hold at which its steps end [s].
-
-        `before` is the impulse (∫F dt) of the loading before the hold, divided by the full load
-        [s]. Each step multiplies the impulse so far by at most exp(10/`increments`).
-        """
+        """Ends of the hold's steps [s], each multiplying ∫F dt by at most exp(10/`increments`)."""
         if not self.hold:
             return
         before = max(before, 1e-15 * self.hold)  # not 0 where a ramp takes no time
@@ -181,10 +177,7 @@ class Ramp:
         yield self.hold
 
     def _rise(self, normal_load: float, increments: int) -> Iterator[Station]:
-        """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one at that load.
-
-        `increments` is the number that `Ramp.increment` takes.
-        """
+        """Stations at multiples of `Ramp.increment` below `normal_load` [N], then one there."""
         increment = self.increment(normal_load, increments)
         last = _whole_steps(normal_load, increment)
         for index in range(1, last + 1):
@@ -196,10 +189,7 @@ class Ramp:
         yield self._station_at_load(normal_load, False, last + 1)
 
     def _station_at_load(self, normal_load: float, on_trunk: bool, index: int) -> Station:
-        """Station at the time at which the growing load reaches `normal_load` [N].
-
-        `on_trunk` and `index` are its fields of these names.
-        """
+        """Station at the time at which the growing load reaches `normal_load` [N]."""
         time = normal_load / self.rate
         return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 

@@ -144,12 +144,7 @@ class MeasuredLoad:
         return _course(self)
 
     def _step_ends(self, number: int) -> Array:
-        """Times [s] at which the `number` steps of the loading end, shape (number,).
-
-        Time 0 is the record's first row. At the last time the load reaches its peak. The steps are
-        equal in time if the load rises almost evenly. Otherwise they are shorter where the load
-        changes fast.
-        """
+        """Times (number,) [s] since the first row at which steps end, the last at its peak."""
         begin, end = float(self.times[0]), self.time_at(1.0)
         shares = np.arange(1, number + 1) / number
         if (unequal := _step_times(self)) is None:
@@ -159,10 +154,7 @@ class MeasuredLoad:
         return times
 
     def _impulses(self, ends: Array) -> Array:
-        """Impulses ∫F dt of the load [N s], from the record's first row to each time in `ends` [s].
-
-        The times `ends` are on the clock of the record. A negative load counts as 0.
-        """
+        """Impulses ∫F dt [N s] from the first row to `ends` [s]; a negative load counts as 0."""
         t, F = self.times, self.loads
         before_zeros = np.flatnonzero(F[:-1] * F[1:] < 0)  # F crosses 0 after these rows
         zeros = t[before_zeros] - F[before_zeros] * (t[before_zeros + 1] - t[before_zeros]) / (
@@ -214,14 +206,7 @@ def _course(record: MeasuredLoad) -> tuple[tuple[float, float], ...]:
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
 def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
-    """Share of all steps that are done at each reading, and the time of the reading [s].
-
-    The result is None if steps are equal in time.
-
-    The share is the mean of two shares: of the duration, and of the load's travel up and down.
-    Travel within a dead band does not count, so that noise adds nothing. Steps are equal in time if
-    the two shares are nearly equal.
-    """
+    """Share of all steps done at each reading, and its time [s]; None if steps are equal."""
     begin, end = float(record.times[0]), record.time_at(1.0)
     rows = record.times < end
     times = np.append(record.times[rows], end)
@@ -232,6 +217,7 @@ def _step_times(record: MeasuredLoad) -> tuple[Array, Array] | None:
         position = min(max(follower, load - backlash), load + backlash)
         travel.append(travel[-1] + abs(position - follower))
         follower = position
+    # Shares of the load's travel and of time; within the dead band noise adds no travel.
     travelled, elapsed = np.array(travel) / travel[-1], (times - begin) / (end - begin)
     if np.abs(travelled - elapsed).max() < EVEN_STEPS:  # equal steps need fewer kernels of heat
         return None

@@ -58,12 +58,7 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
 
 
 def _coarse_kernel(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
-    """Kernel along `axis` for elements twice as long, each made of two adjacent elements.
-
-    `kernel` is the kernel for single elements. Each value of the result is the mean effect on one
-    long element of a uniform source on another. `offsets` are the distances between these two,
-    counted in long elements.
-    """
+    """Kernel along `axis` for elements twice as long: mean effect of one such source on another."""
     beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
     pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
     return pairs + (beside[0] + beside[1]) / 2
@@ -227,10 +222,7 @@ class Convolution:
         return self._replace_grid(grid, np.fft.fft(kernel, axis=0))
 
     def _replace_grid(self, grid: Grid, modes: Spectrum) -> Self:
-        """Return a copy with another grid, and with `modes` as its spectrum.
-
-        `modes` are converted to the data type of this convolution's own spectrum.
-        """
+        """Return a copy with another grid, and with `modes` as its spectrum, in its type."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.replace_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)

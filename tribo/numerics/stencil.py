@@ -168,12 +168,7 @@ class Preconditioner:
 
 
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """Stencil that inverts `kernel`, from `_near_kernel`, on the block −rx to rx by −ry to ry.
-
-    Its shape is (3, 2): rows are the offsets −1 to 1 along x, columns 0 and ±1 along y. The factors
-    are the sources that give 1 on the block's middle element and 0 on its others. Outside the block
-    the factors are 0; rx and ry are at most 1.
-    """
+    """Stencil (3, 2): sources that give 1 on the middle of a block (2 rx + 1, 2 ry + 1), else 0."""
     i, j, middle = _block(rx, ry)
     inverse = np.zeros((3, 2))
     try:
@@ -186,10 +181,7 @@ def _inverse(kernel: Array, rx: int, ry: int) -> Array:
 
 @functools.cache
 def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
-    """Offsets of a block's elements along x (−rx to rx) and along y (−ry to ry), as flat arrays.
-
-    A third flat array is 1 at the middle element, else 0.
-    """
+    """Offsets of a block's elements along x and y, flat; and 1 at the middle element, else 0."""
     i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
     return i, j, np.where((i == 0) & (j == 0), 1.0, 0.0)
 
@@ -208,11 +200,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """Matrices that turn Fourier modes into a kernel's values at offsets of 0 to 2 elements.
-
-    In order: cosines along x at the offsets 0 to 2, (3, mx); sines along x at 1 and 2, (2, mx);
-    cosines along y at 0 to 2, (3, my//2 + 1). `mx` and `my` are the lengths of the transform.
-    """
+    """Cosines along x (3, mx), sines along x (2, mx), cosines along y (3, my // 2 + 1)."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

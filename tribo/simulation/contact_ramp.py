@@ -156,10 +156,8 @@ def _staged(
     advance: Callable[[State, Station], State],
     note: Note | None,
 ) -> Iterator[State]:
-    """Yield the states of stages that `trunks` did not have yet, and the last one in any case.
-
-    All stages are one ramp, which higher stages continue from the end of the last.
-    """
+    """Yield the states of stages that `trunks` did not have yet, and the last one in any case."""
+    # All stages are one ramp, which higher stages continue.
     yield from trunks.reach(key, begin, stations[:-1], advance, note)
     rest = trunks.reach(key, begin, stations, advance, note)
     while True:
@@ -178,10 +176,7 @@ def _advance_stage(
     before: State,
     station: Station,
 ) -> State:
-    """Compute a step of a stage, on the finest grid at its onset, its end and where `requested`.
-
-    The next step continues from `State.history` where there is one.
-    """
+    """Compute a step of a stage, on the finest grid at its onset, its end and where `requested`."""
     velocity = velocity if station.velocity is None else station.velocity
     begin, after = _last_part(levels, velocity, before.history or before, station)
     if station.is_shown or station.index in requested:
@@ -197,11 +192,7 @@ def _ends(
     velocity: float,
     requested: Container[int],
 ) -> Iterator[State]:
-    """Yield the states at the last stations of a point, which no other load shares.
-
-    They begin after `state`, the last on the shared ramp. `levels` has the scene on ever finer
-    grids.
-    """
+    """Yield the states at a point's last stations, after `state`, which no other load shares."""
     scene, is_worn, reached = levels[0], velocity != 0, None
     for station in stations:
         if station.holding and reached and not (is_worn or scene.remembers_heat):
@@ -231,24 +222,14 @@ def _check(scene: Scene, normal_load: float, velocity: float) -> None:
 
 
 def _advance(levels: tuple[Scene, ...], velocity: float, before: State, station: Station) -> State:
-    """Compute the state at `station`, the end of a load step that begins with the state `before`.
-
-    The step is part of a ramp that points of different loads share. `levels` has the scene on ever
-    finer grids. Such a step uses only the coarsest, `levels[0]`; finer ones refine a point's last
-    step. `velocity` is the sliding velocity [m/s].
-    """
+    """State at `station`, after `before`, on the ramp that loads share: coarsest grid alone."""
     return _last_part(levels, velocity, before, station)[1]
 
 
 def _last_part(
     levels: tuple[Scene, ...], velocity: float, before: State, station: Station
 ) -> tuple[State, State]:
-    """Compute a step to `station`; return the states before and after the step's last part.
-
-    `before` is the state before the whole step, which `parts_of` cuts into parts. `levels` has the
-    scene on ever finer grids. The step uses only the coarsest, `levels[0]`; `_solve_requested` uses
-    the finer ones.
-    """
+    """States before and after the last part of a step to `station`, on the coarsest grid."""
     scene, after, iterations = levels[0], before, 0
     for part in parts_of(scene, before, station, velocity):
         begin, after = after, advance(scene, after, part, velocity, observed=len(levels) == 1)
@@ -266,12 +247,7 @@ def _solve_requested(
     station: Station,
     velocity: float,
 ) -> State:
-    """Repeat a step on the finest grid, so that the state at its end can get a temperature.
-
-    The step leads from the state `before` to the state `after`, and `levels` is the scene on ever
-    finer grids. The returned state has `State.is_requested` set. If nothing is in contact, `after`
-    is returned unchanged.
-    """
+    """Repeat a step on the finest grid, so that the state at its end can get a temperature."""
     if not after.pressure.any():
         return after
     finest = refine_step(levels, before, after, station, velocity)
@@ -285,12 +261,7 @@ def _independent_state(
     velocity: float,
     station: Station,
 ) -> State:
-    """State at `station`, a step on the way to `normal_load` [N], computed without earlier steps.
-
-    The scene must be one in which states do not depend on earlier steps: without wear, and without
-    the heat model "history". `levels` has that scene on ever finer grids. The contact is cached for
-    all velocities. `velocity` [m/s] sets the sliding distance of the state.
-    """
+    """State at `station` on the way to `normal_load` [N], where no earlier step matters."""
     scene = levels[-1]
 
     def compute() -> State:
@@ -305,10 +276,7 @@ def _independent_state(
 
 
 def _later_state(contact: State, station: Station, velocity: float) -> State:
-    """The state `contact` with the time, impulse, index and sliding distance of a `station`.
-
-    It is the state at the station if the loads are equal and nothing wears.
-    """
+    """The state `contact`, of equal load and without wear, at the time of a `station`."""
     return replace(
         contact,
         time=station.time,

@@ -293,11 +293,7 @@ def _describe_curve(curve: Curve) -> str:
 def _turn_resistance(
     track: Track | None, histories: Sequence[_History], speeds: Array
 ) -> Array | float:
-    """Warming of a track by earlier turns, divided by the heat flow of the contact [K/W].
-
-    There is a value for the last step of each load history; without a track it is 0. `speeds` are
-    speeds of the track through the contact at these steps [m/s].
-    """
+    """Warming of a track by earlier turns over the contact's heat flow [K/W], at each last step."""
     if track is None:
         return 0.0
     return np.array(
@@ -309,11 +305,7 @@ def _turn_resistance(
 
 
 def _warming_of(track: Track, history: _History, speed: float) -> float:
-    """Warming of a track by earlier turns [K], per unit friction coefficient.
-
-    It is the warming at the end of `history`, the load over time, if all friction heat goes into
-    the track's body. `speed` is the track's speed through the contact [m/s].
-    """
+    """Warming of a track by earlier turns [K], if all heat at unit friction goes into its body."""
     width = track.width or track.aspect * history.contact_width
     return track_warming(
         history.times[-1],

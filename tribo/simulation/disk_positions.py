@@ -159,10 +159,7 @@ def position_count(scene: Scene, normal_load: float) -> int:
 
 
 def _position(scene: Scene, number: int, units: Sequence[int] = (1, 1)) -> tuple[int, int]:
-    """Shift of the disk at its position `number`, in elements along x and y.
-
-    The shift along x is a multiple of the first of `units`, along y of the second.
-    """
+    """Shift of the disk at its position `number`, in elements: multiples of `units`."""
     # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (
         unit * int(n / unit * (number * step % 1))

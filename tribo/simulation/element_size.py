@@ -145,11 +145,7 @@ def summit_width(scene: Scene) -> float:
 
 
 def _lowest_load(scene: Scene, normal_load: float) -> float:
-    """Lowest load [N] whose ramp has steps of the same size as the ramp to `normal_load` [N].
-
-    If the load rises in stages, it is that of the last stage. If the scene's loading is a recorded
-    load, and so no ramp, the result is `normal_load` itself.
-    """
+    """Lowest load [N] whose ramp has the steps of that to `normal_load` [N]: of stages the last."""
     loading = scene.loading
     if isinstance(loading, Stages):
         return loading.loads[-1]
@@ -157,10 +153,7 @@ def _lowest_load(scene: Scene, normal_load: float) -> float:
 
 
 def _expected_contact(scene: Scene, summits: Summits, normal_load: float) -> _ExpectedContact:
-    """Estimate size and shape of the contact at a load [N] by Eq. (1) of this module.
-
-    `summits` are those of the disk's surface.
-    """
+    """Size and shape of the contact at a load [N] by Eq. (1), on the disk's `summits`."""
     modulus, pin = contact_modulus(scene.pin.material, scene.disk), scene.pin
     on_window = normal_load / pin.patches(scene.grid)
     hertz = pin.hertz(normal_load, modulus)
@@ -189,10 +182,7 @@ def _summits(scene: Scene) -> Summits:
 
 
 def _run_length(heights: Array, axis: int) -> float:
-    """Mean width of summits along an axis [pixels]: mean length of runs of pixels on summits.
-
-    Pixels are on summits if they are among the highest tenth of all pixels.
-    """
+    """Mean width of summits along an axis [pixels]: runs among the highest tenth of all pixels."""
     high = heights >= np.quantile(heights, SUMMIT_QUANTILE)
     begins = high & ~np.roll(high, 1, axis)
     return float(np.count_nonzero(high)) / max(1, int(np.count_nonzero(begins)))

@@ -84,12 +84,7 @@ def _influence_of(row: Grid, modulus: float) -> Array:
 def _smooth_contact(
     influence: Array, row: tuple[Array, Array, Mask], total: float
 ) -> tuple[Array, Array, float]:
-    """Displacement and gap [m] of an elastic contact of a row of elements, and its half-width [m].
-
-    `row` has the places of the elements, their separation, and which of them touch at first. The
-    pressures add up to `total` [Pa]. In each round elements under tension leave the contact, and
-    elements that overlap join it. There are few of them, so that they are solved exactly.
-    """
+    """Displacement and gap [m] of an elastic contact of a row, and its half-width [m]."""
     x, separation, touches = row
     for _ in range(_MOST_ROUNDS):
         nodes = np.flatnonzero(touches)
@@ -109,18 +104,13 @@ def _smooth_contact(
 
 
 def _mean_gap(scene: Scene, state: State, film: Array, within: Mask) -> float:
-    """Mean gap of the rough contact in the rows `within` [m], if a film carries its share.
-
-    `film` is the displacement by the film's pressure, by row [m]. Summits that yield still yield
-    under the rest of the load, and the other pressures fall alike: so close to the solution is
-    this that the mean gap is within 1 %. Where the former carry more than the rest of the load,
-    the contact is solved.
-    """
+    """Mean gap of the rough contact in the rows `within` [m], if a film carries its share."""
     solid, before = elastic_bodies(scene).solid, state.pressure
     separation = separation_at(scene, None) + state.wear_depth + film[:, None]
     yields = before >= scene.hardness
     rest = float(before.sum(where=~yields))
     left = rest - SHARE * float(before.sum())
+    # Summits that yield still do, and other pressures fall alike: within 1 % of the solution.
     if left > 0:
         pressure = np.where(yields, before, before * (left / rest))
         rows = np.flatnonzero(pressure.any(axis=1) | within)
@@ -136,10 +126,7 @@ def _mean_gap(scene: Scene, state: State, film: Array, within: Mask) -> float:
 
 
 def _inlet_integral(x: Array, gap: Array, half_width: float, within: float, radius: float) -> float:
-    """Integral ∫ g/(h₀ + g)³ dx over |x| > `half_width` of one side [1/m]; h₀ is `within` [m].
-
-    Beyond the window the gap goes on as the parabola of the pin.
-    """
+    """Integral ∫ g/(h₀ + g)³ dx over |x| > `half_width` of one side [1/m]; h₀ is `within` [m]."""
     if not within:  # between smooth bodies, where the integral diverges
         return math.nan
     order = np.argsort(x)
@@ -147,6 +134,7 @@ def _inlet_integral(x: Array, gap: Array, half_width: float, within: float, radi
     beyond = x >= half_width
     x, gap = np.append(half_width, x[beyond]), np.append(0.0, gap[beyond])
     last = x[-1]
+    # Beyond the window the gap goes on as the parabola of the pin.
     far = np.geomspace(last * 1.001, last * _FARTHEST, _NODES)
     far_gap = gap[-1] + (far**2 - last**2) / (2 * radius)
     nodes = np.linspace(0, 1, _NODES) ** 2 * (last - half_width) + half_width

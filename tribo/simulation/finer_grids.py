@@ -50,11 +50,7 @@ def refine_step(
 
 
 def _rewind(scene: Scene, before: State, after: State, station: Station, velocity: float) -> Array:
-    """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`.
-
-    `before` and `after` are the states at both ends of the step, and `station` is its end. If
-    nothing wears, or the load falls to zero, it is the wear depth of `before`.
-    """
+    """Wear depth [m] to start from, so that one implicit step ends at the wear depth of `after`."""
     distance = abs(velocity) * (after.time - before.time)
     wear = wear_of_step(scene, before, distance, velocity)
     stage = next(passes(scene, before, station, wear, distance, True, "implicit")).stage
@@ -64,11 +60,7 @@ def _rewind(scene: Scene, before: State, after: State, station: Station, velocit
 
 
 def _solve_on_finest(scene: Scene, after: State) -> State:
-    """Return `after`, a state on a coarser grid, with its contact solved on the grid of `scene`.
-
-    The wear depth of `after` is interpolated, without further wear. The disk is at its initial
-    position.
-    """
+    """The state `after`, of a coarser grid, with its contact solved on that of `scene`."""
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid resolves, and each would be one more contact to solve on the fine grid.
     wear_depth = _interpolate(after.wear_depth, scene.grid.shape)

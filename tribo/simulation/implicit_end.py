@@ -43,11 +43,7 @@ def end_implicitly(
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if elements that were unloaded before a step carry much of the load after it.
-
-    `before` and `after` are the states at both ends of the step. Always False without wear or
-    load, for a wear scheme of a single stage, for a pin that rolls, and if `Scene.sweeps_over`.
-    """
+    """True if elements that were unloaded before a step carry much of the load after it."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     is_idle = not scene.wears or not after.normal_load
@@ -63,11 +59,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _is_worn(scene: Scene, state: State) -> Mask:
-    """True at elements of the pin that the pressure of a state wears, shape (nx, ny).
-
-    These are the elements under pressure. If the disk's roughness sweeps along x (pattern "swept"),
-    all elements with the same x as an element under pressure wear, too.
-    """
+    """True at elements of the pin that the pressure of a state wears, shape (nx, ny)."""
     touched: Mask = state.pressure > 0
     if scene.contact_pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)

@@ -135,11 +135,7 @@ def advance(
 def _worn_volume(
     scene: Scene, wear: Wear, state: State, station: Station, velocity: float, element_area: float
 ) -> float:
-    """Volume that the whole pin has lost from the start to `station`, the end of a step [m³].
-
-    `wear` is for the step from `state`, and `element_area` is the area of the whole pin that one
-    element represents [m²].
-    """
+    """Volume that the whole pin has lost from the start to `station`, the end of a step [m³]."""
     rate = wear.specific_wear_rate * abs(velocity)
     if scene.wears_by_law or station.velocity is not None:  # the rate is that of this step alone
         before = float(state.wear_depth.sum()) * element_area
@@ -202,13 +198,7 @@ def _element_area(scene: Scene) -> float:
 
 
 def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
-    """Pressure [Pa] and elastic displacement [m] at a load [N], linear through the last two states.
-
-    The states are `state` and the one before it. If the load changes at least twice as much as
-    between them, or the earlier state is unloaded, the pressure is that of `state`, and the
-    displacement is None. The displacement is also None if it is not known. Both are None if `state`
-    is unloaded.
-    """
+    """Pressure [Pa] and displacement [m] at a load [N], linear through two states, or None."""
     if state.normal_load == 0.0:
         return None, None
     change, before = normal_load - state.normal_load, state.normal_load - state.previous_load

@@ -281,10 +281,7 @@ class Crowned:
 
 
 def _worn_ellipse(half_width: float, volume: float, radius: float, longer: float) -> WornContact:
-    """Worn contact of a paraboloid of a `radius` [m], whose flat is `longer` times as long as wide.
-
-    `half_width` is half the width of the unworn contact [m], and `volume` was worn off [m³].
-    """
+    """Worn contact of a paraboloid of a `radius` [m], its flat `longer` times as long as wide."""
     flat = worn_point_width(volume / longer, radius)
     width = ((2 * half_width) ** 4 + flat**4) ** 0.25
     return WornContact(width, 8 * volume / (math.pi * width**2 * longer))

@@ -73,10 +73,7 @@ def stations_so_far(scene: Scene, state: State) -> list[Station]:
 
 
 def _missing_load(scene: Scene, state: State) -> tuple[Array, Array]:
-    """Times before a state [s], ascending from 0, and how much less the load was at each time.
-
-    The latter is a share of the state's load: 1 without load, 0 at the full load of the state.
-    """
+    """Times before a state [s], from 0, and the share of its load that was missing then."""
     stations = stations_so_far(scene, state)
     times = np.array([0.0, *(station.time for station in stations)])
     loads = np.array([0.0, *(station.normal_load for station in stations)])
@@ -97,13 +94,7 @@ def _loaded_and_heated_lengths(scene: Scene, state: State) -> tuple[float, float
 def _excess_warming(
     material: Material, velocity: float, length: float, ages: Array, lacking: Array
 ) -> float:
-    """How much too high a rise is if the present heat is taken to have acted since time 0.
-
-    The result is divided by the heat per length across the motion [W/m], so in m K/W. `ages` are
-    times before the present [s], and `lacking` is the share of the present load that was missing at
-    each of these times. The body moves at `velocity` [m/s], and the heat acts on a `length` across
-    the motion [m].
-    """
+    """Excess of a rise by present heat since time 0, over the heat per length [m K/W]."""
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)
     inside = (np.arange(nodes := 1 + _NODES // len(ages)) + 0.5) / nodes

@@ -356,10 +356,7 @@ class Scene:
 
 @functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
 def _element_grid(pixels: Grid, block: int, is_plane: bool) -> Grid:
-    """Grid of elements of ``block × block`` pixels.
-
-    If nothing depends on y (`is_plane`), there is a single element along y.
-    """
+    """Grid of elements of ``block × block`` pixels; one along y if nothing depends on y."""
     (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
     if is_plane:
         return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)

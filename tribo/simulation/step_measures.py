@@ -61,21 +61,13 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 
 def _windows_worn(scene: Scene, state: State) -> float:
-    """Worn length of the pin along x, divided by the length of the window, the simulated patch.
-
-    A pin that rolls wears along its whole track. For a pin that does not roll, and at time 0, the
-    result is 1.
-    """
+    """Worn length of the pin along x over that of the window: 1 unless it rolls."""
     moves = scene.motion and state.time > 0
     return scene.windows_worn(state.speed) if moves else 1.0
 
 
 def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
-    """Return the measures that follow from the `pressure` [Pa] alone, by their names in `measures`.
-
-    They are the contact fraction, the contact width, the highest and the mean pressure, and the
-    share of the contact area whose pressure has reached the hardness.
-    """
+    """Contact fraction and width, highest and mean pressure, share at the hardness, by name."""
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))

@@ -81,10 +81,7 @@ def mean_heat(heats: Sequence[Heat]) -> Heat:
 
 
 def _present_heat(scene: Scene, state: State, velocity: float, is_sampled: bool) -> Heat:
-    """Temperature rises of the contact per unit friction, and the pin's share of the heat.
-
-    The heat follows from the pressure of `state`, and is taken to have acted since time 0.
-    """
+    """Rises per unit friction by the present heat since time 0, and the pin's share of the heat."""
     contact = state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact, is_sampled)
     if not scene.unequal_bulks:
@@ -159,12 +156,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask, is_sampled: bool
 
 
 def _add_response(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
-    """Return `summary` with its fields for unequal bulk temperatures, computed from `response`.
-
-    `response` has the rise of the pin's surface without friction, if the disk's bulk is 1 K warmer
-    than the pin's. `contact` is True at touching elements. The fields are ``bulk_response``,
-    ``mean_bulk_response`` and ``bulk_rise_quantile``.
-    """
+    """The `summary` with its fields for unequal bulks, from the pin's `response` per kelvin."""
     rows = scene.rows_per_element
     rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
     return replace(

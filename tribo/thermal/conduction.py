@@ -224,11 +224,7 @@ def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> Non
 
 
 def _leaving_length(grid: Grid, drift: float) -> float:
-    """Diffusion length at which a source has moved from one end of the patch to the other [m].
-
-    From then on its heat does not diffuse back into the patch. The length is infinite at rest, and
-    if the patch repeats along x. `drift` is ``|V|/(4κ)`` [1/m].
-    """
+    """Diffusion length [m] at which a source has left the patch, and heat no longer returns."""
     if grid.periodic[0]:
         return math.inf
     # From the edge of the first element to the centre of the last.
@@ -241,11 +237,7 @@ _gauss = functools.cache(np.polynomial.legendre.leggauss)
 def _weighted_factor(
     axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
 ) -> tuple[Array, Spectrum]:
-    """Nodes s [m] on a panel of the integral, and the kernel's factor along x times their weights.
-
-    `axis` is the x axis, `drift` is ``|V|/(4κ)`` [1/m], and `rule` has Gauss' nodes and weights on
-    [−1, 1]. With `filon` the weights are those of `filon_weights`, for factors that oscillate.
-    """
+    """Nodes s [m] on a panel of the integral, and the factor along x times their weights."""
     (low, high), (nodes, weights) = panel, rule
     if not filon:
         s = (high + low) / 2 + (high - low) / 2 * nodes
@@ -257,20 +249,13 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add a panel of the integral to the spectrum `half`, in place.
-
-    `f` and `g` are the kernel's factors along x and y at the panel's nodes (nodes, modes). Their
-    products, summed over the nodes, are added to the first modes along each axis.
-    """
+    """Add a panel, the sum over nodes of factors along x and y, to the spectrum `half`."""
     block = half[: g.shape[1], : f.shape[1]].view(float)
     block += g.T @ f.view(float)
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
-    """Length along y that is heated [m]: `length`, or that of the patch if it is longer.
-
-    It is infinite if the heat has no ends along y: on a free axis, and for "nearest-image".
-    """
+    """Length along y that is heated [m], at least the patch's; infinite if the heat has no ends."""
     if length == "nearest-image":
         if not grid.periodic[1]:
             raise InputError("length 'nearest-image' is for a patch that is periodic along y")

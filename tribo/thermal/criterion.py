@@ -186,11 +186,7 @@ class Criterion:
 
 
 def _require_within(name: str, rise: Any, quantiles: Array) -> None:
-    """Raise an `InvariantError` if a user's criterion, `name`, returns an impossible `rise`.
-
-    It must lie between the lowest and the highest of `quantiles`, the contact's quantiles of the
-    rise [K] on their last axis, and have the shape of their other axes.
-    """
+    """Raise an `InvariantError` if a user's `rise` is not within `quantiles`, or of other shape."""
     expected = np.shape(quantiles)[:-1]
     if np.shape(rise) != expected:
         raise InvariantError(

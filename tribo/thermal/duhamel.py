@@ -198,12 +198,7 @@ def _past_rise(
     fluxes: tuple[Spectrum, ...],
     spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
-    """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes.
-
-    `times` are 0 and the ends of earlier steps [s], and `fluxes` the spectra of the flux into the
-    body at each end [W/m²]. `spectrum_of` computes the spectrum of the map from a past flux to the
-    present rise [K m²/W].
-    """
+    """Rise at the time `now` due to earlier fluxes [K], and their spectra without faded modes."""
     mx, my = padded_shape(grid)
     total = np.zeros((mx, my // 2 + 1), dtype=complex)
     kept = []

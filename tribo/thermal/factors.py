@@ -66,14 +66,7 @@ def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
 
 
 def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
-    """Factor of the heat kernel along one axis, at the element centres, shape (nodes, length).
-
-    It is erf((x + a − d)/s) − erf((x − a − d)/s) at the centre x, with half the side of an element,
-    a. The diffusion length s [m] is one of `s`, the nodes of a quadrature; d is its entry of
-    `shift`, the distance that the body has moved [m]. Centres are in the order of the discrete
-    Fourier transform: x = 0, positive x, negative x. Where hardly any heat has arrived, the result
-    is 0. Along a periodic axis, values of centres whole periods apart are added up.
-    """
+    """erf((x + a − d)/s) − erf((x − a − d)/s) at the element centres x, (nodes, length)."""
     first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
     last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)
     if not axis.periodic:

@@ -177,10 +177,7 @@ def partition_heat(
 
 @functools.lru_cache(maxsize=2)  # many contacts use the same maps
 def _join_maps(pin: Convolution, disk: Convolution) -> tuple[Convolution, Neighbourhood]:
-    """The sum of both bodies' maps from heat flux to rise, and the stencils of this sum.
-
-    The stencils approximate the sum and its inverse among neighbouring elements.
-    """
+    """The sum of both bodies' maps from heat flux to rise, and its stencils among neighbours."""
     both = pin + disk
     return both, Neighbourhood(both)
 
@@ -201,11 +198,7 @@ def _check_choices(method: str, tolerance: float) -> None:
 def _check_fields(
     pin: Convolution, disk: Convolution, heat_flux: Array, contact: Mask, difference: Array
 ) -> None:
-    """Raise `InputError` for bodies or fields that `partition_heat` cannot use.
-
-    Both bodies must have the same grid, and `heat_flux` and `contact` its shape. `contact` must be
-    bool. `heat_flux` and `difference` must be finite, and `heat_flux` 0 outside the contact.
-    """
+    """Raise `InputError` for bodies or fields that `partition_heat` cannot use."""
     grid = pin.grid
     if disk.grid != grid:
         raise InputError(f"pin has {grid} and disk has {disk.grid}; they must be the same")
@@ -230,12 +223,7 @@ def _iterate_flux(
     tolerance: float,
     max_iterations: int,
 ) -> tuple[Array, int]:
-    """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations.
-
-    `both` is the sum of the maps of pin and disk, and `near` has the stencils of this sum. `target`
-    is the temperature that `both` must give for the flux on the nodes [K]. The iteration ends once
-    the residual, relative to `target`, is at most 0.9 `tolerance`, or after `max_iterations`.
-    """
+    """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
     if tolerance >= _SINGLE_TOLERANCE:
         both = _faster(both, float(near.influence[1, 0]))
     precondition = functools.partial(near.on(nodes), near.inverse)
@@ -266,13 +254,7 @@ def _norm(vector: Array) -> float:
 def _divide_uniformly(
     rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
-    """Divide heat so that the pin takes the same share φ of it on each element.
-
-    φ makes the mean temperatures ⟨·⟩ of both surfaces over the contact equal: ⟨(T₁ + T₂) φq⟩ =
-    ⟨T₂q + ΔT_b⟩. T₁ and T₂ map a heat flux to the rise of the pin and of the disk. `heat_flux` is q
-    [W/m²], and `rise` is T₁q [K], both on the grid. `target` is T₂q + ΔT_b [K], and `delta` is ΔT_b
-    [K], both on the contact alone.
-    """
+    """Divide heat by one share φ for the pin: ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩ over the contact."""
     both = rise[contact] + target - delta
     if not np.mean(both) > 0:
         raise InputError('method "uniform" divides frictional heat, and there is none')
@@ -288,15 +270,7 @@ def _conjugate_residuals(
     tolerance: float,
     max_iterations: int,
 ) -> tuple[Array, int]:
-    """Solve operator(x) = target by generalised conjugate residuals, preconditioned.
-
-    Iteration ends when the residual is `tolerance` times the norm of `target`, or after
-    `max_iterations`. Returns the solution and the number of iterations.
-
-    Each direction's image is made orthogonal to the earlier ones, so that every step minimises the
-    residual (Eisenstat, Elman & Schultz, SIAM J. Numer. Anal. 20, 1983). The steps are those of
-    GMRES, and cannot break down, since the operator's symmetric part is positive definite.
-    """
+    """Solve operator(x) = target by generalised conjugate residuals; and count iterations."""
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
     # In one piece: if two arrays are freed together, the allocator returns their memory, and to get
     # it again page by page costs more than much of the iteration.
@@ -306,6 +280,8 @@ def _conjugate_residuals(
         direction = precondition(residual)
         image = operator(direction)
         kept = min(iteration, _KEPT_DIRECTIONS)
+        # Images are made orthogonal, as by GMRES (Eisenstat, Elman & Schultz 1983, SIAM J. Numer.
+        # Anal. 20). It cannot break down: the operator's symmetric part is positive definite.
         overlap = images[:kept] @ image
         direction -= overlap @ directions[:kept]
         image -= overlap @ images[:kept]

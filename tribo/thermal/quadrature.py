@@ -61,13 +61,9 @@ def panels(
 
 
 def _growth_until_edge(drift: float, low: float, side: float) -> float:
-    """Growth of the diffusion length s until an element's centre feels the source's edge [m].
-
-    s grows from `low` [m]. The result is 0 or less if a centre feels an edge at `low` already. An
-    edge of the moving source passes a centre where drift·s² is an odd multiple of half the `side`
-    of an element [m], with the `drift` ``|V|/(4κ)`` [1/m]. The centre feels the edge while s is
-    less than `REACH`/(2 drift) from the diffusion length of this passage.
-    """
+    """Growth of the diffusion length from `low` until an element feels the source's edge [m]."""
+    # An edge passes a centre where drift·s² is an odd multiple of half a side; it is felt within
+    # REACH/(2 drift) of this s.
     passed = math.floor(drift * low**2 / side + 0.5)
     reach = REACH / (2 * drift)
     if passed and low < math.sqrt((passed - 0.5) * side / drift) + reach:

@@ -247,9 +247,6 @@ class RollingWear(Wear):
         return self._wear_compliance(solid, distance) / float(waves[waves > 0].min())
 
     def _wear_compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
-        """Depth worn over a sliding distance [m] per mean pressure along x [m/Pa].
-
-        The mean pressure is over the padded length of the transform along x.
-        """
+        """Depth worn over a sliding distance [m] per mean pressure over the padded x [m/Pa]."""
         padding = len(solid.spectrum) / solid.grid.shape[0]
         return self.specific_wear_rate * distance * self.window_share * padding

@@ -141,10 +141,7 @@ def _widening(sweep: Sweep) -> float:
 
 
 def _duration_for_printed(rates: Sequence[float]) -> float:
-    """Duration of a test [s] for which the inferred wear rate is the printed one.
-
-    `rates` belong to `_DURATIONS`; their logarithms are interpolated linearly.
-    """
+    """Duration of a test [s] for which the inferred wear rate is the printed one."""
     slope, offset = np.polyfit(np.log(_DURATIONS), np.log(rates), 1)
     return math.exp((math.log(SPECIFIC_WEAR_RATE) - offset) / slope)
 
@@ -165,10 +162,7 @@ def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
 
 
 def _of_oil_a(rates: Sequence[float], transitions: Sequence[Tested]) -> dict[str, Any]:
-    """Specific wear rates of oil A by name: from contact widths, and as its scenes state.
-
-    The unit is 1e-6 mm³/(N m).
-    """
+    """Wear rates of oil A [1e-6 mm³/(N m)] by name: from contact widths, and as scenes state."""
     cold, hot = _UNIT * np.reshape(rates, (2, 2))
     pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
     wears = [scene.scene.wear for scene, _ in transitions[::2]]

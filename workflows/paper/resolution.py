@@ -108,10 +108,7 @@ def fig6(study: Study) -> Report:
 def _with_steps(
     surfaces: Sequence[Sweep], counts: Iterable[int]
 ) -> tuple[_Row, dict[int, str], dict[int, Array]]:
-    """Highest temperatures [°C] on all surfaces, by number of increments.
-
-    Also, by that number, warnings of unstable steps, and pressures on the first surface [Pa].
-    """
+    """Highest temperatures [°C], warnings and first pressures [Pa], by number of increments."""
     highest: _Row = {}
     unstable: dict[int, str] = {}
     pressures: dict[int, Array] = {}

@@ -235,10 +235,7 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
 
 
 def _line(axes: Axes, values: Array, colour: str, label: str, joined: int) -> None:
-    """Draw means over transitions of values (variant, transition), and their range.
-
-    The first `joined` variants, which differ in a single parameter, are joined by a line.
-    """
+    """Draw means and ranges of values (variant, transition), the first `joined` by a line."""
     middle, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
     axes.errorbar(
         range(len(values)), middle, (middle - low, high - middle),

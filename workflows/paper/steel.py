@@ -82,10 +82,7 @@ def steel(study: Study) -> Report:
 
 
 def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
-    """Critical temperature [°C] from a transition, (surface, conductivity).
-
-    A contact is simulated once for all conductivities.
-    """
+    """Critical temperature [°C] from a transition, (surface, conductivity)."""
     found = []
     for seed in study.seeds(_SURFACES):
         surface = sweep._take_surface(seed)

@@ -81,10 +81,7 @@ def table6(study: Study) -> Report:
 
 
 def _misfit(bulk_celsius: float) -> float:
-    """Relative misfit to the law rise/friction = C Fᵃ Vⁿ of the paper's highest temperatures.
-
-    It is the standard deviation of logarithms, if the hot rows have the bulk `bulk_celsius` [°C].
-    """
+    """Relative misfit of the paper's temperatures to rise/friction = C Fᵃ Vⁿ."""
     rows = [(row, ROOM_CELSIUS) for row in TABLE_4]
     rows += [(row, min(row.bulk_celsius, bulk_celsius)) for row in TABLE_6]
     logarithms = [math.log((row.max_celsius - bulk) / row.friction) for row, bulk in rows]
