@@ -99,10 +99,10 @@ def test_intervals_of_the_shift_hold_it_and_verdicts_are_wrong_as_often_as_they_
 # Accuracies that are asked for
 
 
-def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch):
+def test_an_accuracy_holds_at_each_load_and_a_search_finds_every_crossing(monkeypatch, tmp_path):
     monkeypatch.setattr(goals, "PATCHES", 16)
     number, case = next(one for one in goals.drawn(40) if one[1].name == "coarse pixels 7")
-    planes = goals.Planes(goals.scene(case, falls=True))
+    planes = goals.Planes(goals.scene(case, falls=True), tmp_path / "points.json")
     found = planes.errors(0.05)
     assert [load for load, *_ in found["errors"]] == planes.loads.tolist()
     assert max(abs(error) for *_, error in found["errors"]) < 0.05

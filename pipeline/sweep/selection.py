@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.constants import BOUNDS_OF_HIGHEST, HIGHEST_SHARE, PRESET_BOUNDS
 from pipeline.sweep.model import Sweep
-from tribo import PRESETS, Fidelity, Scene
+from tribo import PRESETS, Criterion, Fidelity, Scene
 
 KEPT_FIELDS = ("heat_model",)
 """Fields of a scene's own fidelity that stay when another one is picked: how heat acts."""
@@ -48,7 +48,11 @@ def velocity_error(sweep: Sweep) -> float | None:
 
     It is known for presets of numerical choices alone, adapted to the scene.
     """
-    preset, criterion = str(_preset(sweep)), sweep.conditions.criterion
+    return preset_bound(str(_preset(sweep)), sweep.conditions.criterion)
+
+
+def preset_bound(preset: str, criterion: Criterion) -> float | None:
+    """Bound of the relative error of critical velocities by a preset; None if it is none."""
     is_highest = criterion.name == "highest"
     if is_highest or (criterion.name == "share" and criterion.share < HIGHEST_SHARE):
         return BOUNDS_OF_HIGHEST.get(preset, PRESET_BOUNDS.get(preset))

@@ -1,9 +1,15 @@
 """Results of campaigns, with the code that they speak of."""
 
+import json
+import multiprocessing
+import os
 import shlex
 import subprocess
 import sys
+import time
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from datetime import date
+from itertools import islice
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -41,3 +47,27 @@ def conclude(name, found, is_right):
     save(name, found, is_right)
     print(found)
     return 0 if is_right else 1
+
+
+def read(path):
+    """Rows of a file of results, each a line of JSON."""
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def compute(function, tasks, path, minutes):
+    """Append to a file the row of each task, on all cores; begin none after `minutes`."""
+    end, running, tasks = time.monotonic() + 60 * minutes, set(), iter(tasks)
+    processes = len(os.sched_getaffinity(0))
+    context = multiprocessing.get_context("spawn")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with ProcessPoolExecutor(processes, context) as pool, path.open("a") as file:
+        while True:
+            free = processes - len(running) if time.monotonic() < end else 0
+            running |= {pool.submit(function, task) for task in islice(tasks, free)}
+            if not running:
+                return
+            ready, running = wait(running, return_when=FIRST_COMPLETED)
+            for row in (one.result() for one in ready):
+                print(json.dumps(row), file=file, flush=True)
+                said = row["name"], f"{row['seconds']:.0f} s", row.get("failed", "")
+                print(*said, file=sys.stderr, flush=True)

@@ -6,32 +6,27 @@ kept in a file, a line for each scene, and the next run goes on from there.
 """
 
 import argparse
-import json
 import math
-import multiprocessing
-import os
 import sys
 import time
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import PchipInterpolator
 
 import pipeline
-from pipeline.analysis.rise_error import RiseError, rise_errors
+from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
 from pipeline.analysis.rises import Rises
 from pipeline.analysis.warned_points import exponents
 from pipeline.constants import BETWEEN, PRESET_BOUNDS
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, run_point
+from pipeline.sweep.selection import preset_bound
 from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.variants import Variants
-from tests.helpers.campaigns import conclude, table
+from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
 from tests.promises.scenes import random_sweep
 from tests.promises.wide import random_wide_sweep
@@ -41,7 +36,12 @@ from tribo.simulation import Trunks
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")
-SHARES = (0.0, 0.1, 0.5)  # failing shares by which wear is judged
+CRITERIA = {
+    "highest": Criterion("highest"),
+    **{f"share {share:g}": Criterion(share=share) for share in (0.01, 0.1, 0.5)},
+    "mean": Criterion("mean"),
+}
+USUAL = "share 0.1"
 
 
 def shipped(seed):
@@ -82,7 +82,7 @@ def shipped(seed):
     )
 
 
-PROMISED = {name: PRESET_BOUNDS[name] for name in ("standard", "fine")}
+PRESETS_JUDGED = "standard", "fine"
 
 FAMILIES = {"shipped": shipped, "cylinders": random_sweep, "wide": random_wide_sweep}
 EVERY = {"shipped": 1, "cylinders": 2, "wide": 3}  # one scene in so many, by their cost
@@ -100,27 +100,29 @@ def axis(rng, low, high, count, gaps, spaced=np.geomspace):
 
 
 def rises(sweep, fidelity, loads, velocities):
-    """Deciding rises [K] by failing share, warning flags and durations [s], (load, velocity)."""
+    """Deciding rises [K] by criterion, warning flags and durations [s], (load, velocity)."""
     sweep = changed(sweep, fidelity=fidelity)
-    kinds = [replace(sweep.conditions, criterion=Criterion(share=one)) for one in SHARES]
+    kinds = {name: replace(sweep.conditions, criterion=one) for name, one in CRITERIA.items()}
     shape, stations = (len(loads), len(velocities)), choose_stations(sweep)
-    found = {str(share): np.full(shape, np.nan) for share in SHARES}
+    found = {name: np.full(shape, np.nan) for name in CRITERIA}
     found |= {name: np.zeros(shape) for name in ("flags", "durations")}
     for column, velocity in enumerate(velocities):
         trunks = Trunks()
         for row, load in enumerate(loads):
             point = run_point(sweep.scene, stations, Point(load, velocity), trunks)
-            for share, conditions in zip(SHARES, kinds, strict=True):
-                found[str(share)][row, column] = worst_rises(point.columns, load, conditions)
+            for name, conditions in kinds.items():
+                found[name][row, column] = worst_rises(point.columns, load, conditions)
             found["flags"][row, column] = sum({int(one.kind) for one in point.warnings})
             found["durations"][row, column] = point.columns["time"].max()
     return {name: values.tolist() for name, values in found.items()}
 
 
-def computed(family, number):
+def computed(task):
     """Rises of one scene with each preset as a row of the file, or why it failed."""
     np.seterr(all="raise", under="ignore")
-    began, row = time.monotonic(), {"family": family, "number": number}
+    family, number = task
+    began, row = time.monotonic(), {"name": f"{family} {number}", "family": family}
+    row["number"] = number
     seed = number if family == "shipped" else FIRST + number
     rng = np.random.default_rng([seed, 161])
     try:
@@ -151,41 +153,20 @@ def computed(family, number):
     return row | {"seconds": round(time.monotonic() - began)}
 
 
-def compute(path, scenes, minutes):
-    """Compute scenes of all families in turn, on all cores, for `minutes`."""
-    done = {(row["family"], row["number"]) for row in read(path)}
-    tasks = iter(
+def wanted(done, scenes):
+    """Scenes of all families in turn that are not done, as tasks."""
+    return [
         (family, number // every)
         for number in range(scenes)
         for family, every in EVERY.items()
         if number % every == 0 and (family, number // every) not in done
-    )
-    end, running = time.monotonic() + 60 * minutes, set()
-    processes = len(os.sched_getaffinity(0))
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, context) as pool, path.open("a") as file:
-        while True:
-            free = processes - len(running) if time.monotonic() < end else 0
-            running |= {pool.submit(computed, *task) for task in islice(tasks, free)}
-            if not running:
-                return
-            ready, running = wait(running, return_when=FIRST_COMPLETED)
-            for row in (one.result() for one in ready):
-                print(json.dumps(row), file=file, flush=True)
-                said = row["family"], row["number"], f"{row['seconds']} s", row.get("failed", "")
-                print(*said, file=sys.stderr, flush=True)
+    ]
 
 
-def read(path):
-    """Rows of a file of results."""
-    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-
-
-def plane_of(row, preset, share):
+def plane_of(row, preset, name):
     """`Rises` of a scene by a preset, as answers have it; of `fine` only its own points."""
-    here = np.ix_(*(np.isin(row[f"all_{name}"], row[name]) for name in ("loads", "velocities")))
-    names = str(share), "flags", "durations"
-    parts = (np.array(row[preset][name]) for name in names)
+    here = np.ix_(*(np.isin(row[f"all_{axis}"], row[axis]) for axis in ("loads", "velocities")))
+    parts = (np.array(row[preset][one]) for one in (name, "flags", "durations"))
     rises, flags, durations = (x[here] if preset == "fine" else x for x in parts)
     velocities = np.array(row["velocities"])
     slow = [exponents(velocities, line) < SLOWEST for line in rises]
@@ -200,56 +181,49 @@ def plane_of(row, preset, share):
         durations=durations,
         is_left_out=np.zeros(rises.shape, bool),
         is_made=np.zeros(rises.shape, bool),
-        conditions=Conditions(1.0, 300.0, criterion=Criterion(share=float(share))),
-        promised=PROMISED[preset],
+        conditions=Conditions(1.0, 300.0, criterion=CRITERIA[name]),
+        promised=preset_bound(preset, CRITERIA[name]),
         ends={},
         source=None,
     )
 
 
-def error_at(plane, load, velocity):
-    """Stated relative error of the rise at one load and velocity, as a `RiseError`."""
-    errors = rise_errors(plane, np.array([load]), np.array([velocity]))
-    return RiseError.of(errors[:, 0])
+def half(row):
+    """0 for scenes that constants are found by, 1 for those that judge them."""
+    return row["number"] // len(SHIPPED) % 2
 
 
-def interpolated(x, y, place):
-    """Interpolation by a monotone cubic of logarithms, as in `pipeline.analysis`."""
-    return np.exp(PchipInterpolator(np.log(x), np.log(y))(math.log(place)))
-
-
-def places(row, preset, share):
-    """Yield errors of a preset's rises, true (against `fine`) and stated, at each place."""
-    plane, true = plane_of(row, preset, share), np.array(row["fine"][str(share)])
+def places(row, preset, name):
+    """Errors of a preset's rises, true (against `fine`) and stated, at each place."""
+    plane, true = plane_of(row, preset, name), np.array(row["fine"][name])
     if min(plane.plane.min(), true.min()) <= 0:  # far below the bulk of a warmer disk
-        return
-    for i, load in enumerate(row["all_loads"]):
-        for j, velocity in enumerate(row["all_velocities"]):
-            stated = error_at(plane, load, velocity)
-            is_point = load in row["loads"] and velocity in row["velocities"]
-            if is_point and preset == "fine":
-                continue
-            beneath = np.zeros(plane.plane.shape, bool)
-            (rows,), (columns,) = plane.rests_on(np.array([load]), np.array([velocity]))
-            beneath[rows[:, None], columns] = True
-            column = interpolated(plane.velocities, plane.plane.T, velocity)
-            yield {
-                "scene": f"{row['family']} {row['number']}",
-                "family": row["family"],
-                "half": row["number"] % 2,
-                "preset": preset,
-                "share": share,
-                "is_point": is_point,
-                "flags": np.bitwise_or.reduce(plane.flags[beneath]),
-                "error": float(interpolated(plane.loads, column, load)) / true[i, j] - 1,
-                "between": (stated.interpolation or 0.0) / BETWEEN,
-                "stated": stated.total,
-            }
+        return pd.DataFrame()
+    loads, velocities = (
+        axis.ravel() for axis in np.meshgrid(row["all_loads"], row["all_velocities"], indexing="ij")
+    )
+    stated = rise_errors(plane, loads, velocities)
+    rows, columns = plane.rests_on(loads, velocities)
+    found = pd.DataFrame(
+        {
+            "preset": preset,
+            "criterion": name,
+            "at_load": np.isin(loads, plane.loads),
+            "at_velocity": np.isin(velocities, plane.velocities),
+            "flags": np.bitwise_or.reduce(plane.flags[rows[..., None], columns], axis=(1, 2)),
+            "error": plane.rise(loads, velocities) / true.ravel() - 1,
+            "between": stated[INTERPOLATION],
+            "stated": totals(stated),
+            "scene": row["name"],
+            "family": row["family"],
+            "half": half(row),
+        }
+    )
+    return found[~(found["at_load"] & found["at_velocity"])] if preset == "fine" else found
 
 
 def beyond(row):
     """Yield true over stated errors of extrapolation from the two points beside the boundary."""
-    whole = plane_of(row, "fine", 0.1)
+    whole = plane_of(row, "fine", USUAL)
     if whole.plane.min() <= 0:
         return
     above = np.sum(whole.plane < np.median(whole.plane), axis=1)[:, None]
@@ -259,12 +233,9 @@ def beyond(row):
     for load, known, rises in zip(whole.loads, is_kept, whole.plane, strict=True):
         if known.sum() < 2:
             continue
-        x, y = np.log(whole.velocities), np.log(rises)
-        (low, first), (high, last) = zip(x[known], y[known], strict=True)
-        for place, true in zip(x[~known], y[~known], strict=True):
-            found = first + (last - first) / (high - low) * (place - low)
-            said = error_at(plane, load, math.exp(place)).interpolation
-            yield math.expm1(found - true) / said
+        places = whole.velocities[~known]
+        found = plane.rise(load, places) / rises[~known] - 1
+        yield from found / rise_errors(plane, np.full(len(places), load), places)[INTERPOLATION]
 
 
 def rms(values):
@@ -289,28 +260,34 @@ def covered(name, places):
     return name, known["scene"].nunique(), len(known), *sizes, f"{over:.1f}", f"{held:.1%}"
 
 
-def are_covered(lines, clean):
+def are_covered(lines):
     """True if the stated errors hold at 99 % of places, and are not stated much too large.
 
     Without a warning they are at most 4 times the 99 % quantile of true errors.
     """
-    held = [float(line[-1].rstrip("%")) for line in [*lines, *clean]]
-    return min(held) >= 99 and max(float(line[-2]) for line in clean) <= 4
+    held = min(float(line[-1].rstrip("%")) for line in lines)
+    return held >= 99 and max(float(line[-2]) for line in lines if "without" in line[0]) <= 4
 
 
 def constants(rows, places):
-    """Yield, for each constant of `pipeline.analysis.rise_error`, its name and errors it bounds."""
-    points = places[places["is_point"]]
-    clean = points[points["flags"] == 0]
-    for preset, group in clean.groupby("preset"):
-        yield f"share, {preset}", group["error"] / PROMISED[preset]
-    if apart := [fine_apart(row) / PROMISED["fine"] for row in rows if "reference" in row]:
-        yield "share, fine", np.concatenate(apart)
-    between = places[(places["preset"] == "fine") & (places["between"] > 0)]
-    yield "BETWEEN", between["error"] / between["between"]
-    yield "continuing, over stated", [error for row in rows for error in beyond(row)]
+    """Yield, for each constant that this judges, its name and errors over what it says."""
+    points = places[places["at_load"] & places["at_velocity"]]
+    for (preset, name), group in points[points["flags"] == 0].groupby(["preset", "criterion"]):
+        bound = preset_bound(preset, CRITERIA[name])
+        yield f"RISE_SHARE, {preset}, {name}", group["error"] / bound
+    usual = points[points["criterion"] == USUAL]
+    if apart := [fine_apart(row) / PRESET_BOUNDS["fine"] for row in rows if "reference" in row]:
+        yield "RISE_SHARE, fine by reference", np.concatenate(apart)
+    fine = places[(places["preset"] == "fine") & (places["criterion"] == USUAL)]
+    for name, along, kept in (
+        ("BETWEEN", "at_velocity", BETWEEN),
+        ("LEAST_BENT, over stated", "at_load", 1.0),
+    ):
+        group = fine[fine[along] & (fine["between"] > 0)]
+        yield name, kept * group["error"] / group["between"]
+    yield "BEYOND, over stated", [error for row in rows for error in beyond(row)]
     for kind in WarningKind:
-        for preset, group in points[points["flags"] & int(kind) != 0].groupby("preset"):
+        for preset, group in usual[usual["flags"] & int(kind) != 0].groupby("preset"):
             yield f"{kind.label}, {preset}", group["error"]
     if heat := [excess for row in rows for excess in too_warm(row)]:
         yield "present heat", heat
@@ -320,13 +297,13 @@ def fine_apart(row):
     """Relative differences of rises by `fine` from those by `reference`, at some points."""
     names = ("loads", 2), ("velocities", 3)
     at = np.ix_(*(np.isin(row[f"all_{name}"], row[name][1::step]) for name, step in names))
-    return (np.array(row["fine"]["0.1"])[at] / np.array(row["reference"]["0.1"]) - 1).ravel()
+    return (np.array(row["fine"][USUAL])[at] / np.array(row["reference"][USUAL]) - 1).ravel()
 
 
 def too_warm(row):
     """Excess of the rise with present heat only over that with history, at points warned of it."""
     flags = np.array(row["standard"]["flags"], int)[:, np.isin(row["velocities"], row["few"])]
-    excess = np.array(row["elapsed"]["0.1"]) / np.array(row["history"]["0.1"]) - 1
+    excess = np.array(row["elapsed"][USUAL]) / np.array(row["history"][USUAL]) - 1
     return excess[flags & WarningKind.PRESENT_HEAT != 0]
 
 
@@ -337,36 +314,35 @@ def main():
     parser.add_argument("--minutes", type=float, default=30.0, help="begin no scene later")
     parser.add_argument("--file", type=Path, default=Path("results/errors.jsonl"))
     options = parser.parse_args()
-    options.file.parent.mkdir(parents=True, exist_ok=True)
-    compute(options.file, options.scenes, options.minutes)
+    done = {(row["family"], row["number"]) for row in read(options.file)}
+    compute(computed, wanted(done, options.scenes), options.file, options.minutes)
     rows = [row for row in read(options.file) if "failed" not in row]
-    kinds = [(preset, share) for preset in PROMISED for share in SHARES]
-    every = pd.DataFrame([place for row in rows for kind in kinds for place in places(row, *kind)])
-    usual = every[every["share"] == 0.1]
-    whole = [covered(preset, group) for preset, group in usual.groupby("preset")]
-    clean = [
-        covered(f"{preset}, without a warning", group)
-        for preset, group in usual[usual["flags"] == 0].groupby("preset")
+    kinds = [(preset, name) for preset in PRESETS_JUDGED for name in CRITERIA]
+    every = pd.concat([places(row, *kind) for row in rows for kind in kinds])
+    every["place"] = np.where(every["at_load"], "velocities", "loads")
+    every.loc[every["at_load"] & every["at_velocity"], "place"] = "points"
+    every.loc[~every["at_load"] & ~every["at_velocity"], "place"] = "both"
+    usual, clean = every[every["criterion"] == USUAL], every[every["flags"] == 0]
+    judged = [covered(preset, group) for preset, group in usual.groupby("preset")]
+    judged += [
+        covered(f"{preset}, without a warning, {name}", group)
+        for (name, preset), group in clean.groupby(["criterion", "preset"])
     ]
     lines = [
-        covered(f"{column} {name}, {preset}", group)
-        for column in ("half", "family")
-        for (name, preset), group in usual.groupby([column, "preset"])
+        covered(f"{preset}, without a warning, {column} {name}", group)
+        for column in ("half", "family", "place")
+        for (name, preset), group in clean.groupby([column, "preset"])
     ]
-    lines += [
-        covered(f"{share:.0%} decides, {preset}", group)
-        for (share, preset), group in every.groupby(["share", "preset"])
-    ]
-    found = {"all": constants(rows, usual)} | {
-        f"half {half}": constants([row for row in rows if row["number"] % 2 == half], group)
-        for half, group in usual.groupby("half")
+    found = {"all": constants(rows, every)} | {
+        f"half {number}": constants([row for row in rows if half(row) == number], group)
+        for number, group in every.groupby("half")
     }
     frame = pd.DataFrame(
         {name: {label: most(x) for label, x in kind} for name, kind in found.items()}
     )
     by_constant = [(label, *(f"{x:.3g}" for x in row)) for label, *row in frame.itertuples()]
-    report = table(COVERED, whole + clean + lines), table(("99 % within", *found), by_constant)
-    return conclude("errors", "\n\n".join(report), are_covered(whole, clean))
+    report = table(COVERED, judged + lines), table(("99 % within", *found), by_constant)
+    return conclude("errors", "\n\n".join(report), are_covered(judged))
 
 
 if __name__ == "__main__":

@@ -93,7 +93,12 @@ class Case:
 
 def cases(numbers=range(6)):
     """Scenes of all families with these numbers, the families in turn."""
-    return [Case(name, n, *_whole(name, n)) for n in numbers for name in FAMILIES]
+    return [case_of(name, number) for number in numbers for name in FAMILIES]
+
+
+def case_of(name, number):
+    """The scene of a family with this number."""
+    return Case(name, number, *_whole(name, number))
 
 
 def _whole(name, number):

@@ -22,9 +22,9 @@ import numpy as np
 
 from pipeline.constants import PRESET_BOUNDS
 from pipeline.sweep.selection import preset_of, velocity_error
-from tests.helpers.campaigns import commit, conclude, table
+from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.helpers.entries import changed
-from tests.promises.families import cases
+from tests.promises.families import case_of, cases
 from tests.promises.truth import deciding_rises, known
 from tribo import PRESETS, TriboError, simulate, warnings
 from tribo.constants import SLOWEST
@@ -102,27 +102,22 @@ def warned(sweep, velocity, trunks):
         yield bool(warnings(sweep.scene, state))
 
 
-def computed(path, choices, scenes, ends):
-    """Compute results that a file lacks; return all of its rows by choice and scene."""
-    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    known_rows = {(row["choice"], row["digest"]): row for row in rows}
-    for case in scenes:
-        for name, fidelity in choices.items():
-            key = json.dumps(asdict(fidelity)), case.digest
-            if key in known_rows or time.monotonic() > ends:
-                continue
-            try:
-                found = errors(case, fidelity)
-            except TriboError as error:
-                print(f"{case.name}, {name}: {error}", file=sys.stderr, flush=True)
-                continue
-            if found:
-                row = {"choice": key[0], "digest": key[1], "commit": commit(), **found}
-                known_rows[key] = row
-                with path.open("a") as file:
-                    print(json.dumps(row), file=file)
-        print(case.name, file=sys.stderr, flush=True)
-    return known_rows
+def computed(task):
+    """Row of the file of a choice on a scene."""
+    name, fidelity, *scene = task
+    np.seterr(all="raise", under="ignore")
+    case = case_of(*scene)
+    row = {"name": f"{case.name}, {name}", "choice": json.dumps(asdict(fidelity)), "seconds": 0.0}
+    row |= {"digest": case.digest, "commit": commit()}
+    try:
+        return row | (errors(case, fidelity) or {"failed": "no true rises"})
+    except TriboError as error:
+        return row | {"failed": str(error)}
+
+
+def known_rows(path):
+    """Rows of the file by choice and scene."""
+    return {(row["choice"], row["digest"]): row for row in read(path) if "failed" not in row}
 
 
 def summary(name, fidelity, rows, digests):
@@ -163,8 +158,16 @@ def beaten(rows):
 
 def searched(path, choices, scenes, ends):
     """Table rows of the choices over scenes done with all of them, and these scenes' names."""
-    rows = computed(path, choices, scenes, ends)
     texts = [json.dumps(asdict(fidelity)) for fidelity in choices.values()]
+    rows = known_rows(path)
+    tasks = [
+        (name, choices[name], case.family, case.number)
+        for case in scenes
+        for name, text in zip(choices, texts, strict=True)
+        if (text, case.digest) not in rows
+    ]
+    compute(computed, tasks, path, (ends - time.monotonic()) / 60)
+    rows = known_rows(path)
     done = [one for one in scenes if all((text, one.digest) in rows for text in texts)]
     digests = [one.digest for one in done]
     found = [summary(name, fidelity, rows, digests) for name, fidelity in choices.items()]
@@ -177,9 +180,7 @@ def main():
     parser.add_argument("--scenes", type=int, help="so many, drawn; all if not given")
     parser.add_argument("--minutes", type=float, default=120.0, help="begin no scene later")
     options = parser.parse_args()
-    np.seterr(all="raise", under="ignore")
     path = Path("results/front.jsonl")
-    path.parent.mkdir(exist_ok=True)
     numbers, ends = range(0 if options.search else 1, NUMBERS, 2), 60 * options.minutes
     choices = varied() if options.search else {name: PRESETS[name] for name in PROMISED}
     ends += time.monotonic()

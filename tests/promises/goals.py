@@ -1,10 +1,11 @@
 """Judge `--accuracy`: how often the whole error of the boundary is below it, and what is missed.
 
-Scenes of all families are searched on points that are computed once and kept in memory. The truth
-at a load is `reference` on the first patch, and how the mean of 64 patches differs from it by
-`standard`. The error is that of the velocity at which wear turns. Every fourth scene has friction
-that falls with velocity. Last, each scene's plane is searched under other laws of friction: a load
-must have as many crossings as the whole plane.
+Scenes of all families are searched on points that are computed once and kept in files, so that the
+next accuracy has them. The truth at a load is `reference` on the first patch, and how the mean of
+64 patches differs from it by `standard`, both at the velocity next to the crossing of the whole
+plane of the first patch. The error is that of the velocity at which wear turns. Every fourth scene
+has friction that falls with velocity. Each scene's plane is searched under other laws of friction,
+too: a load must have as many crossings as the whole plane.
 
     python -m tests.promises.goals                          # 40 scenes
     python -m tests.promises.goals --scenes 8 --accuracy 1  # per cent
@@ -13,12 +14,11 @@ must have as many crossings as the whole plane.
 import argparse
 import json
 import math
-import multiprocessing
-import os
 import sys
 import tempfile
 import time
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -31,24 +31,26 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.selection import presets_for, velocity_error
 from pipeline.sweep.severity import relative_sampling, worst_rises
-from tests.helpers.campaigns import commit, conclude, table
+from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import cases
 from tribo import Corrections, Friction, TriboError
 
+POINTS = Path("results/goals")
 PATCHES = 64  # of the truth
 HELD = 0.95
 NUMBERS = range(3, 11, 2)  # of scenes; windows of the first shipped ones are large
 VELOCITIES = np.geomspace(0.25, 4.0, 16)  # over that of a scene's middle
 LAWS = 4  # of friction, for each number of bends
 _BESIDE = 1.02  # ratio of velocities about a crossing, for its exponent
+_FIRST_PATCH = Goal(0.02, 0.0, 1, counts_surface=False)
 _TOUCHES = 0.01  # a turn of ln(rise/limit) as near to 0 may have two crossings or none
 HEADS = "accuracy", "scenes", "out of reach", "loads", "held", "median", "largest", "points"
 
 
 class Planes:
-    """Points of a scene, computed once: by preset, patch, load and velocity."""
+    """Points of a scene, computed once and kept in a file: by preset, patch, load and velocity."""
 
-    def __init__(self, sweep):
+    def __init__(self, sweep, path):
         self.fixed, self.conditions = why_fixed(sweep), sweep.conditions
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
         presets = {one.preset: one for one in goal_presets(sweep)}
@@ -56,13 +58,20 @@ class Planes:
         presets["reference"] = with_fidelity(sweep, exact, "reference")
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
         self._patches = {name: self._scenes(one) for name, one in presets.items()}
-        self._stations, self._found = choose_stations(sweep), {}
+        self._stations, self._path = choose_stations(sweep), path
+        kept = json.loads(path.read_text()) if path.exists() else []
+        self._found = {tuple(key): tuple(values) for key, values in kept}
 
     def _scenes(self, sweep):
         """Scenes of the patches of a sweep."""
         if self.fixed:
             return [sweep.scene]
         return [case.scene for case in sweep.source.with_patches(sweep, MOST_PATCHES).cases]
+
+    def keep(self):
+        """Write the points to the file."""
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        self._path.write_text(json.dumps([*self._found.items()]))
 
     def point(self, preset, patch, load, velocity):
         """Rise at friction 1 [K], its deviation, warning flags and duration; NaN if it fails."""
@@ -102,19 +111,30 @@ class Planes:
             self.tell(search, batch, preset)
         return search
 
-    def true_y(self, search, load, velocity):
-        """ln(rise/limit) of the specimen by the truth, beside a crossing [m/s] of a search."""
-        column = int(np.argmin(np.abs(np.log(self.velocities / velocity))))
-        at, apart = self.velocities[column], 0.0
+    def whole(self, conditions):
+        """A search that was told the whole plane of the first patch."""
+        search = Search(self.loads, self.velocities, conditions, _FIRST_PATCH)
+        self.tell(search, [Place(0, *one) for one in np.ndindex(self.plane_shape)])
+        return search
+
+    @cached_property
+    def _plane(self):
+        return self.whole(self.conditions)
+
+    def true_y(self, load, velocity):
+        """ln(rise/limit) of the specimen by the truth at a velocity [m/s] near its crossing."""
+        crossing = self._plane.critical[self.loads == load].item()
+        nearest = np.abs(np.log(self.velocities / (crossing if crossing > 0 else velocity)))
+        at, apart = self.velocities[np.argmin(nearest)], 0.0
         if not self.fixed:
             rises = [self.point("standard", n, load, at)[0] for n in range(PATCHES)]
             apart = np.log(np.array(rises) / rises[0])
             apart = apart.max() if self.conditions.criterion.is_highest else apart.mean()
         rise = self.point("reference", 0, load, at)[0] * np.exp(apart)
-        # From the velocity of a point to that of the crossing as the search has it.
-        here, there = search.rises.y(load, np.array([velocity, at]))
+        rises = self._plane.rises
         factor = self.conditions.friction_factor(np.array([at])).item()
-        return np.log(rise * factor / search.rises.limit) + here - there
+        here, there = rises.y(load, np.array([velocity, at]))
+        return np.log(rise * factor / rises.limit) + here - there
 
     def errors(self, accuracy):
         """What a search for an accuracy takes, and its true error at each load."""
@@ -125,7 +145,7 @@ class Planes:
             if np.isfinite(velocity) and best <= accuracy:
                 beside = search.rises.y(load, velocity * np.array([1 / _BESIDE, _BESIDE]))
                 slope = np.diff(beside).item() / (2 * np.log(_BESIDE))
-                y = self.true_y(search, load, velocity)
+                y = self.true_y(load, velocity)
                 found.append([load, velocity, float(np.expm1(y / slope))])
         return {
             "preset": preset,
@@ -136,15 +156,13 @@ class Planes:
 
     def crossings(self, seed):
         """Numbers of crossings at loads of the whole plane, and as a search finds them."""
-        whole, rng, found = [*np.ndindex(1, *self.plane_shape)], np.random.default_rng(seed), []
+        rng, found = np.random.default_rng(seed), []
         for bends in np.repeat(range(4), LAWS):
             plain = self.conditions.corrections or Corrections()
             law = replace(plain, friction=Friction(by_velocity=_law(rng, self.velocities, bends)))
             judged = replace(self.conditions, corrections=law)
-            goal = Goal(0.02, 0.0, 1, counts_surface=False)
-            every = Search(self.loads, self.velocities, judged, goal)
-            self.tell(every, [Place(*one) for one in whole])
-            search = Search(self.loads, self.velocities, judged, goal)
+            every = self.whole(judged)
+            search = Search(self.loads, self.velocities, judged, _FIRST_PATCH)
             while batch := search.ask():
                 self.tell(search, batch)
             counts = [
@@ -210,9 +228,13 @@ def computed(task):
     case = cases(NUMBERS)[number]
     began, row = time.process_time(), {"name": case.name, "digest": case.digest}
     try:
-        planes = Planes(scene(case, number % 4 == 3))
+        planes = Planes(scene(case, number % 4 == 3), POINTS / f"{case.digest}.json")
         row["crossings"] = planes.crossings(number)
-        row["accuracy"] = {f"{one:g}": planes.errors(one / 100) for one in accuracies}
+        row["accuracy"] = {}
+        for accuracy in accuracies:
+            planes.keep()
+            row["accuracy"][f"{accuracy:g}"] = planes.errors(accuracy / 100)
+        planes.keep()
     except TriboError as error:
         row["failed"] = str(error)
     return row | {"seconds": round(time.process_time() - began), "commit": commit()}
@@ -260,22 +282,14 @@ def main():
     options = parser.parse_args()
     name = "goals_" + "_".join(f"{one:g}" for one in options.accuracy)
     path = Path(f"results/{name}.jsonl")
-    path.parent.mkdir(exist_ok=True)
-    rows = [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
-    done, ends = {row["digest"] for row in rows}, time.monotonic() + 60 * options.minutes
+    done = {row["digest"] for row in read(path)}
     tasks = [
         (number, options.accuracy)
         for number, case in drawn(options.scenes)
         if case.digest not in done
     ]
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(len(os.sched_getaffinity(0))) as pool, path.open("a") as file:
-        for row in pool.imap_unordered(computed, tasks):
-            rows.append(row)
-            print(json.dumps(row), file=file, flush=True)
-            print(row["name"], f"{row['seconds']} s", file=sys.stderr, flush=True)
-            if time.monotonic() > ends:
-                break
+    compute(computed, tasks, path, options.minutes)
+    rows = read(path)
     return conclude(name, *report(rows, options.accuracy))
 
 
