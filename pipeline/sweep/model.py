@@ -145,11 +145,6 @@ class Sweep:
         """Tests that measured a transition from mild to severe wear."""
         return tuple(test for test in self.tests if not test.outcome)
 
-    @property
-    def _tested(self) -> tuple[Measurement, ...]:
-        """Tests with an outcome, mild or severe."""
-        return tuple(test for test in self.tests if test.outcome)
-
     @cached_property
     def _own_points(self) -> tuple[Measurement | InputPoints, ...]:
         """What has points beside the plane: the tests, then the uncertain inputs."""

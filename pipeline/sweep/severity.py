@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
-from tribo import InputError, Scene, State, Verdict
-from tribo.simulation import state_rises
+from tribo import InputError, Verdict
 from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
 from tribo.simulation.verdict import RISES as RISES
@@ -55,16 +53,6 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     `tribo.QUANTILES`.
     """
     return failed_share(rise_quantile, rise_limit(conditions))
-
-
-def momentary_rise(scene: Scene, state: State, conditions: Conditions) -> float:
-    """Temperature rise per unit friction coefficient at one step of a simulation [K].
-
-    It is the rise that the criterion of `conditions` compares with its limit.
-    """
-    moment = state_rises(scene, state, conditions.corrections)
-    rises = rises_above_colder(moment, replace(conditions, corrections=None))
-    return float(conditions.criterion.rise(rises))
 
 
 def worst_rises(columns: Mapping[str, Any], load: Array | float, conditions: Conditions) -> Array:

@@ -81,9 +81,10 @@ def _objects(sweep):
 
 
 def _present(sweep, name):
+    if name in _TESTS:
+        return tuple(test for test in sweep.tests if bool(test.outcome) == _TESTS[name])
     held = sweep.scene if PART_OF.get(name) == "scene" else sweep
-    own = {"oil": "lubricant", "measured": "_measured", "tested": "_tested"}
-    return getattr(held, own.get(name, name))
+    return getattr(held, {"oil": "lubricant"}.get(name, name))
 
 
 def _has(sweep, name, value):

@@ -7,11 +7,12 @@ import numpy as np
 
 import tribo
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import momentary_rise
+from pipeline.sweep.severity import rises_above_colder
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
+from tribo.simulation import state_rises
 
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
 SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
@@ -94,7 +95,9 @@ def window_guess(sweep, lengths, velocity):
 def _with_boundary(sweep, velocity):
     """Copy of a sweep with a critical temperature that puts the boundary in its middle."""
     state = state_at(sweep.scene, sweep.loads[2], velocity)
-    rise = momentary_rise(sweep, state, sweep.conditions)
+    rises = state_rises(sweep.scene, state, sweep.conditions.corrections)
+    own = replace(sweep.conditions, corrections=None)
+    rise = float(own.criterion.rise(rises_above_colder(rises, own)))
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return changed(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

@@ -136,14 +136,6 @@ class Criterion:
         return self._rule.column
 
     @property
-    def takes_share(self) -> bool:
-        """True if the criterion uses `share`, the share of the contact area that may be too hot.
-
-        A user's rule counts as using it if the rule's words `temperature` contain it.
-        """
-        return "{share" in (self.rule or CRITERIA[self.name]).temperature
-
-    @property
     def temperature(self) -> str:
         """Words that name the criterion's temperature, such as "mean of the contact"."""
         return self._rule.temperature.format(share=100 * self.share)

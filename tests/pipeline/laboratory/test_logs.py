@@ -59,7 +59,7 @@ def contacts(document):
 def test_rows_of_a_log_stand_beside_tables(lab):
     head = "date;Normal load [kN];velocity [m/s];friction;bulk temperature [degC];outcome;hold [s]"
     scene = lab(f"{head}\n1 May;0.4;2.5;0.1;60;severe;5\n\n2 May;0.6;1.5;;70;mild;10\n")
-    assert scene._tested == (
+    assert scene.tests == (
         Measurement(400.0, 2.0, outcome="mild", number="1"),
         Measurement(
             400.0, 2.5, 0.1, bulk_temperature=333.15, outcome="severe", number="row 2", hold=5.0
@@ -92,7 +92,7 @@ OFFICE = (
 @pytest.mark.parametrize("end", ["\n", "\r\n", ";\n"])
 def test_a_log_of_an_office_is_read_as_it_is(lab, encoding, end):
     scene = lab(OFFICE.replace("\n", end).encode(encoding))
-    assert scene._tested[1:] == (
+    assert scene.tests[1:] == (
         Measurement(400.0, 1.75, 0.098, bulk_temperature=298.15, outcome="mild", number="1"),
         Measurement(1200.5, 2.75, bulk_temperature=298.15, outcome="severe", number="2"),
     )
@@ -168,7 +168,7 @@ def test_what_a_log_lacks_is_asked_and_may_be_given(tests, irg, tmp_path, name):
     (tmp_path / "lab.toml").write_text(
         f'extends = "first_try"\nwithout = ["measured"]\n{toml}', encoding="utf-8"
     )
-    (test,) = pipeline.load_scene(tmp_path / "lab.toml")._tested
+    (test,) = pipeline.load_scene(tmp_path / "lab.toml").tests
     assert (test.normal_load, test.velocity, test.outcome) == near(right)
 
 
@@ -184,7 +184,7 @@ def test_a_ratio_above_two_is_asked_whether_it_is_in_percent(tests):
 def test_columns_words_and_decimals_of_the_user_come_first(lab):
     own = ', columns = { load = "Soll [N]" }, decimal = ","'
     log = 'Soll [N],Ist [N],v [m/s],Befund\n400,398,"1,75",kaputt\n'
-    tested = lab(log, own, '\nwords = { kaputt = "severe" }\n')._tested
+    tested = lab(log, own, '\nwords = { kaputt = "severe" }\n').tests
     assert tested[1] == Measurement(400.0, 1.75, outcome="severe", number="row 2")
 
 
@@ -192,10 +192,10 @@ def test_what_may_be_thousands_is_refused_unless_the_decimal_mark_is_given(lab):
     heads = "load [N];velocity [m/s];outcome\n"
     with pytest.raises(pipeline.SceneFileError, match=r'or decimal = ",", in { path = "FILE" }'):
         lab(heads + "1.250;2;mild\n")
-    assert lab(heads + "1.250;1,5;mild\n")._tested[1].normal_load == 1250.0
+    assert lab(heads + "1.250;1,5;mild\n").tests[1].normal_load == 1250.0
     for mark, load in ((",", 1250.0), (".", 1.25)):
         scene = lab(heads + "1.250;2;mild\n", f', decimal = "{mark}"')
-        assert scene._tested[1].normal_load == load
+        assert scene.tests[1].normal_load == load
 
 
 def test_an_outcome_that_is_negated_means_the_contrary(tests):
@@ -261,7 +261,7 @@ def test_rows_of_one_run_are_kept_apart_between_logs(tmp_path):
     (tmp_path / "other.csv").write_text(log, encoding="utf-8")
     both = SCENE + '\n[[tested]]\nfile = "other.csv"\n'
     (tmp_path / "lab.toml").write_text(both, encoding="utf-8")
-    tested = pipeline.load_scene(tmp_path / "lab.toml")._tested[1:]
+    tested = pipeline.load_scene(tmp_path / "lab.toml").tests[1:]
     runs = [*["log.csv 3"] * 2, "log.csv 4", *["other.csv 3"] * 2, "other.csv 4"]
     assert [test.run for test in tested] == runs
     assert tested[0].number == "log.csv row 2"
@@ -298,7 +298,7 @@ def test_a_sheet_of_a_workbook_is_read_as_the_same_csv(tmp_path, irg):
     book.save(tmp_path / "log.xlsx")
     scene = SCENE.replace("log.csv", "log.xlsx")
     (tmp_path / "lab.toml").write_text(scene, encoding="utf-8")
-    tested = pipeline.load_scene(tmp_path / "lab.toml")._tested
+    tested = pipeline.load_scene(tmp_path / "lab.toml").tests
     assert tested[1] == Measurement(400.0, 1.75, outcome="mild", number="row 3")
     document = irg("tests", tmp_path / "log.xlsx", "--sheet", "Log", "--json")
     assert [one["outcome"] for one in document["tests"]] == ["mild", "severe"]

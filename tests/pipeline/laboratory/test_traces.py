@@ -245,7 +245,7 @@ def test_levels_that_fall_or_both_change_make_a_run_of_tests(tmp_path, irg):
         'extends = "first_try"\nwithout = ["measured"]\n'
         + irg("tests", path, "--scuffed-at", "450 s", "--json")["toml"]
     )
-    tested = pipeline.load_scene(tmp_path / "lab.toml")._tested
+    tested = pipeline.load_scene(tmp_path / "lab.toml").tests
     assert [(one.normal_load, one.outcome) for one in tested] == [
         (100.0, "mild"), (200.0, "mild"), (300.0, "severe"),
     ]  # fmt: skip

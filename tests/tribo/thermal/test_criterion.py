@@ -15,27 +15,25 @@ UPPER = Rule("rise_quantile", lambda rises, share, _: rises[..., -1], "of {share
 
 
 @pytest.mark.parametrize(
-    ("criterion", "rise", "temperature", "severe", "takes_share"),
+    ("criterion", "rise", "temperature", "severe"),
     [
         (Criterion(), 90.0, "exceeded on 10 % of the contact",
-         "more than 10 % of the contact above", True),
+         "more than 10 % of the contact above"),
         (Criterion(share=0.25), 75.0, "exceeded on 25 % of the contact",
-         "more than 25 % of the contact above", True),
-        (Criterion(share=0.0), 100.0, "maximum", "any of the contact above", True),
-        (Criterion("highest"), 100.0, "maximum", "any of the contact above", False),
-        (Criterion("mean"), 40.0, "mean of the contact", "the mean of the contact above", False),
-        (Criterion("mean", 0.0), 40.0, "mean of the contact", "the mean of the contact above",
-         False),
-        (Criterion("own", rule=LOWEST), 0.0, "lowest", "all above", False),
-        (Criterion("own", 0.2, UPPER), 100.0, "of 20 %", "own", True),
+         "more than 25 % of the contact above"),
+        (Criterion(share=0.0), 100.0, "maximum", "any of the contact above"),
+        (Criterion("highest"), 100.0, "maximum", "any of the contact above"),
+        (Criterion("mean"), 40.0, "mean of the contact", "the mean of the contact above"),
+        (Criterion("mean", 0.0), 40.0, "mean of the contact", "the mean of the contact above"),
+        (Criterion("own", rule=LOWEST), 0.0, "lowest", "all above"),
+        (Criterion("own", 0.2, UPPER), 100.0, "of 20 %", "own"),
     ],
 )  # fmt: skip
 def test_a_criterion_decides_by_one_temperature_and_says_which(
-    criterion, rise, temperature, severe, takes_share
+    criterion, rise, temperature, severe
 ):
     assert criterion.rise(COLUMNS) == pytest.approx(rise)
     assert (criterion.temperature, criterion.severe) == (temperature, severe)
-    assert criterion.takes_share is takes_share
 
 
 def test_a_share_stands_for_its_criterion_and_quantiles_may_be_few():
