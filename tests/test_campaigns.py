@@ -1,6 +1,5 @@
 """What campaigns conclude, and which figures on the page are older than the code."""
 
-import ast
 import json
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from pipeline.constants import PRESET_BOUNDS
 from tests import measured
 from tests.house import measure
-from tests.mutants.changes import changes
 from tests.promises import front, goals, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
@@ -34,22 +32,6 @@ def test_a_row_is_older_after_a_change_of_its_code_alone(tmp_path, monkeypatch):
     assert not measured.is_old(row)
     code.write_text("x = 2  # of old\n")
     assert measured.is_old(row)
-
-
-def test_a_mutant_differs_at_one_place_of_what_runs():
-    source = "def f(a: int = 1):\n    if a < 2 and b:\n        raise E(a)\n    return min(a, -c)\n"
-    mutants = []
-    for number in range(len(list(changes(ast.parse(source))))):
-        tree = ast.parse(source)
-        list(changes(tree))[number].make()
-        compile(tree, "", "exec")
-        mutants.append(ast.unparse(tree))
-    assert len(set(mutants)) == len(mutants)
-    assert source.rstrip() not in mutants
-    for text in ("a: int=2", "if not (a < 2 and b)", "a < 2 or b", "a <= 2", "a < 3"):
-        assert sum(text in mutant for mutant in mutants) == 1, text
-    for text in ("pass", "max(a, -c)", "min(a, c)"):
-        assert sum(text in mutant for mutant in mutants) == 1, text
 
 
 # The front of the presets

@@ -9,7 +9,8 @@ import pipeline
 def tested(tmp_path):
     def load(*entries):
         text = "".join(f"\n[[tested]]\n{entry}\n" for entry in entries)
-        (tmp_path / "lab.toml").write_text(f'extends = "first_try"\nwithout = ["measured"]\n{text}', encoding="utf-8")
+        head = 'extends = "first_try"\nwithout = ["measured"]\n'
+        (tmp_path / "lab.toml").write_text(head + text, encoding="utf-8")
         return pipeline.load_scene(tmp_path / "lab.toml").tests
 
     return load

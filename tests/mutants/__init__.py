@@ -1,1 +1,0 @@
-"""Sensitivity of the tests: they are run on code with one small change at a time."""
