@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import itertools
 import json
 import math
@@ -96,11 +97,18 @@ def _broken(text: str, width: int) -> list[str]:
 
 
 def html_of(frame: pd.DataFrame) -> str:
-    """The frame as an HTML table."""
-    cells = pd.DataFrame(_cells(frame, "–"), columns=frame.columns)
-    with pd.option_context("display.max_colwidth", None):
-        text: str = cells.to_html(index=False, border=0, justify="left")
-    return text.replace(' style="text-align: left;"', "")  # forbidden by the page
+    """The frame as an HTML table; each cell names its column, for screens without room."""
+    heads = [html.escape(str(head)) for head in frame.columns]
+    top = "".join(f'<th scope="col">{head}</th>' for head in heads)
+    rows = [
+        "".join(
+            f'<td data-head="{head}">{html.escape(cell)}</td>'
+            for head, cell in zip(heads, row, strict=True)
+        )
+        for row in _cells(frame, "–")
+    ]
+    body = "".join(f"<tr>{cells}</tr>" for cells in rows)
+    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:

@@ -36,8 +36,6 @@ THIN, THICK = 0.9, 2.2  # width of thin and heavy lines [pt]
 BIG, FAINT = 1.9, 0.35  # factor on the size of prominent marks; opacity of faint ones
 BOUNDARY: dict[str, Any] = {"color": BLACK, "lw": THICK}
 BAND: dict[str, Any] = {"fc": TINTS["band"], "ec": "none", "alpha": 0.6}
-RISK_COLOURS = "RdYlBu_r"
-PALE = -0.15, 1.15  # ends of the colour scale of probabilities, pale enough to read words on it
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 """White outline for words over lines and marks; a box would hide these."""
 

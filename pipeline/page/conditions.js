@@ -35,7 +35,7 @@ function typed(text) {
 
 /** Take a value from a field or slider. @param {Control} control @param {HTMLInputElement} source */
 function change(control, source) {
-  const value = (typed(source.value) - control.offset) / control.factor;
+  const value = typed(source.value) - control.offset;
   const conditions = { ...chosen.conditions, [control.name]: value };
   const fault = faultOf(conditions, control);
   showFault(control, fault);
@@ -54,7 +54,7 @@ function showFault({ name }, fault) {
 /** Show a condition in its slider and its field. @param {Control} control */
 function showControl(control) {
   const value = chosen.conditions[control.name] ?? null;
-  const text = value === null ? "" : String(Number((value * control.factor + control.offset).toPrecision(9)));
+  const text = value === null ? "" : String(Number((value + control.offset).toPrecision(9)));
   for (const target of [input(control.name), input(`${control.name}-range`)]) target.value = text;
   showFault(control, "");
 }

@@ -24,7 +24,7 @@ from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.reading import results
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, rise_errors, totals
-from pipeline.analysis.rises import range_of, rises_of
+from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import specimen_of
 from pipeline.analysis.tested import Evidence, is_alike
 from pipeline.constants import DECIDED
@@ -37,7 +37,7 @@ from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.sweep.inputs import spread_places
 from pipeline.sweep.severity import above_colder, corrected_columns, rise_limit, worst_moment
 from tribo import Criterion, InputError
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array, Indices
 
 MOST_FIELDS = 500
 """Default for the largest number of points with fields on a page: some 5 MB."""
@@ -69,50 +69,48 @@ def content(ds: xr.Dataset | Results, most_fields: int = MOST_FIELDS) -> dict[st
     judge = judge_of(data) if data.stored.inputs and conditions.critical_temperature else None
     conditions = judge.conditions if judge else conditions
     unequal = data.rest["bulk_ratio"].values.tolist() if "bulk_ratio" in data.rest.coords else []
-    ratios, done = _tabulated_ratios(unequal), data.done
+    ratios, first = _tabulated_ratios(unequal), data.take_row(None)
     columns = corrected_columns(data.columns, conditions)
     # Axes: load, velocity, bulk ratio, then quantile, step.
     deciding, quantiles = _tables(columns, data.shares, conditions.criterion, ratios)
     load = data.columns["normal_load"][..., None, :]
     worst = worst_moment(deciding, load, data.least_loads[:, None, None, None])
-    rises = np.where(done[..., None], _step_values(deciding, worst), np.nan)
-    steps = worst[..., ratios.index(0.0)]  # each point is shown at the step that decides
+    rises = np.where(data.done[..., None], _step_values(deciding, worst), np.nan)
+    shown = 0 if data.front else ...  # points are shown on the first surface
+    steps = worst[shown][..., ratios.index(0.0)]  # and at the step that decides
     has_fields = {*FIELDS} <= data.rest.keys()
-    chosen = _nearest(data, done, conditions, most_fields) if has_fields else []
+    chosen = _nearest(first, conditions, most_fields) if has_fields else []
     form = controls(conditions, sweep.scene.friction_heat, len(ratios) > 1)
     return {
         **_page_facts(data),
-        **_point_states(data),
+        **_point_states(first),
         "conditions": _conditions(data, conditions),
         "controls": [*map(asdict, form)],
         "deciding": conditions.criterion.temperature,
-        "times": packed_array(_step_values(data.columns["time"], steps), "<f4"),
+        "times": packed_array(_step_values(first.columns["time"], steps), "<f4"),
         "bulk_ratios": ratios,
-        "rises": packed_array(_step_values(quantiles, steps[..., None, None]), "<f4"),
+        "rises": packed_array(_step_values(quantiles[shown], steps[..., None, None]), "<f4"),
         **_planes(rises, data, conditions),
         **_evidence(data, conditions, form),
-        "fields": packed_fields(data.rest, chosen, conditions.bulk_ratio)
-        | {"stored": int(done.sum()) * has_fields},
+        "fields": packed_fields(first.rest, chosen, conditions.bulk_ratio),
     }
 
 
 def _page_facts(data: Results) -> dict[str, Any]:
-    """Data for the page: the scene's name, the values and ranges of its axes, its surfaces."""
+    """Data for the page: the scene's name, the values and ranges of its axes, words."""
     sweep = data.sweep
     return {
         "name": sweep.name,
         "outside": _range_hint(data.loads, data.velocities),
         "origins": _ORIGINS,
         "friction_band": sweep.friction_band,
-        "range": {name: range_of(data, name) for name in ("load", "velocity")},
-        "codes": {code.name: code for code in Outcome},
+        "several": Outcome.SEVERAL,
         "outcomes": {
             axis: [*outcomes(axis).values(), OUTSIDE_WORDS] for axis in ("velocity", "load")
         },
         "loads": data.loads.tolist(),
         "velocities": data.velocities.tolist(),
         "quantiles": data.shares.tolist(),
-        "surfaces": data.rows["realization"].values.tolist() if data.front else None,
     }
 
 
@@ -125,7 +123,7 @@ def _range_hint(loads: Array, velocities: Array) -> str:
 def _point_states(data: Results) -> dict[str, Any]:
     """Data on each point: the status, whether it was asked for, values of the contact, a message.
 
-    Points are in the flat order (surface, load, velocity).
+    Points are in the flat order (load, velocity).
     """
     stored = {*data.columns, *data.rest}
     return {
@@ -224,7 +222,6 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
             }
             for axis, each_limit in turns.items()
         },
-        "missing": int((data.asked & ~data.done).sum()),
     }
 
 
@@ -240,7 +237,7 @@ def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) ->
     - ``no_mild``, ``no_severe``: whether no place is, by critical temperature.
     """
     (slider,) = (one for one in form if one.name == "critical_temperature")
-    low, high = ((end - slider.offset) / slider.factor for end in (slider.low, slider.high))
+    low, high = (end - slider.offset for end in (slider.low, slider.high))
     own = conditions.critical_temperature
     criticals = np.linspace(low, high, _CRITICALS - (own is not None))
     criticals = criticals if own is None else np.union1d(criticals, own)
@@ -270,7 +267,6 @@ def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) ->
         "no_mild": [no_mild for no_mild, _ in open_sides],
         "no_severe": [no_severe for _, no_severe in open_sides],
         "measured": _tests(data, conditions, evidence),
-        "model": evidence.text if evidence else "",
         "decided": [DECIDED[0], DECIDED[-1]],
     }
 
@@ -326,17 +322,17 @@ def _conditions(data: Results, conditions: Conditions) -> dict[str, Any]:
     return plain
 
 
-def _nearest(data: Results, done: Mask, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
-    """Indices (surface, load, velocity) of at most `most` done points, nearest to the transition.
+def _nearest(data: Results, conditions: Conditions, most: int) -> list[tuple[int, ...]]:
+    """Indices (load, velocity) of at most `most` done points, nearest to the transition.
 
-    The page shows the fields of these points. `done` is the mask of done points. If the critical
-    temperature is not known, the points with the highest rise are taken.
+    The page shows the fields of these points. If the critical temperature is not known, the points
+    with the highest rise are taken.
     """
-    places = np.argwhere(done)
+    places = np.argwhere(data.done)
     if len(places) > most:
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
-        rise = np.nan_to_num(data.rises(conditions)[done])
+        rise = np.nan_to_num(data.rises(conditions)[data.done])
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
     return [tuple(place) for place in places.tolist()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from pipeline.sweep.conditions import Conditions
 class Control:
     """A condition that the reader sets by a slider or in a field.
 
-    Slider and field show ``factor`` × SI value + ``offset``.
+    Slider and field show the SI value + ``offset``.
     """
 
     name: str
@@ -25,7 +25,6 @@ class Control:
     low: float  # lower end of the slider, as shown
     high: float  # upper end of the slider, as shown
     step: float
-    factor: float = 1.0
     offset: float = 0.0
     least: float | None = None  # limit in SI; a value below is refused with the message `fault`
     most: float | None = None  # limit in SI; a value above is refused
@@ -69,17 +68,9 @@ def scene_choice(names: Sequence[str]) -> str:
     """HTML to select a scene of a sweep by its name; empty if there is only one scene."""
     if len(names) < 2:
         return ""
-    options = {str(number): name for number, name in enumerate(names)}
-    select = _select("scene", options)
+    listed = (f'<option value="{k}">{html.escape(name)}</option>' for k, name in enumerate(names))
+    select = f'<select id="scene" autocomplete="off">{"".join(listed)}</select>'
     return f'<p class="screen"><label>values of the entries: {select}</label></p>\n'
-
-
-def _select(name: str, options: Mapping[str, str]) -> str:
-    """HTML element to select one of `options`, a mapping from value to text."""
-    listed = "".join(
-        f'<option value="{value}">{html.escape(text)}</option>' for value, text in options.items()
-    )
-    return f'<select id="{name}" autocomplete="off">{listed}</select>'
 
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:

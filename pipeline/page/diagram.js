@@ -1,11 +1,10 @@
 /* The transition diagram: regions, boundary, band, and marks of points and tests. */
 
-/** @type {{frame: Frame, root: SVGElement, pointer: SVGElement, choice: SVGElement}} */
+/** @type {{frame: Frame, root: SVGElement, pointer: SVGElement}} */
 let diagram;
 
-/** Ends of an axis that contains the values, with a margin. @param {number[]} values */
-function ends(values) {
-  const { isLog } = view;
+/** Axis that contains the values, with a margin. @param {number[]} values @param {boolean} isLog */
+function ends(values, isLog) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
   if (isLog) return { low: low / (high / low || 2) ** 0.04, high: high * (high / low || 2) ** 0.04, isLog };
   const room = 0.04 * (high - low || low || 1);
@@ -16,8 +15,8 @@ function ends(values) {
 function planeAxes(velocities, loads, tests) {
   const width = Math.max(element("diagram").clientWidth, 280);
   const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
-  const x = { ...ends([...velocities, ...tests.map(({ velocity }) => velocity)]), ...view.x };
-  const y = { ...ends([...loads, ...tests.map(({ load }) => load)]), ...view.y };
+  const x = { ...ends([...velocities, ...tests.map(({ velocity }) => velocity)], view.isLog), ...view.x };
+  const y = { ...ends([...loads, ...tests.map(({ load }) => load)], view.isLog), ...view.y };
   return axes(width, height, { ...x, label: "sliding velocity [m/s]" }, { ...y, label: "normal load [N]" });
 }
 
@@ -31,13 +30,14 @@ function drawDiagram() {
   const drawn = [drawnBoundary, drawnMarks, drawnMeasured].flatMap((layer) => layer(frame));
   if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox: Object.values(size).join(" "), class: "view" }, ...drawn));
-  const [pointer, choice] = ["pointer", "choice"].map((look) => svg("circle", { class: look, r: 8 }));
-  filled(root, about, [pointer, choice]);
+  const pointer = svg("circle", { class: "pointer", r: 8 });
+  filled(root, about, [pointer]);
+  const held = element("diagram").contains(document.activeElement) ? pointed : null;
   element("diagram").replaceChildren(root, tip);
-  diagram = { frame, root, pointer, choice };
-  pointTo(null);
-  ring(choice, chosen.point);
+  diagram = { frame, root, pointer };
   listenToPoints(root);
+  if (held) root.focus({ preventScroll: true });
+  pointTo(held);
 }
 
 /** Draw the regions of the next run, the boundaries, and the band that tests leave. @param {Frame} frame */
@@ -52,8 +52,7 @@ function drawnBoundary(frame) {
   const hasTests = content.measured.some(({ friction }) => friction !== null);
   const tested = !hasTests ? [] : ["tested-band", "tested-line", "tested-band"].map((name, k) =>
     line(name, excess(chosen.conditions, (place) => levelAt(place, k))));
-  const place = Math.min(x.length, y.length) < 2 ? drawnPlace(frame) : [];
-  return [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions)), ...place];
+  return [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions))];
 }
 
 /** Regions where the next run is mild, severe or not decided: CSS class, and grids that are positive there.
@@ -73,18 +72,6 @@ function regions() {
   return [["mild", isMild], ["severe", isSevere], ["open", open]];
 }
 
-/** Draw the transition of a sweep that has a single load or velocity. @param {Frame} frame */
-function drawnPlace(frame) {
-  const { loads, velocities } = content;
-  const places = [
-    ...loads.map((load) => [frame.x(turnAt("velocity", load, chosen.conditions).place), frame.y(load)]),
-    ...velocities.map((velocity) =>
-      [frame.x(velocity), frame.y(turnAt("load", velocity, chosen.conditions).place)]),
-  ];
-  const known = places.filter((place) => place.every(Number.isFinite));
-  return known.slice(0, 1).map(([cx, cy]) => svg("circle", { cx, cy, r: 4 }));
-}
-
 /** y minus a level at the nodes (load, velocity), finite without friction; NaN if unknown. @param
  * {Conditions} conditions @param {(place: Place) => number} level */
 function excess(conditions, level = () => 0) {
@@ -93,22 +80,16 @@ function excess(conditions, level = () => 0) {
     Math.max(Math.min(plane[indexOf(k, j)] - level({ load, velocity }), 50), -50)));
 }
 
-/** Indices of all points. @returns {Point[]} */
-function everyPoint() {
-  return content.loads.flatMap((_load, i) => content.velocities.map((_velocity, j) => ({ i, j })));
-}
-
 /** Draw the marks of the points, with a ring if they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
-  const r = content.loads.length * content.velocities.length < 1500 ? 3.4 : 2; // [px]; 4 in the legend
-  return everyPoint().flatMap((point) => {
-    const kind = kindOf(point);
+  const { loads, velocities, messages } = content;
+  const r = loads.length * velocities.length < 1500 ? 3.4 : 2; // [px]; 4 in the legend
+  return loads.flatMap((load, i) => velocities.flatMap((velocity, j) => {
+    const [x, y, kind] = [frame.x(velocity), frame.y(load), kindOf({ i, j })];
     if (!kind) return [];
-    const [x, y] = [frame.x(content.velocities[point.j]), frame.y(content.loads[point.i])];
-    const isWarned = isDone(point) && content.messages[placeOf(point)];
-    const signs = [sign(kind, x, y, r / 4)];
-    return isWarned ? [sign("warned", x, y, (r + 3) / 6), ...signs] : signs;
-  });
+    const isWarned = isDone({ i, j }) && messages[placeOf({ i, j })];
+    return [...isWarned ? [sign("warned", x, y, (r + 3) / 6)] : [], sign(kind, x, y, r / 4)];
+  }));
 }
 
 /** Draw the tests. @param {Frame} frame */

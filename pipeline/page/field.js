@@ -1,6 +1,6 @@
 /* ln(rise) on a fine grid, and where it passes each ln(limit): tables of Python, looked up. */
 
-const [POINT_DONE, POINT_FAILED, COMPUTED, EXTRAPOLATED] = ["1", "2", "1", "3"];
+const [POINT_FAILED, COMPUTED] = ["2", "1"];
 
 /** Index in a table, by load k and velocity j. @param {number} k @param {number} j */
 function indexOf(k, j) {
@@ -26,9 +26,12 @@ function riseAt(node, conditions) {
 
 /** y = ln(rise/limit) at all nodes, by `indexOf`. @param {Conditions} conditions */
 function planeOf(conditions) {
-  const limit = logLimit(conditions);
-  return kept(JSON.stringify(conditions), () =>
-    Float64Array.from(content.state, (_, node) => Math.log(riseAt(node, conditions)) - limit));
+  const [key, limit] = [JSON.stringify(conditions), logLimit(conditions)];
+  const plane = planes.get(key) ??
+    Float64Array.from(content.state, (_, node) => Math.log(riseAt(node, conditions)) - limit);
+  if (planes.size > 50) planes.clear();
+  planes.set(key, plane);
+  return plane;
 }
 
 /** ln of the rise above which wear is severe, at most a large number. @param {Conditions} conditions */

@@ -30,17 +30,13 @@ function levelAt(place, k) {
   return sum(beliefsAt(chosen.conditions, place).map(([row, weight]) => weight * content.levels[row][k]));
 }
 
-/** Bulk temperatures of pin and disk. @param {Conditions} conditions */
-function bulksOf({ bulk_temperature: pin, disk_temperature: disk = pin }) {
-  return [pin, disk];
-}
-
 /** Whether tests forbid mild and severe wear at a node. @param {[number, number]} node @param {Conditions}
  * conditions */
 function forbiddenAt([k, j], conditions) {
   const { fine, friction_factors: factors, no_mild: noMild, no_severe: noSevere } = content;
   const [[row]] = criticalsOf(conditions);
-  const here = [fine.load[k], fine.velocity[j], conditions.friction * factors[j], ...bulksOf(conditions)];
+  const { friction, bulk_temperature: pin, disk_temperature: disk = pin } = conditions;
+  const here = [fine.load[k], fine.velocity[j], friction * factors[j], pin, disk];
   const dominated = (/** @type {"mild" | "severe"} */ outcome, /** @type {number} */ sign) =>
     content.measured.some((test) => {
       if (!test.isAlike || (test.outcome !== outcome && test.outcome !== null)) return false;

@@ -6,18 +6,22 @@ function isInside({ load, velocity }, { loads, velocities }) {
     velocity >= velocities[0] && velocity <= velocities[velocities.length - 1];
 }
 
-/** Call `take` with each operating point typed. @param {(load: number, velocity: number) => void} take */
-function listenToOperatingPoint(take) {
-  const read = (/** @type {string} */ id) => {
-    const value = typed(input(id).value);
-    input(id).setAttribute("aria-invalid", `${input(id).value.trim() !== "" && Number.isNaN(value)}`);
-    return value;
-  };
-  element("operating").addEventListener("change", () => take(read("at-load"), read("at-velocity")));
+/** Number in a field, which is marked if it is none. @param {string} id */
+function typedIn(id) {
+  const value = typed(input(id).value);
+  input(id).setAttribute("aria-invalid", `${input(id).value.trim() !== "" && Number.isNaN(value)}`);
+  return value;
 }
 
-/** Show the operating point's margin, or why it has none. @param {[string, string][] | string} rows */
-function showMargin(rows) {
+/** Take the operating point in the fields. */
+function choosePlace() {
+  Object.assign(chosen, { load: typedIn("at-load"), velocity: typedIn("at-velocity") });
+  update();
+}
+
+/** Show the operating point's margin, or why it has none. */
+function showMargin() {
+  const rows = marginRows();
   const isHint = typeof rows === "string";
   element("operating").classList.toggle("is-used", !isHint);
   element("margin").replaceChildren(isHint ? html("p", { class: "hint" }, rows) : table([], rows));
@@ -62,7 +66,7 @@ function marginRows() {
 function wayText(axis, at, now, unit) {
   const { place, outcome } = turnAt(axis, at, chosen.conditions);
   if (!Number.isFinite(place)) return content.outcomes[axis][outcome];
-  const more = outcome === SEVERAL ? `; ${content.outcomes[axis][outcome]}` : "";
+  const more = outcome === content.several ? `; ${content.outcomes[axis][outcome]}` : "";
   return `${shown(place)} ${unit}, ${shown(place / now, 3)} times${more}`;
 }
 

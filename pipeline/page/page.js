@@ -8,7 +8,7 @@ function update() {
   showNow();
   showLegend();
   showTables();
-  showMargin(marginRows());
+  showMargin();
   showPoint();
 }
 
@@ -19,14 +19,11 @@ function changes() {
   return Object.fromEntries(all.filter(([name, value]) => value !== own.get(name)));
 }
 
-Object.assign(chosen.conditions, takeScene(changes));
 readAddress();
+listenToScene();
 listenToConditions();
 listenToView();
-listenToOperatingPoint((load, velocity) => {
-  Object.assign(chosen, { load, velocity });
-  update();
-});
+element("operating").addEventListener("change", choosePlace);
 update();
 new ResizeObserver(update).observe(element("diagram"));
 setInterval(keepAddress, 1000); // at each step of a slider browsers would refuse it

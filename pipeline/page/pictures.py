@@ -13,7 +13,6 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.figures.style import PALE, RISK_COLOURS
 from pipeline.quantities import display, display_sides
 from pipeline.store.schema import PLANE
 from tribo.types import Array, Mask
@@ -29,8 +28,8 @@ def packed_fields(
 ) -> dict[str, Any]:
     """Pictures of pressure, temperature rise and wear depth at points, and extreme values.
 
-    `chosen` has the indices (surface, load, velocity) of the points. `bulk_ratio` is (disk's −
-    pin's bulk temperature)/friction [K].
+    `chosen` has the indices (load, velocity) of the points. `bulk_ratio` is (disk's − pin's bulk
+    temperature)/friction [K].
 
     Returns a dictionary. ``points`` has the list made by `packed_point` for each point, by the flat
     index of the point. ``scales`` are pictures of the three colour scales. If there are points,
@@ -40,11 +39,10 @@ def packed_fields(
     bar = np.arange(1, _LEVELS + 1, dtype=np.uint8)[:, None]
     scales = [_picture(bar, colours) for colours in _COLOURS]
     content: dict[str, Any] = {"points": points, "scales": scales}
-    axes = [name for name in ("realization", *PLANE) if name in ds.dims]
     names = [name for name in (*FIELDS, "bulk_response") if name in ds]
     for indices in chosen:
-        here = ds[names].isel(dict(zip(axes, indices, strict=True))).transpose("x", "y", ...)
-        place = np.ravel_multi_index(indices, [ds.sizes[name] for name in axes])
+        here = ds[names].isel(dict(zip(PLANE, indices, strict=True))).transpose("x", "y", ...)
+        place = np.ravel_multi_index(indices, [ds.sizes[name] for name in PLANE])
         pressure, rise, wear_depth, *response = (here[name].values for name in names)
         if np.isnan(pressure).all():  # a further patch of a run with an accuracy
             continue
@@ -83,25 +81,9 @@ def _picture(levels: NDArray[np.uint8], colours: str) -> str:
     palette = np.vstack([np.full((1, 3), 255, dtype=np.uint8), shades])
     image = Image.fromarray(np.ascontiguousarray(levels.T[::-1]), "P")
     image.putpalette(palette.tobytes())
-    return png_of(image)
-
-
-def png_of(image: Image.Image) -> str:
-    """Base64 of an image as .png."""
     written = io.BytesIO()
     image.save(written, "png", optimize=True)
     return base64.b64encode(written.getvalue()).decode()
-
-
-def coloured(probability: Array) -> str:
-    """Picture of probabilities of severe wear, as base64 text of a .png.
-
-    The colours, from blue at 0 to red at 1, are those of the diagrams. The first row of the array
-    is on top.
-    """
-    low, high = PALE
-    shades = colormaps[RISK_COLOURS]((probability - low) / (high - low), bytes=True)[..., :3]
-    return png_of(Image.fromarray(np.ascontiguousarray(shades)))
 
 
 def _over_contact(
@@ -147,10 +129,11 @@ def _picture_facts(ds: xr.Dataset) -> dict[str, Any]:
     size = f"{display(along or 0.0, 'µm', 4)} along sliding"
     if across:
         size = display_sides((along or 0.0, across))
+    surface = f" on surface {ds['realization'].item()}" if "realization" in ds.coords else ""
     block = [_block(len(x)) for x in axes]
     averaged = f", averaged over {block[0]} × {block[1]} elements" if max(block) > 1 else ""
     return {
-        "note": f"{size}; sliding to the right{averaged}. "
+        "note": f"At the end of the point{surface}: {size}; sliding to the right{averaged}. "
         "The temperature is that of the parts in contact.",
         "aspect": min(max(along / across, 0.4), 8.0) if along and across else 8.0,
     }

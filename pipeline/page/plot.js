@@ -48,16 +48,15 @@ function logTicks(low, high) {
   return inside.length > 2 ? inside : ticks(low, high, 4);
 }
 
-/** Map of a range of values to the range `from` to `to`.
- * @param {{low: number, high: number, isLog?: boolean}} range @param {number} from @param {number} to
- * @returns {(value: number) => number} */
+/** Map of a range of values to the range `from` to `to`. @param {Extent} extent @param {number} from @param
+ * {number} to @returns {(value: number) => number} */
 function scale({ low, high, isLog }, from, to) {
   const place = (/** @type {number} */ value) => (isLog ? Math.log(value) : value);
   return (value) => from + ((place(value) - place(low)) / (place(high) - place(low))) * (to - from);
 }
 
-/** The inverse of `scale`. @param {{low: number, high: number, isLog?: boolean}} range @param {number} from
- * @param {number} to @returns {(place: number) => number} */
+/** The inverse of `scale`. @param {Extent} extent @param {number} from @param {number} to
+ * @returns {(place: number) => number} */
 function unscale({ low, high, isLog }, from, to) {
   const part = scale({ low: from, high: to }, 0, 1);
   return (place) => (isLog ? low * (high / low) ** part(place) : low + part(place) * (high - low));
@@ -102,18 +101,6 @@ function axes(width, height, x, y) {
   return { root, inside, frame };
 }
 
-/** Show a small chart with its caption, or clear it. @param {string} id @param {boolean} isThere @param
- * {string} text @param {Axis} x @param {Axis} y @param {(frame: Frame) => SVGElement[]} draw */
-function showChart(id, isThere, text, x, y, draw) {
-  element(id).replaceChildren();
-  element(`${id}-caption`).textContent = isThere ? text : "";
-  if (!isThere) return;
-  const width = Math.max(element(id).clientWidth, 260);
-  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
-  inside.append(...draw(frame));
-  element(id).append(filled(root, { role: "img", "aria-label": text }, []));
-}
-
 /** Data of the page, with base64 tables decoded to arrays. */
 function readContent() {
   const packed = ["plane", "errors", "surface_errors", "rises", "times", "values", "likely", "places"];
@@ -121,13 +108,6 @@ function readContent() {
     if (typeof value !== "string" || !packed.includes(name)) return value;
     return new Float32Array(Uint8Array.from(atob(value), (letter) => letter.charCodeAt(0)).buffer);
   });
-}
-
-/** SVG path through points; a gap where one is not finite. @param {number[]} x @param {number[]} y [px] */
-function path(x, y) {
-  const isThere = x.map((across, k) => Number.isFinite(across) && Number.isFinite(y[k]));
-  return x.map((across, k) => isThere[k]
-    ? `${isThere[k - 1] ? "L" : "M"}${across.toFixed(2)},${y[k].toFixed(2)}` : "").join("");
 }
 
 /** A mark of the legend drawn at a place [px]. @param {string} name @param {number} x @param {number} y

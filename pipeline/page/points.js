@@ -2,6 +2,9 @@
 
 const tip = html("div", { class: "tip", role: "status", id: "tip", hidden: "" });
 const REACH = 14; // [px] around a point within which the pointer is on it
+const WEAR = new Map([
+  ["unjudged", "not known without a critical temperature"], ["pending", "not computed"],
+]);
 /** Point under the pointer or the keyboard cursor. @type {Point | null} */
 let pointed = null;
 
@@ -10,7 +13,7 @@ function listenToPoints(root) {
   root.addEventListener("pointermove", (event) => pointTo(pointAt(event)));
   root.addEventListener("pointerleave", () => pointTo(null));
   root.addEventListener("blur", () => pointTo(null));
-  root.addEventListener("focus", () => pointTo(pointed ?? chosen.point ?? middle()));
+  root.addEventListener("focus", () => pointTo(pointed ?? chosenPoint() ?? middle()));
   root.addEventListener("click", (event) => choosePoint(pointAt(event)));
   root.addEventListener("keydown", pressed);
 }
@@ -60,7 +63,8 @@ function next(here, [up, right]) {
 function pointTo(point) {
   pointed = point;
   tip.hidden = !point;
-  ring(diagram.pointer, point);
+  const [cx, cy] = point ? onScreen(point) : [0, 0];
+  filled(diagram.pointer, { cx, cy, display: point && kindOf(point) ? "inline" : "none" }, []);
   if (!point) return;
   const texts = description(point, false).map(([name, text]) => `${name}: ${text}`);
   placeTip(diagram.frame, onScreen(point), nameOf(point), texts);
@@ -75,18 +79,18 @@ function placeTip(frame, [x, y], title, texts) {
   tip.style.top = `${isUnder ? y + 14 : Math.max(y - 14 - tip.offsetHeight, 0)}px`;
 }
 
-/** Put the circle around a point; hide it if null. @param {SVGElement} circle @param {Point | null} point */
-function ring(circle, point) {
-  const [cx, cy] = point ? onScreen(point) : [0, 0];
-  filled(circle, { cx, cy, display: point && kindOf(point) ? "inline" : "none" }, []);
-}
-
-/** Select a point and show it. @param {Point | null} point */
+/** Take a point as the operating point. @param {Point | null} point */
 function choosePoint(point) {
   if (!point || !kindOf(point)) return;
-  chosen.point = point;
-  ring(diagram.choice, point);
-  showPoint();
+  input("at-load").value = String(content.loads[point.i]);
+  input("at-velocity").value = String(content.velocities[point.j]);
+  choosePlace();
+}
+
+/** Point at the operating point; null if there is none. @returns {Point | null} */
+function chosenPoint() {
+  const [i, j] = [content.loads.indexOf(chosen.load), content.velocities.indexOf(chosen.velocity)];
+  return i >= 0 && j >= 0 && kindOf({ i, j }) ? { i, j } : null;
 }
 
 /** Index of a point in the lists of points, of the first surface. @param {Point} point */
@@ -115,13 +119,6 @@ function kindOf(point) {
   return content.asked[place] === "1" ? "pending" : "";
 }
 
-/** Wear at a point in words. @param {Point} point */
-function wearOf(point) {
-  const kind = kindOf(point);
-  if (kind === "unjudged") return "not known without a critical temperature";
-  return isDone(point) || kind === "failed" ? kind : "not computed";
-}
-
 /** Quantiles of the contact temperature at a point [°C]. @param {number} place */
 function quantilesAt(place) {
   const { quantiles: { length }, bulk_ratios, rises } = content;
@@ -134,8 +131,9 @@ function quantilesAt(place) {
 function description(point, isFull) {
   const place = placeOf(point);
   const { critical_temperature } = chosen.conditions;
+  const kind = kindOf(point) || "pending";
   /** @type {[string, string][]} */
-  const rows = [["wear", wearOf(point)]];
+  const rows = [["wear", WEAR.get(kind) ?? kind]];
   const message = content.messages[place];
   if (isDone(point)) {
     const curve = quantilesAt(place);
@@ -159,54 +157,51 @@ function nameOf({ i, j }) {
   return `${shown(content.loads[i], 6)} N, ${shown(content.velocities[j], 6)} m/s`;
 }
 
+/** Show the numbers, temperatures and fields of a computed point at the operating point. */
 function showPoint() {
-  if (!chosen.point) return;
-  element("point-section").hidden = false;
-  const rows = table([], description(chosen.point, true));
-  element("point").replaceChildren(html("h3", {}, nameOf(chosen.point)), rows);
-  showDistribution(isDone(chosen.point) ? [quantilesAt(placeOf(chosen.point))] : []);
-  showFields(chosen.point);
+  const point = chosenPoint();
+  element("point-section").hidden = !point;
+  if (!point) return;
+  element("point").replaceChildren(html("h3", {}, nameOf(point)), table([], description(point, true)));
+  element("temperatures").hidden = !isDone(point);
+  if (isDone(point)) showDistribution(quantilesAt(placeOf(point)));
+  showFields(content.fields.points[placeOf(point)]);
 }
 
-/** Show the share of the contact above each temperature. @param {number[][]} curves [°C] */
-function showDistribution(curves) {
+/** Show the share of the contact above each temperature. @param {number[]} curve [°C] */
+function showDistribution(curve) {
   const { critical_temperature: critical, failing_share, criterion } = chosen.conditions;
   const [share, limits] = [100 * failing_share, critical === null ? [] : [critical - ZERO_CELSIUS]];
   const hasShare = criterion === "share";
   const rule = !limits.length || !hasShare ? "" : " Wear is severe where the curve passes above the " +
     `crossing of the dashed lines: more than ${shown(share)} % hotter than ${shown(limits[0], 6)} °C.`;
-  const x = { ...ends([...curves.flat(), ...limits]), label: "temperature [°C]" };
-  const y = { low: 0, high: 100, label: "contact that is hotter [%]" };
   const text = `Distribution of the temperature over the contact.${rule}`;
-  showChart("distribution", curves.length > 0, text, x, y, (frame) => {
-    const shares = content.quantiles.map((quantile) => frame.y(100 * (1 - quantile)));
-    const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
-    if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
-    const lines = curves.map((curve) => path(curve.map(frame.x), shares));
-    return [...lines.map((d) => svg("path", { class: "curve", d })),
-      svg("path", { class: "guide", d: guides.join("") })];
-  });
+  const x = { ...ends([...curve, ...limits], false), label: "temperature [°C]" };
+  const y = { low: 0, high: 100, label: "contact that is hotter [%]" };
+  const width = Math.max(element("distribution").clientWidth, 260);
+  const { root, inside, frame } = axes(width, Math.round(Math.min(0.6 * width, 300)), x, y);
+  const corners = curve.map((one, q) => `${frame.x(one)},${frame.y(100 * (1 - content.quantiles[q]))}`);
+  const guides = limits.map((limit) => `M${frame.x(limit)},${frame.top}V${frame.bottom}`);
+  if (hasShare) guides.push(`M${frame.left},${frame.y(share)}H${frame.right}`);
+  inside.append(svg("path", { class: "curve", d: `M${corners.join("L")}` }),
+    svg("path", { class: "guide", d: guides.join("") }));
+  element("distribution").replaceChildren(filled(root, { role: "img", "aria-label": text }, []));
+  element("distribution-caption").textContent = text;
 }
 
-/** Show the pictures of a point's fields, drawn by Python. @param {Point} point */
-function showFields(point) {
-  const place = placeOf(point);
-  if (!(String(place) in content.fields.points) || !isOwnBulk()) {
-    element("fields").replaceChildren();
-    element("fields-note").textContent = content.fields.stored
-      ? `The page has no fields of this point${isOwnBulk() ? "" : " under these conditions"}.`
-      : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
-    return;
-  }
-  const [pressure, low, high, wear, ...pictures] = content.fields.points[place];
+/** Show the pictures of a point's fields, drawn by Python. @param {Packed | undefined} packed */
+function showFields(packed) {
+  const isThere = packed && isOwnBulk();
+  element("fields-note").textContent = isThere ? content.fields.note : "";
+  element("fields").replaceChildren();
+  if (!isThere) return;
+  const [pressure, low, high, wear, ...pictures] = packed;
   const [coldest, hottest] = [low, high].map((rise) => temperature(rise) - ZERO_CELSIUS);
-  element("fields").replaceChildren(
+  element("fields").append(
     field("contact pressure [GPa]", [0, 1e-9 * pressure], pictures, 0),
     field("contact temperature [°C]", [coldest, hottest], pictures, 1),
     field("wear depth of the pin [µm]", [0, 1e6 * wear], pictures, 2),
   );
-  const surface = content.surfaces ? ` on surface ${content.surfaces[0]}` : "";
-  element("fields-note").textContent = `At the end of the point${surface}: ${content.fields.note}`;
 }
 
 /** HTML figure of a field with its colour scale. @param {string} label @param {[number, number]} range @param

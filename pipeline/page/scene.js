@@ -4,22 +4,15 @@ const sceneNumber = Number(location.hash.slice(1).split("&")[0]) || 0;
 const templates = document.querySelectorAll("template");
 const chosenTemplate = templates[sceneNumber] ?? templates[0];
 chosenTemplate.replaceWith(chosenTemplate.content);
-// On a narrow screen the heading is shown next to each cell.
-for (const { rows: [heads, ...rows] } of document.querySelectorAll("table")) {
-  for (const cell of rows.flatMap(({ cells }) => [...cells])) {
-    cell.dataset.head = heads.cells[cell.cellIndex].textContent ?? "";
-  }
-}
 
-/** Let readers choose a scene; return conditions kept from the last one. @param {() => object} changes */
-function takeScene(changes) {
+/** Let readers choose a scene; the address hands their other choices on. */
+function listenToScene() {
   const choice = input("scene");
-  if (!choice) return {};
+  if (!choice) return;
   choice.value = String(sceneNumber);
-  if (history.state) choice.focus(); // so that arrow keys go on choosing
+  if (location.hash) choice.focus(); // so that arrow keys go on choosing
   choice.addEventListener("change", () => {
-    history.replaceState(changes(), "", `#${choice.value}`);
+    keepAddress(choice.value);
     location.reload();
   });
-  return history.state ?? {};
 }

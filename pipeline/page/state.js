@@ -4,21 +4,11 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
-const { SEVERAL } = content.codes;
 const OUTSIDE = content.outcomes.velocity[content.outcomes.velocity.length - 1]; // a film carries too much
-/** Computed planes by conditions. @type {Map<string, Float64Array>} */
+/** Planes of `planeOf` by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
-/** Choices of the reader. @type {{conditions: Conditions, point: Point | null, load: number, velocity:
- * number}} */
-const chosen = { conditions: { ...content.conditions }, point: null, load: NaN, velocity: NaN };
-
-/** Plane from the cache; `make` computes it first. @param {string} key @param {() => Float64Array} make */
-function kept(key, make) {
-  const made = planes.get(key) ?? make();
-  if (planes.size > 50) planes.clear();
-  planes.set(key, made);
-  return made;
-}
+/** Conditions and operating point of the reader. @type {Place & {conditions: Conditions}} */
+const chosen = { conditions: { ...content.conditions }, load: NaN, velocity: NaN };
 
 /** Contact temperature [K] that a rise at friction 1 makes. @param {number} rise */
 function temperature(rise) {

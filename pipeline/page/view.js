@@ -80,8 +80,8 @@ function showNow() {
     const place = `${shown(likely, 3)} m/s at ${shown(content.loads[i])} N`;
     return Number.isFinite(likely) ? [words ? `${place} (${words})` : place] : [];
   });
-  const set = content.controls.map(({ name, factor, offset }) => {
-    const value = shown((chosen.conditions[name] ?? NaN) * factor + offset);
+  const set = content.controls.map(({ name, offset }) => {
+    const value = shown((chosen.conditions[name] ?? NaN) + offset);
     return `${name.replaceAll("_", " ")} ${value}${offset ? " °C" : ""}`;
   });
   const few = turns.length > 2 ? [turns[0], turns[turns.length - 1]] : turns;
@@ -90,14 +90,14 @@ function showNow() {
   element("now").textContent = `At ${set.join(", ")}: ${words}.`;
 }
 
-/** Choices kept in the address, as "friction=0.12&log=1". */
-function keepAddress() {
+/** Keep the choices in the address, as "0&friction=0.12&log=1". @param {string} [scene] */
+function keepAddress(scene = String(sceneNumber)) {
   const place = Number.isFinite(chosen.load + chosen.velocity)
     ? { load: chosen.load, velocity: chosen.velocity } : {};
   const held = { ...changes(), ...place, ...(view.isLog ? { log: 1 } : {}) };
   const words = Object.entries(held).map(([name, value]) => `${name}=${value}`);
-  if (words.length || location.hash) {
-    history.replaceState(history.state, "", `#${[sceneNumber, ...words].join("&")}`);
+  if (words.length || location.hash || scene !== "0") {
+    history.replaceState(null, "", `#${[scene, ...words].join("&")}`);
   }
 }
 

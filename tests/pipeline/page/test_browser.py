@@ -47,6 +47,9 @@ def page(browser, tmp_path):
     assert not [url for url in sent if url.startswith(("http:", "https:", "ws:", "wss:"))]
 
 
+AXES = "load", "velocity"
+
+
 def rows(link):
     text = unquote(link.removeprefix("data:text/csv;charset=utf-8,"))
     return list(csv.DictReader(io.StringIO(text)))
@@ -132,6 +135,14 @@ def test_points_are_reached_by_keyboard_and_show_their_fields(page):
     assert tip.text.startswith(f"{name}\nwear: ")
     stop.send_keys(Keys.ENTER)
     assert driver.find_element(By.CSS_SELECTOR, "#point h3").text == name
+    assert driver.switch_to.active_element.get_attribute("aria-describedby") == "tip"
+    place = [driver.find_element(By.ID, f"at-{axis}").get_attribute("value") for axis in AXES]
+    assert [*map(float, place)] == [synthetic.LOADS[i + 1], synthetic.VELOCITIES[j - 2]]
+    assert not driver.find_element(By.ID, "whole").is_displayed()
+    driver.switch_to.active_element.send_keys("+")
+    assert driver.find_element(By.ID, "whole").is_displayed()
+    assert driver.switch_to.active_element.get_attribute("aria-describedby") == "tip"
+    driver.find_element(By.ID, "whole").click()
     assert "max" not in driver.find_element(By.ID, "distribution-caption").text
     assert len(driver.find_elements(By.CSS_SELECTOR, "#distribution path.curve")) == 1
     drawn = """

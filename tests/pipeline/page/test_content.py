@@ -66,13 +66,14 @@ def test_the_command_writes_beside_the_store_and_says_what(alone, tmp_path, caps
     assert (document["path"], document["points_with_fields"]) == ("b.html", 0)
 
 
-def test_points_are_asked_for_on_their_own_surface():
+def test_points_are_those_of_the_first_surface():
     ds = sweeps.over_surfaces().isel(realization=slice(2))
-    wanted = (ds["realization"] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
+    wanted = (ds["realization"] == 0) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
     page = content(ds.assign(asked=wanted.astype(np.int8)))
-    asked = np.array([*map(int, page["asked"])]).reshape(2, ds.sizes["load"], ds.sizes["velocity"])
-    assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert page["surfaces"] == [0, 1]
+    asked = np.array([*map(int, page["asked"])]).reshape(ds.sizes["load"], ds.sizes["velocity"])
+    assert np.argwhere(asked).tolist() == [[1, 4]]
+    first = content(ds.isel(realization=0))
+    assert (page["rises"], page["times"]) == (first["rises"], first["times"])
 
 
 def test_a_reader_without_the_program_is_told_to_type_nothing(tmp_path):

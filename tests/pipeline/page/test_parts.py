@@ -1,7 +1,6 @@
-"""Parts of a page: its form, its pictures, the states of its nodes, and what it is said to hold."""
+"""What a page says of its sweep: words, points, numbers."""
 
 import base64
-import io
 import json
 import re
 from dataclasses import replace
@@ -9,23 +8,13 @@ from html import unescape
 
 import numpy as np
 import pytest
-from PIL import Image
 
 import pipeline
 from pipeline.page.content import content
-from pipeline.page.controls import controls
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
 
 OWN = synthetic.conditions()
-
-
-def form(conditions=OWN, has_heat=True, two_bulks=False, has_share=True):
-    made = controls(conditions, has_heat, two_bulks, has_share)
-    return {one.name: one for one in made}
-
-
-# Words
 
 
 def test_a_page_says_what_it_holds(tmp_path):
@@ -64,7 +53,6 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     ends = "200 to 750 N, 0.5 to 4 m/s"
     assert held["outside"] == f"Type a load and a velocity within the sweep: {ends}."
     assert held["friction_band"] == (0.09, 0.103)
-    assert held["surfaces"] is None
     assert (held["loads"][-1], held["velocities"][0]) == (750.0, 0.5)
     by_label = {one["label"]: one for one in held["numbers"]}
 
@@ -93,17 +81,3 @@ def test_facts_of_a_page_are_those_of_its_sweep():
     held = content(marked)
     assert held["messages"] == {"0": "out of memory", str(3 * 15 + 2): "careful"}
     assert json.dumps(held, allow_nan=False)
-
-
-# Pictures
-
-
-def opened(text):
-    return Image.open(io.BytesIO(base64.b64decode(text)))
-
-
-# Planes
-
-
-def floats(text):
-    return np.frombuffer(base64.b64decode(text), "<f4")

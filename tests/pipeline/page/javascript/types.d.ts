@@ -22,7 +22,6 @@ type ControlName =
 
 type Control = {
   name: ControlName;
-  factor: number;
   offset: number;
   least: number | null;
   most: number | null;
@@ -49,7 +48,6 @@ type Measurement = {
 type Packed = [number, number, number, number, string, string, string];
 type Fields = {
   points: { [place: string]: Packed };
-  stored: number;
   scales: string[];
   note: string;
   aspect: number;
@@ -82,7 +80,6 @@ type Content = {
   /** Values of ln(limit), and the first place at which the rise passes each, with the outcome's code. */
   targets: number[];
   turns: Record<AxisName, { places: Float32Array; codes: string }>;
-  missing: number;
   /** Critical temperatures and values of y of the tables of probabilities of severe wear. */
   criticals: number[];
   ys: number[];
@@ -93,11 +90,9 @@ type Content = {
   levels: [number, number, number][];
   no_mild: boolean[];
   no_severe: boolean[];
-  model: string;
   decided: number[];
   quantiles: number[];
   bulk_ratios: number[];
-  surfaces: number[] | null;
   status: string;
   asked: string;
   outside: string;
@@ -107,8 +102,7 @@ type Content = {
   numbers: { label: string; unit: string; values: Float32Array }[];
   deciding: string;
   outcomes: { velocity: string[]; load: string[] };
-  codes: Record<string, number>;
-  range: { velocity: Ends; load: Ends };
+  several: number;
   messages: { [place: string]: string };
   fields: Fields;
   friction_band: Ends | null;
@@ -131,6 +125,7 @@ type Frame = {
   velocity: (across: number) => number;
   load: (down: number) => number;
 };
-type Axis = { low: number; high: number; label: string; isLog?: boolean };
+type Extent = { low: number; high: number; isLog?: boolean };
+type Axis = Extent & { label: string };
 type Zoomed = { low?: number; high?: number };
 type View = { isLog: boolean; x: Zoomed; y: Zoomed };
