@@ -15,6 +15,7 @@ from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import (
     UnitError,
     exact_si,
+    middle_of_range,
     share_of,
     si_unit,
     to_si,
@@ -205,9 +206,12 @@ class Quantity(Kind):
         return self.example.partition(" ")[2]
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
-        if not isinstance(value, str):
+        if not isinstance(text := value, str):
             raise UnfitError(f"{quoted(value)} has no unit")
-        exact = exact_si(value, like=self.example)
+        if middle := middle_of_range(text):
+            faults.note(place, f"{quoted(text)} is a range; {middle}, its middle, is taken")
+            text = middle
+        exact = exact_si(text, like=self.example)
         if exact == 0 and self.zero:
             return float(exact)
         if exact <= 0:

@@ -15,6 +15,7 @@ import tribo
 from pipeline.scene.document import as_toml
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.units import to_si
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Sweep
@@ -292,3 +293,15 @@ def test_both_bodies_may_move(read):
     rolling = read(("[wear]", '[motion]\nentrainment_velocity = "2 m/s"\n\n[wear]'))
     assert rolling.scene.velocities_at(0.0) == (2.0, 2.0)
     assert read().scene.motion is None
+
+
+@pytest.mark.parametrize(
+    ("given", "taken"),
+    [("60-62 HRC", "61 HRC"), ("60 – 62 HRC", "61 HRC"), ("HRC 60 +4", "62 HRC"),
+     ("700±20 HV", "700 HV"), ("225 to 305 HB", "265 HB")],
+)  # fmt: skip
+def test_the_middle_of_a_range_of_hardness_is_taken_and_told(given, taken):
+    sweep = load_scene(WORKFLOWS / "first_try.toml", overrides={"materials.steel.hardness": given})
+    assert sweep.scene.hardness == pytest.approx(to_si(taken, "1 Pa"), rel=1e-12)
+    (note,) = [note.text for note in sweep.notes if "hardness" in note.text]
+    assert f"{taken}, its middle, is taken" in note

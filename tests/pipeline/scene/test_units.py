@@ -22,7 +22,7 @@ from tests.house.measure import ROOT
         *[("25 degC", 298.15), ("25 °C", 298.15), ("77 degF", 298.15), ("298 K", 298.0)],
         *[("25 ℃", 298.15), ("25 Deg. C", 298.15), ("210·10³ MPa", 2.1e11)],
         *[("1·10⁻⁶ mm³/Nm", 1e-15), ("700 HV 10", 6864655000.0)],
-        *[("51 kp", 500.13915), ("60 HRC", 697 * 9.80665e6)],
+        *[("51 kp", 500.13915), ("HRC 60", 697 * 9.80665e6), ("HV 700", 6864655000.0)],
     ],
 )
 def test_a_quantity_is_the_double_nearest_to_its_value_in_si(text, value):
