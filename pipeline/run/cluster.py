@@ -65,6 +65,7 @@ WORD = 10.0
 """Time without a worker, or without news of any point, after which the user is told [s]."""
 # The extension `spans` keeps 300 B for each task that has ever been.
 _EXTENSIONS = {name: one for name, one in DEFAULT_EXTENSIONS.items() if name != "spans"}
+_NO_WORKER = "there is no Dask worker"
 _ADVICE = "take fewer workers, or fewer window.pixels"
 _OF_DASHBOARD = ["distributed.http.statics"]  # files for its pages, and nothing that takes commands
 
@@ -128,15 +129,16 @@ class Connection:
     #: Number of threads of each worker that takes tasks, by address, at the last update.
     workers: dict[str, int] = field(default_factory=dict)
     _signs: dict[str, _Sign] = field(default_factory=dict)
-    _reported: set[str] = field(default_factory=set)
+    _reported: dict[str, float] = field(default_factory=dict)  # times of messages [s]
     _looked: float = -math.inf
     _seen: float = field(default_factory=time.monotonic)  # time when a worker last took tasks
     _kills: int = field(default_factory=oom_kills)
 
-    def report(self, words: str) -> None:
-        """Report a message to the user, unless it is empty or was reported before."""
-        if words and words not in self._reported:
-            self._reported.add(words)
+    def report(self, words: str, again: float = math.inf) -> None:
+        """Report a message, unless it is empty or was reported in the last `again` seconds."""
+        now = time.monotonic()
+        if words and now - self._reported.get(words, -math.inf) >= again:
+            self._reported[words] = now
             self.progress(Progress(words))
 
     @contextmanager
@@ -167,10 +169,13 @@ class Connection:
             self.cluster.scale(len(self.cluster.worker_spec))
         dask.utils.key_split.cache_clear()  # its cache has 240 B for each of the last 100 000 tasks
         patience, absent = duration(self.patience), now - self._seen
+        wait = min(WORD, self.patience / 2)
         if not self.workers and absent >= self.patience:
             raise ExecutionError(f"{self._cause()}, and none has come within {patience}; {SAFE}")
-        if not self.workers and absent >= min(WORD, self.patience / 2):
+        if not self.workers and absent >= wait:
             self.report(f"{self._cause()}; waiting up to {patience} for one")
+        if self.workers and (idle := self._idle(now - wait)):
+            self.report(f"{idle}; other workers compute on")
         return True
 
     def _look(self, now: float) -> None:
@@ -199,15 +204,21 @@ class Connection:
 
     def _cause(self) -> str:
         """Why no worker takes tasks, in words."""
-        if not self._signs:
-            return "there is no Dask worker"
-        paused = [address for address, sign in self._signs.items() if sign.status == "paused"]
-        silent = self._signs.keys() - {*paused}
-        causes = [
-            f"{_named(paused)} paused by Dask, for want of memory there" if paused else "",
-            f"{_named(silent)} silent, stopped or restarting" if silent else "",
-        ]
-        return f"no Dask worker takes tasks: {', '.join(filter(None, causes))}"
+        return f"no Dask worker takes tasks: {idle}" if (idle := self._idle()) else _NO_WORKER
+
+    def _idle(self, since: float = math.inf) -> str:
+        """Which workers take no tasks, from a time `since` or earlier on [s], and why, in words."""
+        idle = {
+            address: sign.status
+            for address, sign in self._signs.items()
+            if address not in self.workers and sign.since <= since
+        }
+        paused = {address for address, status in idle.items() if status == "paused"}
+        causes = (
+            (paused, "paused by Dask, for want of memory there"),
+            (idle.keys() - paused, "silent, stopped or restarting"),
+        )
+        return ", ".join(f"{_named(some)} {why}" for some, why in causes if some)
 
     def report_wait(self, own: Collection[str]) -> None:
         """Report if tasks of others keep all threads of the workers; `own` are keys of this run."""

@@ -76,7 +76,7 @@ def compute(
                 if losses.record(job, loss):
                     queue.put_back(job.task)
                 elif cause := link.memory_cause([job.worker]):
-                    link.report(f"a worker has died: {cause}")
+                    link.report(f"a worker has died: {cause}", again=link.patience)
             for point, workers in losses.failed():
                 cause = link.memory_cause(workers) or "out of memory, or killed from outside"
                 why = f"{len(workers)} workers died, the last computing only this point: {cause}"

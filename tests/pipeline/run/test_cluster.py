@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 import os
 import shutil
 import signal
@@ -317,6 +318,32 @@ def test_why_no_worker_takes_tasks_is_said_within_the_patience(tmp_path):
         other.release()
         while cluster.scheduler.tasks:  # the run itself leaves none there
             time.sleep(0.01)
+
+
+def test_a_worker_that_is_paused_beside_others_is_named_within_the_patience(tmp_path):
+    settings = {"processes": False, "n_workers": 2, "threads_per_worker": 1, "memory_limit": 0}
+    with LocalCluster(**settings, dashboard_address=None) as cluster, Client(cluster) as client:
+        paused = cluster.workers[0]
+
+        def look(progress):
+            if progress.done:
+                paused.status = Status.paused
+            if progress.words:
+                raise InterruptedError(progress.words)
+
+        velocities = tuple(np.linspace(0.5, 1.5, 100).tolist())
+        sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0), velocities=velocities)
+        words = f"^{paused.address} is paused by Dask, .*; other workers compute on$"
+        with pytest.raises(InterruptedError, match=words):
+            run_sweep(sweep, tmp_path / "out.zarr", client=client, progress=look, patience=2.0)
+
+
+def test_a_message_is_repeated_only_where_asked_and_after_a_time():
+    notes = []
+    link = Connection(None, progress=lambda progress: notes.append(progress.words))
+    for again in (math.inf, math.inf, 100.0, 0.0):
+        link.report("a worker has died", again)
+    assert len(notes) == 2
 
 
 def test_the_dashboard_of_a_local_cluster_is_told_and_answers(tmp_path):
