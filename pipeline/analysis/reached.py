@@ -21,10 +21,10 @@ class Reached(NamedTuple):
     """Largest numerical error of the critical velocities of one scene, relative, at 95 %."""
 
     case: str  # values of varied entries that tell the scene from others
-    load: float  # where the error is largest [N]; NaN if no load has a crossing
+    load: float  # where the error is largest [N]; NaN if no load has a critical velocity
     total: float  # without the part by the surface, unless it counts
     parts: dict[str, float]  # at this load, by cause
-    without: tuple[float, ...]  # loads without a crossing in the plane [N]
+    without: tuple[float, ...]  # loads without a critical velocity in the plane [N]
 
     def lines(self, accuracy: float, surface: str) -> Iterator[str]:
         """Lines in words; `surface` says why its part does not count, or is empty."""
@@ -45,7 +45,7 @@ class Reached(NamedTuple):
                 yield f"surface ± {percent(self.parts['surface'])}: {surface}"
         if self.without:
             loads = ", ".join(f"{load:g}" for load in self.without)
-            yield f"{case}no crossing in the plane at {loads} N"
+            yield f"{case}no critical velocity in the plane at {loads} N"
 
 
 def percent(share: float) -> str:

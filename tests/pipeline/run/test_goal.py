@@ -138,7 +138,7 @@ def test_the_command_tells_what_it_reached_and_how_it_goes_on(tmp_path, irg):
     words = irg(*arguments, "--accuracy", "5%")
     assert "accuracy 5 % reached: at most ± 4" in words
     assert "at 750 N (points left out" in words
-    assert "no crossing in the plane at 100 N" in words
+    assert "no critical velocity in the plane at 100 N" in words
     assert f"-o {out} --accuracy 2.5%" in words.replace("\n    ", " ")
     document = irg(*arguments, "--accuracy", "5%", "--json")
     assert document["accuracy"]["scenes"][0]["total"] < 0.05
