@@ -12,21 +12,38 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from scipy.special import stdtrit
 
 from pipeline.analysis.results import Results
+from pipeline.constants import ALONE_IN_LOCAL_WEAR
 from pipeline.store.schema import FAILED, SAMPLING
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.severity import relative_sampling
+from tribo import Scene
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Mask
 
 _COLDEST = 1e-9  # least rise per unit friction coefficient [K], whose logarithm is taken
 _FEWEST = 4  # patches that must stay, so that one that failed is left out
 _BOUND = 0.975  # quantile of Student's t whose two sides bound 95 %
+
+
+class Alone(NamedTuple):
+    """What a patch alone tells of how patches differ, by its jackknife."""
+
+    degrees: int  # of freedom
+    factor: float  # of the deviation of patches over that which one states
+
+    @classmethod
+    def of(cls, scene: Scene) -> Alone:
+        """What a patch of a scene tells."""
+        return LOCAL if scene.wear is not None and scene.wear.pattern == "local" else SWEPT
+
+
+SWEPT, LOCAL = Alone(GROUPS - 1, 1.0), Alone(*ALONE_IN_LOCAL_WEAR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +65,8 @@ class Specimen:
     is_highest : bool
         True if the highest temperature decides. Then the specimen's is that of its hottest patch;
         the mean would be 4 to 8 % too low.
+    alone : Alone
+        What a patch alone tells of how patches differ.
     """
 
     loads: Array
@@ -57,10 +76,17 @@ class Specimen:
     sampling: Array
     is_alone: Mask
     is_highest: bool = False
+    alone: Alone = SWEPT
 
     @classmethod
     def of(
-        cls, loads: Array, velocities: Array, y: Array, sampling: Array, is_highest: bool = False
+        cls,
+        loads: Array,
+        velocities: Array,
+        y: Array,
+        sampling: Array,
+        is_highest: bool = False,
+        alone: Alone = SWEPT,
     ) -> Self:
         """Specimen from ln(rise) of its patches (m, n_load, n_velocity); NaN without a result.
 
@@ -76,7 +102,8 @@ class Specimen:
         is_alone = _alone(has_point)
         known = np.where((has_point & ~is_alone)[..., None], np.array(differences), np.nan)
         level = np.where(is_alone[:, None], np.nan, level)
-        return cls(loads, velocities, level, known, _mean_square(sampling), is_alone, is_highest)
+        states = _mean_square(sampling)
+        return cls(loads, velocities, level, known, states, is_alone, is_highest, alone)
 
     @functools.cached_property
     def _counts(self) -> Array:
@@ -121,34 +148,41 @@ class Specimen:
         known = np.isfinite(self.differences)
         mean = np.where(known, self.differences, 0.0).sum(axis=0) / np.maximum(counts, 1)
         squares = np.where(known, (self.differences - mean) ** 2, 0.0).sum(axis=0)
-        bound = patches_bound(counts, squares, self.sampling[:, None], self.is_highest)
+        bound = patches_bound(counts, squares, self.sampling[:, None], self.is_highest, self.alone)
         return self._along_load(bound)
 
 
 def patches_bound(
-    count: Array | int, squares: Array | float, sampling: Array | float, is_highest: bool = False
+    count: Array | int,
+    squares: Array | float,
+    sampling: Array | float,
+    is_highest: bool = False,
+    alone: Alone = SWEPT,
 ) -> Array:
     """Bound of ln(rise) at 95 % due to the choice of `count` patches.
 
     The deviation s of a patch has the patches' own estimates J (`sampling`) and their spread, the
     sum of `squares` of the differences from their mean: s² = (7 J² + squares)/(6 + P). The bound of
     the mean of P patches is t s/√P, with Student's t of 6 + P degrees; the highest of them is as
-    uncertain as one. It is NaN for a single patch that states nothing.
+    uncertain as one. It is NaN for a single patch that states nothing. With local wear a patch
+    tells less, see `ALONE_IN_LOCAL_WEAR`.
 
     Examples
     --------
     >>> float(patches_bound(1, 0.0, 0.02).round(4)), float(patches_bound(16, 0.006, 0.02).round(4))
     (0.0473, 0.0104)
     """
-    own = np.where(np.isnan(sampling), 0, GROUPS - 1)
+    own = np.where(np.isnan(sampling), 0, alone.degrees)
     freedom = own + count - 1
-    known = own * np.nan_to_num(sampling) ** 2 + squares
+    known = own * (alone.factor * np.nan_to_num(sampling)) ** 2 + squares
     deviation = np.sqrt(known / np.where(freedom > 0, freedom, np.nan))
     reduced = 1.0 if is_highest else np.sqrt(np.maximum(count, 1))
     return np.asarray(stdtrit(freedom, _BOUND) * deviation / reduced)
 
 
-def patches_needed(count: int, ratio: float, most: int, is_highest: bool = False) -> int:
+def patches_needed(
+    count: int, ratio: float, most: int, is_highest: bool = False, alone: Alone = SWEPT
+) -> int:
     """Number of patches, `most` at most, whose bound is that of `count` patches over `ratio`.
 
     It is taken that further patches differ as those that there are. The highest of them is as
@@ -162,14 +196,15 @@ def patches_needed(count: int, ratio: float, most: int, is_highest: bool = False
     if ratio <= 1:
         return count
     numbers = np.arange(1, most + 1)
-    shares = patches_share(numbers, is_highest)
+    shares = patches_share(numbers, is_highest, alone)
     enough = numbers[shares <= shares[count - 1] / ratio]
     return int(enough[0]) if enough.size else most
 
 
-def patches_share(count: Any, is_highest: bool = False) -> Array:
+def patches_share(count: Any, is_highest: bool = False, alone: Alone = SWEPT) -> Array:
     """Bound by `count` patches over the deviation of one; all state their own deviation."""
-    return np.asarray(stdtrit(GROUPS - 2 + count, _BOUND) / (1.0 if is_highest else np.sqrt(count)))
+    bound = stdtrit(alone.degrees - 1 + count, _BOUND)
+    return np.asarray(bound / (1.0 if is_highest else np.sqrt(count)))
 
 
 def specimen_at(data: Results, conditions: Conditions) -> Specimen:
@@ -185,7 +220,8 @@ def specimen_of(data: Results, rises: Array, conditions: Conditions) -> Specimen
     y = np.log(np.where(rises < _COLDEST, _COLDEST, rises))
     sampling = _sampling(data, conditions).reshape(shape)[counts]
     is_highest = conditions.criterion.is_highest
-    return Specimen.of(data.loads, data.velocities, y, sampling, is_highest)
+    alone = Alone.of(data.sweep.scene)
+    return Specimen.of(data.loads, data.velocities, y, sampling, is_highest, alone)
 
 
 def _alone(has_point: Mask) -> Mask:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.analysis.reached import percent
+from pipeline.analysis.specimen import Alone
 from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
 from pipeline.store.schema import DONE, PENDING
 from pipeline.store.write import Store
@@ -83,7 +84,9 @@ class Searches:
             _Searched(
                 tuple(label for label in case.name if label[0] != "realization"),
                 case,
-                Search(loads, velocities, case.conditions, goal),
+                Search(
+                    loads, velocities, case.conditions, goal._replace(alone=Alone.of(case.scene))
+                ),
             )
             for case in sweep._given
         ]

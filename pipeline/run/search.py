@@ -18,7 +18,7 @@ import numpy as np
 
 from pipeline.analysis.rise_error import INTERPOLATION, SURFACE, velocity_errors
 from pipeline.analysis.rises import Rises
-from pipeline.analysis.specimen import Specimen, patches_needed, patches_share
+from pipeline.analysis.specimen import SWEPT, Alone, Specimen, patches_needed, patches_share
 from pipeline.constants import OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
 from pipeline.sweep.severity import rise_limit
@@ -49,6 +49,7 @@ class Goal(NamedTuple):
     promised: float  # part of it due to the preset
     patches: int = MOST_PATCHES  # that there are
     counts_surface: bool = True  # False if the choice of patches is left out of the goal
+    alone: Alone = SWEPT  # what a patch alone tells of others
 
     @property
     def left(self) -> float:
@@ -121,7 +122,8 @@ class Search:
         count = max(int(self.asked.any(axis=(1, 2)).sum()), 1)
         y = np.log(self._rises[:count])
         is_highest = self.conditions.criterion.is_highest
-        return Specimen.of(self.loads, self.velocities, y, self._sampling[:count], is_highest)
+        sampling, alone = self._sampling[:count], self.goal.alone
+        return Specimen.of(self.loads, self.velocities, y, sampling, is_highest, alone)
 
     @functools.cached_property
     def rises(self) -> Rises:
@@ -178,6 +180,7 @@ class Search:
                     surface / bound if bound else math.inf,
                     self.goal.patches,
                     self._specimen.is_highest,
+                    self.goal.alone,
                 )
         return found
 
@@ -192,7 +195,8 @@ class Search:
         """Least error that can be reached, and the load where it is largest; NaN if not known."""
         parts = self.errors[:, self._searched].copy()
         counts = np.isfinite(self._rises[:, self._searched]).any(axis=2).sum(axis=0)
-        shares = [patches_share(n, self._specimen.is_highest) for n in (self.goal.patches, counts)]
+        kind = self._specimen.is_highest, self.goal.alone
+        shares = [patches_share(n, *kind) for n in (self.goal.patches, counts)]
         sure = np.where(counts < self.goal.patches, _UNSURE, 1.0)
         parts[SURFACE] *= shares[0] / shares[1] / sure if self.goal.counts_surface else 0.0
         whole = np.sqrt(np.square(parts).sum(axis=0))[np.isfinite(self.critical[self._searched])]

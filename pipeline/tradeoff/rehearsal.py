@@ -11,7 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from pipeline.analysis.rise_error import totals, velocity_errors
-from pipeline.analysis.specimen import patches_share
+from pipeline.analysis.specimen import Alone, patches_share
 from pipeline.run.goal_preset import simulate_search
 from pipeline.run.search import Goal, Place, Search
 from pipeline.sweep.model import Sweep
@@ -53,7 +53,8 @@ class FirstPatch:
     def of(cls, sweep: Sweep, report: Report) -> Self:
         """Simulate the points that the boundary of a sweep's first scene needs on one patch."""
         loads, velocities = np.array(sweep.loads), np.array([v for v in sweep.velocities if v > 0])
-        goal = Goal(_NEAR, 0.0, patches=1, counts_surface=False)
+        alone = Alone.of(sweep.scene)
+        goal = Goal(_NEAR, 0.0, patches=1, counts_surface=False, alone=alone)
         search = Search(loads, velocities, sweep._given[0].conditions, goal)
         found = simulate_search(sweep, search, report)
         if not np.isfinite(search.critical).any():
@@ -72,7 +73,7 @@ class FirstPatch:
             np.exp(rises.y(at, on)).reshape(shape)
             * rises.limit
             / search.conditions.friction_factor(velocities),
-            rises.surface / patches_share(1, criterion.is_highest),
+            rises.surface / patches_share(1, criterion.is_highest, alone) / alone.factor,
             rises.flags[tuple(done)][nearest],
             rises.durations[tuple(done)][nearest],
             np.interp(loads, loads[rows], [np.median(times[done[0] == row]) for row in rows]),
@@ -105,7 +106,7 @@ class FirstPatch:
         sampling = self.sampling[where]
         # Deviations of both signs, so that their mean is 0; their size is what is to be expected
         # where the deviation is known by the jackknife alone.
-        expected = sampling * math.sqrt((GROUPS - 1) / (GROUPS - 3))
+        expected = search.goal.alone.factor * sampling * math.sqrt((GROUPS - 1) / (GROUPS - 3))
         apart = np.where(patch == 0, 0.0, np.where(patch % 2, expected, -expected))
         rises = self.rises[where] * np.exp(apart)
         search.tell(places, rises, sampling, self.flags[where], self.durations[where])

@@ -19,6 +19,7 @@ import pandas as pd
 
 from pipeline.analysis.reached import percent
 from pipeline.analysis.rise_error import INTERPOLATION, PRESET, SURFACE, WARNED, totals
+from pipeline.analysis.specimen import Alone
 from pipeline.analysis.tables import frame_of, lines_of, short
 from pipeline.constants import GOALS
 from pipeline.run.goal import require_boundary, why_fixed
@@ -208,7 +209,7 @@ class _Runs:
         most = MOST_PATCHES if grows else self._patches
         for accuracy in (one for one in GOALS if one > least):
             chosen = choose_preset(self.presets, accuracy, lambda one: self.seconds[one.preset])
-            goal = Goal(accuracy, _promised(chosen), most, counts_surface=grows)
+            goal = Goal(accuracy, _promised(chosen), most, grows, Alone.of(chosen.scene))
             found = self.first.rehearse(goal)
             aimed = np.where(np.arange(len(found.errors)) == SURFACE, grows, 1) * found.errors
             if totals(aimed) <= accuracy:
@@ -218,7 +219,8 @@ class _Runs:
         """Uniform planes of the scene's own numerical choices, the scene's own plane last."""
         whole = self.first.rises.shape
         error = velocity_error(self.sweep)
-        goal = Goal(1.0, math.nan if error is None else error, self._patches)
+        promised, alone = math.nan if error is None else error, Alone.of(self.sweep.scene)
+        goal = Goal(1.0, promised, self._patches, alone=alone)
         smaller = [one for one in _GRIDS if one[0] < whole[0] and one[1] < whole[1]]
         for shape in (*smaller, whole):
             rows, columns = map(_spread, whole, shape)

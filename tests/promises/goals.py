@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.analysis.specimen import Alone
 from pipeline.run.goal import why_fixed
 from pipeline.run.goal_preset import goal_presets
 from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
@@ -103,9 +104,8 @@ class Planes:
 
     def search(self, accuracy, preset):
         """A search that has ended."""
-        goal = Goal(
-            accuracy, self.promised[preset], 1 if self.fixed else MOST_PATCHES, not self.fixed
-        )
+        patches, alone = 1 if self.fixed else MOST_PATCHES, Alone.of(self._patches[preset][0])
+        goal = Goal(accuracy, self.promised[preset], patches, not self.fixed, alone)
         search = Search(self.loads, self.velocities, self.conditions, goal)
         while batch := search.ask():
             self.tell(search, batch, preset)

@@ -1,6 +1,7 @@
 """Patches of one specimen, by the front door: their mean, what they lack, and how they may err."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import xarray as xr
 from scipy.stats import t
 
 import pipeline
-from pipeline.constants import RISE_SHARE
+from pipeline.analysis.specimen import LOCAL, SWEPT, Alone, patches_bound, patches_needed
+from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
@@ -134,6 +136,21 @@ def test_the_surface_is_a_bound_by_the_patches_own_estimates_and_their_spread(co
     assert found.error.surface / rise == pytest.approx(expected, rel=1e-12)
     parts = [part for part in found.error.parts if part]
     assert found.temperature_error == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_with_local_wear_a_patch_alone_tells_little_and_several_tell_by_their_spread():
+    degrees, factor = ALONE_IN_LOCAL_WEAR
+    one = patches_bound(1, 0.0, 0.02, alone=LOCAL)
+    assert one == pytest.approx(t(degrees).ppf(0.975) * factor * 0.02, rel=1e-12)
+    assert one > 5 * patches_bound(1, 0.0, 0.02)
+    squares = 15 * 0.06**2  # of patches that differ by 6 %
+    deviation = math.sqrt((degrees * (factor * 0.005) ** 2 + squares) / (degrees + 15))
+    expected = t(degrees + 15).ppf(0.975) * deviation / 4
+    assert patches_bound(16, squares, 0.005, alone=LOCAL) == pytest.approx(expected, rel=1e-12)
+    assert expected > 1.1 * patches_bound(16, squares, 0.005)
+    assert patches_needed(1, 9.0, 256, alone=LOCAL) == 4
+    scene = pipeline.load_scene("first_try", overrides={"wear.pattern": "local"}).scene
+    assert (Alone.of(scene), Alone.of(replace(scene, wear=None))) == (LOCAL, SWEPT)
 
 
 def test_the_boundary_states_its_error_and_the_part_of_the_surface():
