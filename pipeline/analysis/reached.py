@@ -24,6 +24,7 @@ class Reached(NamedTuple):
     load: float  # where the error is largest [N]; NaN if no load has a critical velocity
     total: float  # without the part by the surface, unless it counts
     parts: dict[str, float]  # at this load, by cause
+    surface: float  # largest part by the surface at any load
     without: tuple[float, ...]  # loads without a critical velocity in the plane [N]
 
     def lines(self, accuracy: float, surface: str) -> Iterator[str]:
@@ -32,17 +33,18 @@ class Reached(NamedTuple):
         if np.isfinite(self.load):
             # NaN, an unknown error, is not reached either.
             state = "reached" if self.total < accuracy else "not reached"
-            parts = ", ".join(
-                f"{name} {percent(part)}" for name, part in self.parts.items() if part
-            )
-            largest = max(self.parts, key=lambda name: np.nan_to_num(self.parts[name]))
+            counted = {
+                k: x for k, x in self.parts.items() if x and not (surface and k == "surface")
+            }
+            parts = ", ".join(f"{name} {percent(part)}" for name, part in counted.items())
+            largest = max(counted, key=lambda name: np.nan_to_num(counted[name]), default="")
             advice = "" if state == "reached" else _HELP.get(largest, "")
             yield (
                 f"{case}accuracy {percent(accuracy)} {state}: at most ± {percent(self.total)}, at "
                 f"{self.load:g} N ({parts}){advice}"
             )
-            if surface and self.parts["surface"]:
-                yield f"surface ± {percent(self.parts['surface'])}: {surface}"
+            if surface and self.surface:
+                yield f"surface up to ± {percent(self.surface)}: {surface}"
         if self.without:
             loads = ", ".join(f"{load:g}" for load in self.without)
             yield f"{case}no critical velocity in the plane at {loads} N"
@@ -72,6 +74,7 @@ def reached(ds: xr.Dataset, counts_surface: bool) -> list[Reached]:
                 load=float(rises.loads[worst]) if crosses.any() else np.nan,
                 total=float(totals[worst]),
                 parts=dict(zip(_PARTS, errors[:, worst].tolist(), strict=True)),
+                surface=float(errors[SURFACE].max(where=crosses, initial=0.0)),
                 without=tuple(rises.loads[~crosses].tolist()),
             )
         )
