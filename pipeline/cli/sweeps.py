@@ -61,8 +61,8 @@ def run(options: argparse.Namespace) -> Result:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         text += _ending(judged, shlex.quote(str(out)))
-        if options.accuracy is not None:
-            text.append(f"to go on: {_growing(options, out, velocity_error(stored) or 0.0)}")
+        if (options.accuracy or 0.0) > 2 * (velocity_error(stored) or 0.0):
+            text.append(f"to go on: {_halving(options, out)}")
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),
@@ -78,10 +78,9 @@ def run(options: argparse.Namespace) -> Result:
     return Result(document, text, pipeline.warned(judged), code=code)
 
 
-def _growing(options: argparse.Namespace, out: Path | str, promised: float) -> str:
-    """The command that goes on with the store of a goal, to half the error if the preset allows."""
-    half = options.accuracy / 2
-    accuracy = percent(half if half > promised else options.accuracy).replace(" ", "")
+def _halving(options: argparse.Namespace, out: Path | str) -> str:
+    """The command that goes on with the store of a goal, to half its error."""
+    accuracy = percent(options.accuracy / 2).replace(" ", "")
     where = "" if options.output is None else f"-o {shlex.quote(str(out))} "
     return f"irg run {typed_scene(options)} {where}--accuracy {accuracy}"
 
