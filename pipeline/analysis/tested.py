@@ -266,7 +266,7 @@ def tests_beside(evidence: Evidence, load: float, velocity: float) -> Iterator[s
         at = f"friction {own.friction_at(test.velocity):.3g}"
         bulk = display(own.bulk_temperature, "°C", 3)
         place = f"{test.normal_load:g} N, {test.velocity:g} m/s"
-        yield f"{test.outcome or 'severe'}, {place} at {at} and bulk {bulk}"
+        yield f"{test.outcome or 'transition'}, {place} at {at} and bulk {bulk}"
 
 
 def waiting_words(evidence: Evidence) -> str:

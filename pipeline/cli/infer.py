@@ -61,8 +61,9 @@ def _inferred_result(found: Inferred, beside: Sequence[str]) -> Result:
         )
     text = [
         f"{said}, from {count}",
+        "",
         short(frame, ["notes"]),
-        *([inputs_frame(found.inputs)] if found.inputs else []),
+        *(["", inputs_frame(found.inputs)] if found.inputs else []),
         *(f"{row.name} {row.reason}" for row in found.evidence.waiting),
         *found.evidence.misfits,
         *beside,

@@ -159,7 +159,7 @@ def _trace_result(path: Path, read: Read, options: argparse.Namespace) -> Result
     if toml:
         text += ["", *toml]
     else:
-        time = f"{times[0]:.4g} s" if times else "812 s"
+        time = f"{(times or trace.time)[0 if times else -1]:.4g} s"
         text += [
             "say what happened, by the picture (-o trace.png) and the worn surface:",
             "  --outcome mild",
