@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.scene.faults import Faults, quoted
@@ -70,6 +69,7 @@ class TestReader:
     written: Entries
     entries: Entries
     parts: Parts
+    known: dict[str, tuple[Parts | None, Faults]] = field(default_factory=dict)
 
     def tests(self, base: Case, faults: Faults) -> tuple[Measurement, ...]:
         """Tests of the scene, each with the case to simulate; faults are added to `faults`.
@@ -81,10 +81,10 @@ class TestReader:
         for number, (key, index, test) in enumerate(listed):
             place, case, wrong = f"{key}[{index}]", base, [*_misplaced(test)]
             if test.changes and not wrong:
-                parts, found = self.read_changed(json.dumps(dict(test.changes)))
+                parts, found = self.read_changed(test.changes)
                 wrong += [f"{fault.key}: {fault.problem}" for fault in found]
                 faults.notes += [note for note in found.notes if note.place in test.changes]
-                if parts and parts.scene.unequal_bulks != base.scene.unequal_bulks:
+                if parts and parts.case.scene.unequal_bulks != base.scene.unequal_bulks:
                     problem = "this changes the unequal bulks, which must be the same in all tests"
                     wrong.append(f"{problem}; give bulk_temperature")
                 elif parts:
@@ -134,22 +134,20 @@ class TestReader:
             without = replace_value(without, "fidelity", None)
         return replace_values(without, own)
 
-    @functools.cached_property
-    def read_changed(self) -> Callable[[str], tuple[Parts | None, Faults]]:
-        """Function that reads the scene with changes by path, given as JSON, and their faults."""
-
-        @functools.cache
-        def read(changes: str) -> tuple[Parts | None, Faults]:
+    def read_changed(self, changes: Mapping[str, Any]) -> tuple[Parts | None, Faults]:
+        """Read the scene with `changes` by path, once; return its parts and its faults."""
+        key = json.dumps(dict(changes))
+        if key not in self.known:
             faults = Faults(self.reader.is_stored, allows_store_only=True)
-            return self.reader.read_all(self._written_with(json.loads(changes)), faults), faults
-
-        return read
+            self.known[key] = self.reader.read_all(self._written_with(changes), faults), faults
+        return self.known[key]
 
 
 def case_of(parts: Parts, base: Case) -> Case:
     """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
-    conditions = with_own(replace(base.conditions, critical_temperature=None), parts.conditions)
-    return replace(base, scene=parts.scene, preset=parts.preset, conditions=conditions)
+    own = parts.case
+    conditions = with_own(replace(base.conditions, critical_temperature=None), own.conditions)
+    return replace(base, scene=own.scene, preset=own.preset, conditions=conditions)
 
 
 def attach_case(test: Measurement, number: int, case: Case) -> Measurement:

@@ -260,8 +260,7 @@ class Sorted(Either):
 
     def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
         """Read a list or a range, sorted and without duplicates."""
-        kind = self.kind_for(value)
-        values = kind.read(value, place, faults, self if kind is self.kinds[0] else None)
+        values = super().read(value, place, faults, allowed)
         return values and tuple(sorted(set(values)))
 
 

@@ -85,11 +85,11 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
 
 def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     """Yield pairs (path, reason) of entries that make a track too short for the model."""
-    corrections = parts.conditions.corrections or Corrections()
+    corrections = parts.case.conditions.corrections or Corrections()
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     width, plane = 0.0, parts.declared.sweep
     if any(tracks.values()):
-        expected = expect_contacts(parts.scene, plane.loads, plane.velocities)
+        expected = expect_contacts(parts.case.scene, plane.loads, plane.velocities)
         width = float(
             expected["contact_width"].max()
         )  # of smooth bodies: to describe a surface is slow

@@ -10,8 +10,8 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.parts import Parts
 from pipeline.sweep.laws import ASKED, Law, StoredRule, is_user_law, law_record, name_of
+from pipeline.sweep.measurement import Case
 from pipeline.sweep.tables import entry_at, replace_value
 from tribo.errors import law_errors
 from tribo.simulation.pins import sizes_of
@@ -120,21 +120,20 @@ def take_laws(
     return taken, entries
 
 
-def _laws_of(parts: Parts) -> dict[str, Any]:
-    scene = parts.scene
+def _laws_of(case: Case) -> dict[str, Any]:
+    scene = case.scene
     laws = {"wear": scene.wear, "surface": scene.roughness, "pin": scene.pin}
-    return laws | {"criterion": parts.conditions.criterion.rule}
+    return laws | {"criterion": case.conditions.criterion.rule}
 
 
-def add_laws(entries: dict[str, Any], parts: Parts, like: Parts | None = None) -> dict[str, Any]:
+def add_laws(entries: dict[str, Any], case: Case, like: Case | None = None) -> dict[str, Any]:
     """Return the entries of a scene with the user's laws added.
 
-    A law is written as its name, its fields and the hash of its source code. `parts` are the
-    objects read from the scene, with its laws. `like` are those of another scene, or None. A law
-    that both scenes have is left out, unless `entries` have a table for the law.
+    A law is written as its name, its fields and the hash of its source code. A law that the scene
+    `like`, if it is given, has too is left out, unless `entries` have a table for the law.
     """
     present = _laws_of(like) if like else {}
-    for kind, part in _laws_of(parts).items():
+    for kind, part in _laws_of(case).items():
         is_kept = _NAMES[kind].partition(".")[0] in entries or not like or present[kind] != part
         if not (is_user_law(part) and is_kept):
             continue

@@ -130,8 +130,8 @@ def _require_alike(row: Parts, base: Parts) -> None:
     """Raise an `InputError` if a variant (`row`) stores other variables than the sweep (`base`)."""
     has_fields = base.declared.sweep.fields
     for name, is_other in (
-        ("unequal bulks", row.scene.unequal_bulks != base.scene.unequal_bulks),
-        ("grid of the stored fields", has_fields and row.scene.grid != base.scene.grid),
+        ("unequal bulks", row.case.scene.unequal_bulks != base.case.scene.unequal_bulks),
+        ("grid of the stored fields", has_fields and row.case.scene.grid != base.case.scene.grid),
     ):
         if is_other:
             raise InputError(

@@ -30,8 +30,8 @@ from pipeline.scene.format import (
 from pipeline.scene.format_of_tests import EvenLevels
 from pipeline.scene.names import UNITS
 from pipeline.scene.units import si_unit, to_si
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.laws import MissingError, MissingSurface
+from pipeline.sweep.measurement import Case
 from pipeline.sweep.remarks import FromLibrary
 from tribo.loading.ramp import MOST_STEPS
 from tribo.loading.record import fault as record_fault
@@ -52,13 +52,10 @@ _NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number i
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """Scene, conditions and oil, made from the entries of a scene file."""
+    """What the entries of a scene file were read into."""
 
-    declared: Any  # the file, read into its declared classes
-    scene: tribo.Scene
-    conditions: Conditions
-    oil: tribo.Oil | None  # tells the regime of lubrication; enters no simulation
-    preset: str | None  # preset that the fidelity equals
+    declared: Any  # the file, in its declared classes
+    case: Case  # the scene itself
     contents: Mapping[str, str]  # digests of the contents of files, by the paths of their entries
     sources: tuple[FromLibrary, ...]  # numbers from the library
 
@@ -190,11 +187,6 @@ def grid_of(window: Window, pin: Any) -> tribo.Grid:
     """Pixels of the window as a grid, periodic along y if the pin has a length."""
     is_line = "length" in sizes_of(pin.shape)
     return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, is_line))
-
-
-def wear_of(table: Any) -> Any:
-    """Make the wear of a scene from `table`, the scene's table ``[wear]``."""
-    return tribo.Wear(**vars(table))
 
 
 def oil_of(table: OilTable) -> tribo.Oil:

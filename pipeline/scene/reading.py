@@ -13,7 +13,7 @@ from pipeline.scene.declare import table_of
 from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults
 from pipeline.scene.fidelity import complete_fidelity, fidelity_of
-from pipeline.scene.format import Bulks, MeasuredSurfaceTable, SceneFile
+from pipeline.scene.format import Bulks, MeasuredSurfaceTable, Model, SceneFile
 from pipeline.scene.laws import add_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
@@ -27,11 +27,11 @@ from pipeline.scene.parts import (
     motion_of,
     oil_of,
     roughness_of,
-    wear_of,
 )
 from pipeline.scene.runs import expand_tests
 from pipeline.scene.written import entries_of, keep_written
 from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
+from pipeline.sweep.measurement import Case
 from pipeline.sweep.remarks import FromLibrary
 from pipeline.sweep.tables import Entries, changes, entry_at
 from tribo.simulation import widen_window
@@ -85,7 +85,7 @@ class SceneReader:
         made = {
             "pixels": part(grid_of, "window", "pin"),
             "motion": part(motion_of, "motion", "pin"),
-            "wear": laws.get("wear") or part(wear_of, "wear"),
+            "wear": laws.get("wear") or part(lambda wear: tribo.Wear(**vars(wear)), "wear"),
             "loading": loading,
             "roughness": roughness,
             "fidelity": fidelity,
@@ -102,15 +102,18 @@ class SceneReader:
         physics = _scene_of(scene, laws.get("pin"), **made)
         with faults.at("window.pixels"):
             physics = widen_window(physics, max(scene.sweep.velocities))
-        parts = Parts(
-            declared=scene,
+        friction, model = scene.friction, scene.model or Model()
+        case = Case(
+            name=(),
             scene=physics,
             conditions=_conditions_of(scene, physics, laws.get("criterion")),
-            oil=oil,
+            friction_band=friction.band,
+            model_bias=model.bias,
+            model_scatter=model.scatter,
+            lubricant=oil,
             preset=preset,
-            contents=digests,
-            sources=taken,
         )
+        parts = Parts(scene, case, digests, taken)
         for path, fault in track_faults(parts):
             faults.refuse(path, fault)
         return parts
@@ -121,14 +124,14 @@ class SceneReader:
         `parts` are the objects that were read from `entries`. If `like`, the parts of another
         scene, is given, tables that are equal in both scenes are left out.
         """
-        fidelity = complete_fidelity(parts.preset, parts.scene.fidelity)
+        fidelity = complete_fidelity(parts.case.preset, parts.case.scene.fidelity)
         declared, kind = vars(replace(parts.declared, fidelity=fidelity)), table_of(SceneFile)
         before = vars(like.declared) if like else {}
         kept = [k for k in kind.keys if not like or getattr(parts.declared, k) != before[k]]
         full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
         tables = {key: one for key, one in full.items() if one is not None}
         tables.get("sweep", {}).pop("along", None)  # the rows of variants stand for it
-        return add_laws(keep_written(tables, entries), parts, like)
+        return add_laws(keep_written(tables, entries), parts.case, like.case if like else None)
 
     def complete_changes(
         self, given: Entries, written: Entries, parts: Parts, entries: Entries, base: Parts
@@ -191,7 +194,8 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
     values["criterion"] = criterion_of(rule or values["criterion"], values.pop("share"))
     values["corrections"] = corrections_of(scene, made.pin, made.disk, made.motion)
     # A store of an earlier version may lack an entry.
-    return Conditions(**{name: one for name, one in values.items() if one is not None})
+    known = {name: one for name, one in values.items() if one is not None}
+    return Conditions(**known).under(made.loading)
 
 
 def _bulks_of(scene: Any) -> dict[str, Any]:

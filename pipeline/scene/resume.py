@@ -51,7 +51,7 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
             yield GROWING
         return
     for name in (name for name in new.names if name in old.by_name):
-        before, after = (one._take_case(name) for one in (stored, sweep))
+        before, after = (one._alone(name) for one in (stored, sweep))
         if different := [*effective_changes(before, after, lambda one: one.scene)]:
             row = f"scene with {', '.join(variant_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)

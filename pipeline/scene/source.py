@@ -11,7 +11,6 @@ from typing import Any
 from pipeline.scene.cases_of_tests import TestReader, with_changes
 from pipeline.scene.doubts import doubts_of_all
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import Model
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.uncertain import uncertain_inputs
@@ -20,7 +19,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.tables import Entries, entry_at, replace_value, replace_values
-from pipeline.sweep.variants import SEED, Variant, Variants, surfaces
+from pipeline.sweep.variants import SEED, Variants, surfaces
 from tribo import InputError, SelfAffineRoughness
 
 
@@ -64,38 +63,11 @@ class Source:
         """Objects of the scene itself, with the tables that they were made from."""
         return self.reader.read(self.written)
 
-    @property
-    def plain_entries(self) -> dict[str, Any]:
-        """All entries in their usual units, instead of as written."""
-        return self.reader.complete({}, self.parts)
-
     def doubts(self, sweep: Sweep) -> tuple[Remark, ...]:
         """Doubts about a sweep of this source; those of a store were found when it was made."""
         if self.reader.is_stored:
             return tuple(note for note in sweep.notes if note.grade == "warning")
         return doubts_of_all(sweep)
-
-    def take_case(self, sweep: Sweep, name: Variant) -> Sweep:
-        """The sweep of the case of `sweep` called `name`, without variants."""
-        return self._take(sweep, name, Variants(), [replace(sweep.case(name), name=())])
-
-    def take(self, sweep: Sweep, name: Variant) -> Sweep:
-        """The sweep of the random surfaces of one variant of `sweep`, named without them."""
-        table, wanted = sweep.variants.surfaces_of(name), {*name}
-        own = [case for case in sweep.cases if wanted <= {*case.name}]
-        cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
-        return self._take(sweep, name, table, cases)
-
-    def _take(self, sweep: Sweep, name: Variant, table: Variants, cases: Sequence[Case]) -> Sweep:
-        values = sweep.variants.values(name) if name else {}
-        return replace(
-            sweep,
-            base=replace(cases[0], name=()),
-            cases=tuple(cases),
-            variants=table,
-            entries=replace_values(sweep.entries, values),
-            source=replace(self, written=replace_values(self.written, values)),
-        )
 
 
 def read_sweep(
@@ -112,7 +84,7 @@ def read_sweep(
     Faults of tests are added to `faults`, if it is given, and their tests left out.
     """
     parts, found = source.parts, Faults() if faults is None else faults
-    declared, base = parts.declared, _case_of((), parts)
+    declared, base = parts.declared, parts.case
     entries = source.reader.complete(source.written, parts)
     test_reader = TestReader(source.reader, source.written, entries, parts)
     tests = test_reader.tests(base, found)
@@ -151,26 +123,12 @@ def _cases(source: Source, variants: Variants) -> tuple[Case, ...]:
         others = {path: value for path, value in values.items() if path != SEED}
         for one in (others, values):
             rows[repr(one)] = one
-        case = _case_of(name, read(repr(others)))
+        case = replace(read(repr(others)).case, name=name)
         rough = case.scene.roughness
         if SEED in values and isinstance(rough, SelfAffineRoughness):
             rough = replace(rough, seed=values[SEED])
             case = replace(case, scene=replace(case.scene, roughness=rough))
         elif SEED in values:
-            case = _case_of(name, read(repr(values)))
+            case = replace(read(repr(values)).case, name=name)
         cases.append(case)
     return tuple(cases)
-
-
-def _case_of(name: Variant, parts: Parts) -> Case:
-    friction, model = parts.declared.friction, parts.declared.model or Model()
-    return Case(
-        name=name,
-        scene=parts.scene,
-        conditions=parts.conditions.under(parts.scene.loading),
-        friction_band=friction.band,
-        model_bias=model.bias,
-        model_scatter=model.scatter,
-        lubricant=parts.oil,
-        preset=parts.preset,
-    )

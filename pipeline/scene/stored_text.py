@@ -5,10 +5,9 @@ The text is JSON that a person can read. Contents of files are stored beside it,
 
 from __future__ import annotations
 
-import functools
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from typing import Any, get_type_hints
 
 from pipeline.scene.parts import Contents
@@ -69,31 +68,27 @@ def parse_sweep(text: str, arrays: Mapping[str, Array]) -> Sweep:
 
     `arrays` are the contents of the files that the scene names, by SHA-256.
     """
-    return _read(_Stored(text, tuple(map(array_digest, arrays.values())), arrays))
+    key = text, tuple(map(array_digest, arrays.values()))
+    if (sweep := _KNOWN.get(key)) is None:
+        sweep = _KNOWN[key] = _read(text, arrays)
+        if len(_KNOWN) > _MOST_KNOWN:
+            _KNOWN.pop(next(iter(_KNOWN)), None)
+    return sweep
 
 
 def remember_sweep(text: str, sweep: Sweep) -> None:
     """Let `parse_sweep` return a sweep for its `text`, which then need not be read again."""
-    arrays = file_contents(sweep)
-    _read(_Stored(text, tuple(map(array_digest, arrays.values())), arrays, sweep))
+    _KNOWN[text, tuple(map(array_digest, file_contents(sweep).values()))] = sweep
 
 
-@dataclass(frozen=True)
-class _Stored:
-    """A text and the digests of the contents beside it, by which the sweep is read once."""
-
-    text: str
-    digests: tuple[str, ...]
-    arrays: Mapping[str, Array] = field(compare=False)
-    sweep: Sweep | None = field(default=None, compare=False)
+_MOST_KNOWN = 8
+_KNOWN = dict[tuple[str, tuple[str, ...]], Sweep]()
+"""Sweeps by their text and the digests of contents, the last ones that were read."""
 
 
-@functools.lru_cache(maxsize=8)
-def _read(stored: _Stored) -> Sweep:
-    if stored.sweep:
-        return stored.sweep
+def _read(text: str, arrays: Mapping[str, Array]) -> Sweep:
     try:
-        read = json.loads(stored.text)
+        read = json.loads(text)
         if read["form"] != FORM:
             raise ValueError(f"it is of form {read['form']}, and not {FORM}")
         name, written, variants = str(read["name"]), dict(read["entries"]), _variants(read)
@@ -102,7 +97,7 @@ def _read(stored: _Stored) -> Sweep:
         stations = Stations(**read["stations"]) if read.get("stations") else None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SweepTextError(f"the attribute scene is not the text of a sweep: {error}") from error
-    source = Source(written, SceneReader(Contents(dict(stored.arrays)), is_stored=True))
+    source = Source(written, SceneReader(Contents(dict(arrays)), is_stored=True))
     try:
         return read_sweep(name, source, variants, notes, sources, stations)
     except TriboError as error:  # any other error is a fault of this program

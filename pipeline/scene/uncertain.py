@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterator, Sequence
@@ -64,7 +63,7 @@ def _cases_of_tests(
 
 
 def _changed_case(reader: TestReader, base: Case, changes: dict[str, Any]) -> Case:
-    parts, found = reader.read_changed(json.dumps(changes))
+    parts, found = reader.read_changed(changes)
     if parts is None or found:
         problem = found[0].problem if found else "it cannot be read"
         raise UnfitError(f"one standard uncertainty more is refused: {problem}")
@@ -146,9 +145,7 @@ def _spread(path: str, text: str) -> float:
         also = f', or "{FROM_TESTS}"' * (path == CRITICAL)
         try:
             spread = difference_in_si(text, "1 K")
-        except InputError:
-            spread = 0.0
-        except ValueError:
+        except (InputError, ValueError):
             spread = 0.0
         if not 0 < spread <= 1000:
             raise UnfitError(f'"{text}" is no standard uncertainty; give kelvin, "8 K"{also}')

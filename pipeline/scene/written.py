@@ -96,7 +96,10 @@ def differing_entries(one: Sweep, other: Sweep) -> Iterator[tuple[str, str, str]
     """Yield path and both values, in words, of each entry whose meaning differs between sweeps."""
     sweeps = one, other
     words = [scene_entries(sweep) for sweep in sweeps]
-    plain = [scene_entries(sweep, sweep.source.plain_entries) for sweep in sweeps]
+    sources = [sweep.source for sweep in sweeps]
+    # In usual units, not as written.
+    read = [source.reader.complete({}, source.parts) for source in sources]
+    plain = [scene_entries(*pair) for pair in zip(sweeps, read, strict=True)]
     for path in {**words[0], **words[1]}:
         if plain[0].get(path) != plain[1].get(path):
             yield path, words[0].get(path, ""), words[1].get(path, "")

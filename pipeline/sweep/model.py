@@ -18,6 +18,7 @@ from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
+from pipeline.sweep.tables import replace_values
 from pipeline.sweep.variants import SEED, Row, Variant, Variants
 from tribo import InputError, MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness
 from tribo.surface import array_digest
@@ -194,12 +195,27 @@ class Sweep:
             ids.append(int.from_bytes(bytes.fromhex(whole[:8]), signed=True))
         return ids
 
-    def _take_case(self, name: Variant) -> Self:
-        """The sweep of one case alone, without variants."""
-        if not name:
-            return self._alone()
-        made: Self = self.source.take_case(self, name)
-        return made
+    def _alone(self, name: Variant = ()) -> Self:
+        """The sweep of one case, by default of the scene itself, without variants."""
+        return self._taken(name, Variants(), [replace(self.case(name), name=())])
+
+    def _take(self, name: Variant) -> Self:
+        """The sweep of the random surfaces of one variant, named without them."""
+        table, wanted = self.variants.surfaces_of(name), {*name}
+        own = [case for case in self.cases if wanted <= {*case.name}]
+        cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
+        return self._taken(name, table, cases)
+
+    def _taken(self, name: Variant, table: Variants, cases: Sequence[Case]) -> Self:
+        values = self.variants.values(name) if name else {}
+        return replace(
+            self,
+            base=replace(cases[0], name=()),
+            cases=tuple(cases),
+            variants=table,
+            entries=replace_values(self.entries, values),
+            source=replace(self.source, written=replace_values(self.source.written, values)),
+        )
 
     def _scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
@@ -251,15 +267,6 @@ class Sweep:
         )
         judged = {**self.judged, **changes}
         return replace(self, base=base, cases=tuple(cases), judged=judged)
-
-    def _alone(self) -> Self:
-        """The sweep of the scene itself, without variants."""
-        return replace(self, variants=Variants(), cases=(self.base,))
-
-    def _take(self, name: Variant) -> Self:
-        """The sweep of the random surfaces of one variant, named without them."""
-        made: Self = self.source.take(self, name)
-        return made
 
     def _with_hold(self, duration: float) -> Self:
         """The sweep with another `duration` for which the full load is held after the ramp [s]."""

@@ -148,7 +148,7 @@ def hertz(pin, disk, pressure):
 
 def _with_boundary(sweep, velocity, bulks):
     """Copy of a sweep with bulk and critical temperatures that put the boundary inside it."""
-    scene = sweep._take_case(sweep.variants.names[0])
+    scene = sweep._alone(sweep.variants.names[0])
     warm = changed(scene, unequal_bulks=bulks != 0).scene
     state = state_at(warm, sweep.loads[_MIDDLE], velocity)
     conditions = sweep.conditions
