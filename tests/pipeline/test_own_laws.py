@@ -5,8 +5,7 @@ import pickle
 import re
 import sys
 import textwrap
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import nbclient
 import nbformat
@@ -301,41 +300,18 @@ def test_a_law_of_a_notebook_runs_on_workers_and_is_known_again(folder):
     assert "wear.source_sha256" in third
 
 
-@dataclass
-class Thawed:
-    rate: float = 6e-15
-    pattern = "swept"
-
-    def over(self, begin, end, pressure, velocity):
-        return self.rate
-
-
-@dataclass(frozen=True)
-class Called:
-    rate: Any = len
-    pattern = "swept"
-
-    def over(self, begin, end, pressure, velocity):
-        return self.rate
-
-
 @pytest.mark.parametrize(
     ("kind", "law", "overrides", "said"),
     [
-        ("wear", "Dimples(1, 2)", {}, "has no pattern, over; see tribo.WearLaw"),
         ("pin", "Dimples(1, 2)", {}, "has no radius, length, material, words, profile"),
-        ("wear", "Thawed()", {}, "write @dataclass(frozen=True), or with an array"),
-        ("wear", "Called()", {}, "other fields are numbers or text"),
         ("wear", "fading", {"wear.parameters.distanc": 1.0}, "keyword argument 'distanc'"),
         ("wear", "fading", {"wear.parameters": 3}, "must be a mapping, not int"),
-        ("criterion", "median", {"temperature.criterion": "mean"}, "laws.criterion replaces"),
         ("pin", "Blunt(2e-3, 3e-3, STEEL, 0)", {"pin.radius": "1 mm"}, "pin.radius: laws.pin re"),
         ("surface", "Dimples(1, 2)", {"sweep.realizations": 3}, "made from a seed; give one"),
     ],
 )  # fmt: skip
 def test_each_mistake_is_named(laws, kind, law, overrides, said):
-    names = vars(laws) | {"STEEL": STEEL, "Thawed": Thawed, "Called": Called}
-    names["fading"] = laws.Fading(*RATES)
+    names = vars(laws) | {"STEEL": STEEL, "fading": laws.Fading(*RATES)}
     with pytest.raises(pipeline.SceneFileError) as caught:
         scene({kind: eval(law, names)}, **overrides)
     assert said in str(caught.value)
