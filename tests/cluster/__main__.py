@@ -21,8 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.run.sweep import run_sweep
-from pipeline.store.place import StoreError
+from pipeline import StoreError, run_sweep
 from pipeline.store.schema import COLUMNS
 from tests.cluster.daemons import Slurm, missing_programs
 from tests.helpers.campaigns import conclude

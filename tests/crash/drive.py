@@ -14,14 +14,13 @@ from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from unittest import mock
 
+from pipeline import ExecutionError, StoreError
 from pipeline.cli import main as irg
 from pipeline.run import schedule
 from pipeline.run import sweep as running
 from pipeline.run.cluster import Connection
 from pipeline.run.tally import Tally
-from pipeline.run.work import ExecutionError
 from pipeline.store import create, files, write
-from pipeline.store.place import StoreError
 from pipeline.store.write import Store
 from tests.crash.sweeps import record_of
 

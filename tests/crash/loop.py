@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.store.checks import verify_store
+from pipeline import verify_store
 from pipeline.store.files import PARTIAL
 from pipeline.store.root_file import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED

@@ -21,8 +21,8 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
+from pipeline import run_sweep
 from pipeline.cli import main as irg
-from pipeline.run.sweep import run_sweep
 from pipeline.store.files import PARTIAL
 from pipeline.store.place import ROOT
 from tests.crash.loop import code_of, differing, places, values_of_points

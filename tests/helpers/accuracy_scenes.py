@@ -1,7 +1,7 @@
 """A small scene like the paper's, and another material."""
 
 import tribo
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
+from pipeline import Conditions
 from pipeline.analysis.dataset import scene_sweep
 from pipeline.store.schema import (
     COLUMNS,
@@ -16,7 +17,6 @@ from pipeline.store.schema import (
     TEST_STEP,
     test_variable,
 )
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
 from tests.helpers.scenes import STEEL

@@ -8,7 +8,7 @@ import sys
 import time
 
 import tribo
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 

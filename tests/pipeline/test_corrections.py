@@ -7,7 +7,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 
 import tribo
-from pipeline.analysis.dataset import open_sweep
+from pipeline import open_sweep
 from pipeline.analysis.tables import write_frames
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface

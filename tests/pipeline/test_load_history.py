@@ -7,8 +7,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline import run_point
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions, run_point
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 

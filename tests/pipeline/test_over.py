@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.store.checks import verify_store
+from pipeline import StoreMismatchError, verify_store
 from pipeline.store.create import writing
-from pipeline.store.place import StoreMismatchError
 from pipeline.sweep.plan import points, tasks
 from tests.helpers import scenes
 from tests.pipeline.conftest import commit_all

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from tests.helpers import tiny
 from tests.helpers.sweeps import deciding
 from tests.pipeline.conftest import commit_all

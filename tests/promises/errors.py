@@ -16,11 +16,11 @@ import numpy as np
 import pandas as pd
 
 import pipeline
+from pipeline import Conditions
 from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
 from pipeline.analysis.rises import Rises
 from pipeline.analysis.warned_points import exponents
 from pipeline.constants import BETWEEN, PRESET_BOUNDS
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, run_point
 from pipeline.sweep.selection import preset_bound

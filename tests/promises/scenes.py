@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import tribo
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from pipeline.sweep.severity import rises_above_colder
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.entries import changed

@@ -5,8 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.at import at
-from pipeline.analysis.boundary import boundary
+from pipeline import at, boundary
 from pipeline.analysis.words import boundary_lines, next_run_line
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.surface import find_lubrication

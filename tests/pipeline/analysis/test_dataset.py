@@ -10,14 +10,17 @@ import pytest
 import xarray as xr
 
 import tribo
-from pipeline import run_point
-from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import end_of_point, open_sweep
-from pipeline.analysis.deciding import temperatures
-from pipeline.analysis.margin_frame import margin
-from pipeline.analysis.warned_points import warned
+from pipeline import (
+    Conditions,
+    boundary,
+    end_of_point,
+    margin,
+    open_sweep,
+    run_point,
+    temperatures,
+    warned,
+)
 from pipeline.store.schema import MADE, STEPPED
-from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.stores import commit

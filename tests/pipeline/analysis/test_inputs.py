@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.scene.scenefile import load_scene
+from pipeline import load_scene
 from pipeline.store.schema import DONE, PENDING
 from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions
 from tests.helpers import tiny
 from tests.helpers.entries import rows
 from tests.helpers.stores import commit

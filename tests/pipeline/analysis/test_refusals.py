@@ -6,10 +6,11 @@ from pathlib import Path
 import xarray as xr
 
 import pipeline
+from pipeline import Conditions
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
-from pipeline.sweep.conditions import Conditions, criterion_of
+from pipeline.sweep.conditions import criterion_of
 from pipeline.sweep.laws import StoredRule
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows

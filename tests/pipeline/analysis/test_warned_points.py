@@ -8,8 +8,8 @@ import pytest
 import zarr
 
 import pipeline
-from pipeline.analysis.reading import results
-from pipeline.analysis.warned_points import warned, warning_flags
+from pipeline import results, warned
+from pipeline.analysis.warned_points import warning_flags
 from pipeline.cli import main
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny

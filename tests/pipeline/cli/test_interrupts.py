@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from pipeline.store.checks import summary, verify_store
+from pipeline import summary, verify_store
 from tests.helpers.scenes import SCENE
 
 MANY = 'velocities = { from = "1 m/s", to = "4 m/s", count = 400 }'

@@ -8,7 +8,8 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 import pipeline
-from pipeline.figures.plot import KINDS, plot
+from pipeline import plot
+from pipeline.figures.plot import KINDS
 from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.figures.test_plot import contour

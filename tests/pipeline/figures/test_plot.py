@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline import plot
 from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
-from pipeline.figures.plot import plot
 from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.measurement import Measurement

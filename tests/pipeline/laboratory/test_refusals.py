@@ -10,14 +10,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pipeline import SceneFileError, load_scene, surface_statistics
 from pipeline.laboratory import instruments
-from pipeline.laboratory.scan import surface_statistics
 from pipeline.laboratory.spectrum import fit_profiles, fit_self_affine
 from pipeline.laboratory.surfaces import filled, read_surface
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.choices import Choices
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
 from tests.helpers.instruments import gwy, sur, x3p
 from tests.helpers.refusals import command, refusal_tests
 from tests.pipeline.laboratory.test_surfaces import FakeTopography

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from pipeline import load_scene, surface_statistics
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.units import to_si
+from pipeline import SceneFileError, load_scene, surface_statistics, to_si
 from pipeline.sweep.areal import areal_roughness
 from pipeline.sweep.surface import surface_facts
 from tribo import Grid

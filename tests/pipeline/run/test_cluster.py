@@ -23,12 +23,11 @@ import pytest
 from distributed import Client, LocalCluster, SchedulerPlugin, Security
 from distributed.core import Status
 
+from pipeline import ExecutionError, run_sweep, summary
 from pipeline.run import cluster as of_run
 from pipeline.run import forkserver
 from pipeline.run.cluster import Connection, client_of, connected
-from pipeline.run.sweep import run_sweep
-from pipeline.run.work import CODE, ExecutionError, hash_of_code
-from pipeline.store.checks import summary
+from pipeline.run.work import CODE, hash_of_code
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE

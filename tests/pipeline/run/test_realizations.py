@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.run.sweep import run_sweep
+from pipeline import run_sweep
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny

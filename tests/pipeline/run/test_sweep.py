@@ -18,14 +18,12 @@ import zarr
 
 import pipeline
 import tribo
+from pipeline import StoreError, StoreMismatchError, run_sweep, summary, verify_store
 from pipeline.run import cluster as of_run
 from pipeline.run import schedule
 from pipeline.run import sweep as execute
-from pipeline.run.sweep import run_sweep
 from pipeline.store import create, files, versions
-from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.sweep.model import Point

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
+from pipeline import SceneFileError, load_scene
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 PAPER = (WORKFLOWS / "irg_transition.toml").read_text(encoding="utf-8")

@@ -5,8 +5,8 @@ import math
 import pytest
 
 import pipeline
+from pipeline import SceneFileError
 from pipeline.cli import main
-from pipeline.scene.faults import SceneFileError
 from pipeline.sweep.plan import points
 from tests.helpers.scenes import SCENE
 

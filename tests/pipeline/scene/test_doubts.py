@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 
 import tribo
+from pipeline import load_scene
 from pipeline.scene.doubts import doubts, note_on_ends
 from pipeline.scene.facts import Span, facts_of
-from pipeline.scene.scenefile import load_scene
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.surface import SurfaceFacts, surface_words
 from tests.helpers.entries import changed

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
+from pipeline import SceneFileError, load_scene
 from pipeline.sweep.model import digest
 from tests.helpers.entries import changed
 from tests.pipeline.scene.conftest import ROUGHNESS, TEXT

@@ -6,7 +6,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.scene.units import to_si
+from pipeline import to_si
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_doubts import said_of, surface
 from tests.pipeline.scene.test_facts import SMOOTH

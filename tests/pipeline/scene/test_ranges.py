@@ -11,13 +11,13 @@ from dataclasses import replace
 import pytest
 
 import tribo
+from pipeline import Conditions, to_si
 from pipeline.quantities import DIMENSIONS
 from pipeline.scene.declare import Either, List
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Quantity, Whole
 from pipeline.scene.reference import sections
-from pipeline.scene.units import si_unit, to_si
-from pipeline.sweep.conditions import Conditions
+from pipeline.scene.units import si_unit
 from tests.helpers.scenes import STEEL, small_scene
 
 GRID = tribo.Grid((8, 8), (1e-6, 1e-6))

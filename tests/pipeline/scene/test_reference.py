@@ -5,10 +5,9 @@ import tomllib
 
 import pytest
 
+from pipeline import load_scene, new_scene
 from pipeline.scene.faults import Faults
-from pipeline.scene.new import new_scene
 from pipeline.scene.reference import all_keys, example, sections
-from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tests.house import reference
 from tribo import InputError

@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 
 import tribo
+from pipeline import load_scene, new_scene, to_si
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.choices import Choices
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.new import new_scene
-from pipeline.scene.scenefile import load_scene
 from pipeline.scene.stored_text import parse_sweep, sweep_text
-from pipeline.scene.units import difference_in_si, in_si, require_count, share_of, to_si
+from pipeline.scene.units import difference_in_si, in_si, require_count, share_of
 from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT

@@ -12,13 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import tribo
+from pipeline import Conditions, SceneFileError, Sweep, load_scene, to_si
 from pipeline.scene.document import as_toml
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
-from pipeline.scene.units import to_si
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.model import Sweep
 from tests.helpers.sweeps import sweep_of_fields
 from tests.pipeline.scene.conftest import PAPER, ROUGHNESS, TEXT, WORKFLOWS
 

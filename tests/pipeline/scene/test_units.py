@@ -5,8 +5,9 @@ import ast
 import pint
 import pytest
 
+from pipeline import to_si
 from pipeline.quantities import SIZES, UNITS, display
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import UnitError
 from tests.house.measure import ROOT
 
 

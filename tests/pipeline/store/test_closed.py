@@ -9,10 +9,11 @@ import pytest
 from numcodecs.zstd import Zstd
 
 import pipeline
+from pipeline import StoreError
 from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
-from pipeline.store.place import LOCK, StoreError
+from pipeline.store.place import LOCK
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.helpers.stores import commit, opened, record

@@ -4,8 +4,7 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import open_sweep
-from pipeline.store.checks import summary, verify_store
+from pipeline import open_sweep, summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import COLUMNS, FIELDS

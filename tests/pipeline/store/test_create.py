@@ -17,15 +17,13 @@ from hypothesis import strategies as st
 
 import pipeline
 import tribo
-from pipeline.analysis.dataset import open_sweep
+from pipeline import Conditions, StoreError, StoreMismatchError, open_sweep, summary, verify_store
 from pipeline.scene.stored_text import parse_sweep
-from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import locked
-from pipeline.store.place import StoreError, StoreMismatchError, place_of
+from pipeline.store.place import place_of
 from pipeline.store.take import take_points
-from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from pipeline.sweep.variants import surfaces

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import pipeline
+from pipeline import StoreError, summary, verify_store
 from pipeline.cli import main
 from pipeline.store import files
-from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.place import LOCK, StoreError
+from pipeline.store.place import LOCK
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.helpers.heard import Heard

@@ -7,9 +7,8 @@ from pathlib import Path
 import zarr
 
 import tribo
-from pipeline.analysis.dataset import open_sweep
+from pipeline import open_sweep, summary, verify_store
 from pipeline.store import lock
-from pipeline.store.checks import summary, verify_store
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK, ROOT, place_of
 from pipeline.store.schema import require_free_names

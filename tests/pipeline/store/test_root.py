@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 import pipeline
 import tribo
-from pipeline.store.place import ROOT, StoreError
+from pipeline import StoreError
+from pipeline.store.place import ROOT
 from pipeline.store.root import Root
 from pipeline.store.schema import path_of
 from tests.helpers import tiny

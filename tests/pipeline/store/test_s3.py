@@ -9,11 +9,9 @@ import pytest
 import s3fs
 from aiobotocore.endpoint import AioEndpoint
 
-from pipeline.analysis.dataset import open_sweep
-from pipeline.run.sweep import run_sweep
-from pipeline.store.checks import summary, verify_store
+from pipeline import StoreError, StoreMismatchError, open_sweep, run_sweep, summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.place import Bucket, StoreError, StoreMismatchError
+from pipeline.store.place import Bucket
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing

@@ -10,9 +10,10 @@ import zarr
 
 import pipeline
 import tribo
+from pipeline import StoreError
 from pipeline.store import layout
 from pipeline.store.create import writing
-from pipeline.store.place import Folder, StoreError
+from pipeline.store.place import Folder
 from pipeline.store.schema import COLUMNS, FIELDS, path_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points

@@ -7,13 +7,9 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline import Conditions
 from pipeline.sweep.areal import areal_roughness, remove_form
-from pipeline.sweep.conditions import (
-    Conditions,
-    bulk_entries,
-    criterion_of,
-    known_critical_temperature,
-)
+from pipeline.sweep.conditions import bulk_entries, criterion_of, known_critical_temperature
 from pipeline.sweep.laws import Law, MissingSurface, StoredRule, law_record
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.severity import require_bulks

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline import run_point
-from pipeline.sweep.conditions import Conditions
+from pipeline import Conditions, run_point
 from pipeline.sweep.severity import (
     boundary_velocity_error,
     failed_fraction,

@@ -2,9 +2,9 @@
 
 import pytest
 
+from pipeline import estimate
 from pipeline.sweep import plan
 from pipeline.sweep.plan import points, tasks
-from pipeline.tradeoff.forecast import estimate
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed

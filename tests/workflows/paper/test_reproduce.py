@@ -14,8 +14,8 @@ import pytest
 from matplotlib.lines import Line2D
 
 import tribo
+from pipeline import load_scene
 from pipeline.cli import main
-from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from workflows import paper
 from workflows.paper import transition_diagram
