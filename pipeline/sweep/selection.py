@@ -6,7 +6,13 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from pipeline.constants import BOUNDS_OF_HIGHEST, HIGHEST_SHARE, PRESET_BOUNDS
+from pipeline.constants import (
+    BOUNDS_OF_HIGHEST,
+    BOUNDS_OF_MOST,
+    HIGHEST_SHARE,
+    MOST_SHARE,
+    PRESET_BOUNDS,
+)
 from pipeline.sweep.model import Sweep
 from tribo import PRESETS, Criterion, Fidelity, Scene
 
@@ -53,10 +59,13 @@ def velocity_error(sweep: Sweep) -> float | None:
 
 def preset_bound(preset: str, criterion: Criterion) -> float | None:
     """Bound of the relative error of critical velocities by a preset; None if it is none."""
-    is_highest = criterion.name == "highest"
-    if is_highest or (criterion.name == "share" and criterion.share < HIGHEST_SHARE):
-        return BOUNDS_OF_HIGHEST.get(preset, PRESET_BOUNDS.get(preset))
-    return PRESET_BOUNDS.get(preset)
+    shares = {"highest": 0.0, "share": criterion.share, "mean": 1.0}
+    larger, share = dict[str, float](), shares.get(criterion.name)
+    if share is not None and share < HIGHEST_SHARE:
+        larger = BOUNDS_OF_HIGHEST
+    elif share is not None and share >= MOST_SHARE:
+        larger = BOUNDS_OF_MOST
+    return larger.get(preset, PRESET_BOUNDS.get(preset))
 
 
 def has_unknown_error(sweep: Sweep) -> bool:

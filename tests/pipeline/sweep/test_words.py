@@ -6,7 +6,7 @@ import pytest
 
 import tribo
 from pipeline.sweep.model import Point
-from pipeline.sweep.selection import has_unknown_error, velocity_error
+from pipeline.sweep.selection import has_unknown_error, preset_bound, velocity_error
 from tests.helpers import synthetic
 from tribo import PRESETS
 
@@ -29,6 +29,23 @@ def test_only_a_preset_has_a_known_error(preset, changes, error):
     own = synthetic.scene(preset=None, fidelity=replace(PRESETS[preset], **changes))
     assert velocity_error(own) == error
     assert has_unknown_error(own) == (error is None)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "error"),
+    [
+        (tribo.Criterion(share=0.05), 0.015),
+        (tribo.Criterion(share=0.2), 0.015),
+        (tribo.Criterion(share=0.01), 0.05),
+        (tribo.Criterion("highest"), 0.05),
+        (tribo.Criterion(share=0.3), 0.03),
+        (tribo.Criterion("mean"), 0.03),
+    ],
+)
+def test_a_preset_promises_less_where_the_highest_or_most_of_the_contact_decides(criterion, error):
+    assert preset_bound("standard", criterion) == error
+    assert preset_bound("fine", criterion) == 0.008
+    assert preset_bound("own", criterion) is None
 
 
 def test_a_preset_whose_elements_do_not_tile_the_window_keeps_its_error():
