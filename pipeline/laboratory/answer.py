@@ -30,7 +30,6 @@ from pipeline.scene.choices import Choices
 from pipeline.scene.document import as_toml
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.format_of_tests import StagedRunTable, Test
-from pipeline.scene.runs import run_faults
 from pipeline.scene.sheet import Sheet
 from pipeline.scene.units import in_si
 from pipeline.sweep.remarks import remarks
@@ -112,10 +111,12 @@ def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:
     """Result of ``irg tests`` for a log file: columns, tests, faults, lines for a scene file."""
     found, faults = log.tests, log.sheet.faults
     if log.row_class is Test and not faults:  # faulty rows have no test
-        faults += [
-            f"{path.name}, row {log.sheet.rows[place].number}, run: {problem}"
-            for place, problem in run_faults([Test(**row) for row in log.in_si])
-        ]
+        first = dict[str, str]()
+        for row, test in zip(log.sheet.rows, log.in_si, strict=True):
+            run, oil = test["run"], str(test["oil"])
+            if run is not None and first.setdefault(str(run), oil) != oil:
+                problem = f"{run} has two oils; give each oil its own run"
+                faults.append(f"{path.name}, row {row.number}, run: {problem}")
     runs = staged_runs(log) if found and not faults else []
     toml = [*_log_toml(log, path, options)] if found and not (faults or runs) else []
     toml += [line for run in runs for line in ("[[tested]]", *_entries(run))]

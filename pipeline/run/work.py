@@ -26,7 +26,7 @@ import scipy
 from distributed import get_worker
 
 from pipeline.store.checksum import packed
-from pipeline.sweep.laws import code_of, given_laws
+from pipeline.sweep.laws import code_of, is_user_law
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stations import Stations
@@ -89,9 +89,9 @@ class Work:
 
     def pickled(self) -> bytes:
         """Pickle the work together with the code of the user's laws, which no worker has."""
-        for name in {
-            code_of(law).__module__ for law in given_laws(self.scene)
-        } & sys.modules.keys():
+        parts = self.scene.wear, self.scene.roughness, self.scene.pin
+        names = {code_of(part).__module__ for part in parts if is_user_law(part)}
+        for name in names & sys.modules.keys():
             cloudpickle.register_pickle_by_value(sys.modules[name])
         return zlib.compress(cloudpickle.dumps(self), level=1)
 

@@ -12,7 +12,6 @@ from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import EvenStages
 from pipeline.scene.parts import Parts, axis_of, levels_of, stages_of
 from pipeline.scene.reading import SceneReader
-from pipeline.scene.runs import tests_of
 from pipeline.scene.units import to_si
 from pipeline.sweep.conditions import with_own
 from pipeline.sweep.measurement import TEST, Case, Measurement
@@ -77,7 +76,8 @@ class TestReader:
         `base` is the scene itself. A test without `with` or a hold of its own shares its scene.
         """
         made = list[Measurement]()
-        listed = _listed(map(test_of, tests_of(self.parts.declared)))
+        entries = *(self.parts.declared.measured or ()), *(self.parts.declared.tested or ())
+        listed = _listed(map(test_of, entries))
         for number, (key, index, test) in enumerate(listed):
             place, case, wrong = f"{key}[{index}]", base, [*_misplaced(test)]
             if test.changes and not wrong:

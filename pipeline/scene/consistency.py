@@ -12,7 +12,6 @@ from pipeline.scene.faults import Fault, Faults, did_you_mean, quoted
 from pipeline.scene.format import Bulks, RandomSurface, StagesTable
 from pipeline.scene.library import library
 from pipeline.scene.parts import axis_of, stages_of, track_length
-from pipeline.scene.runs import run_faults
 from pipeline.scene.units import to_si
 from tribo.simulation.pins import sizes_of
 
@@ -158,8 +157,6 @@ def _unfit_friction(scene: Any) -> Misfits:
 
 @_check("measured", "tested")
 def _unfit_tests(scene: Any) -> Misfits:
-    for number, problem in run_faults(scene.tested or ()):
-        yield f"tested[{number}].run", problem
     for number, test in enumerate(scene.measured or ()):
         if test.step:
             value = getattr(test, name := axis_of(test.step))

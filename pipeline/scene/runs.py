@@ -1,9 +1,9 @@
-"""Tests of a scene: runs in load or velocity stages as single tests, and runs of two oils."""
+"""Tests of a scene: runs in load or velocity stages as single tests."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -78,23 +78,3 @@ def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[
             )
     for outcome, value in ends.items():
         yield Test(**common | {"run": run, name: value, "outcome": outcome})
-
-
-def tests_of(scene: Any) -> tuple[Any, ...]:
-    """All measured transitions and tests of `scene`, a `SceneFile`."""
-    return (*(scene.measured or ()), *(scene.tested or ()))
-
-
-def run_faults(tests: Sequence[Test]) -> Iterator[tuple[int, str]]:
-    """Yield indices of tests of a run that have another oil than its first test, and why not.
-
-    A specimen may have been severe at an easier place than it was mild at: that counts as a
-    transition in their middle.
-    """
-    first = dict[str, str]()
-    for index, test in enumerate(tests):
-        if None in (test.run, test.load, test.velocity):
-            continue
-        oil = str(test.oil)
-        if first.setdefault(str(test.run), oil) != oil:
-            yield index, f"{test.run} has two oils; give each oil its own run"

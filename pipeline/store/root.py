@@ -39,7 +39,6 @@ from pipeline.sweep.plan import points
 from pipeline.sweep.points_of_tests import (
     TEST_POINT,
     Slot,
-    slot_point,
     sweep_of_tests,
 )
 from pipeline.sweep.variants import Variant
@@ -160,7 +159,11 @@ class TestGroup(Group):
     @property
     def points(self) -> Sequence[Point]:
         """Points that the tests of the present scene ask for."""
-        return [slot_point(k, slot) for k, slot in enumerate(self.slots) if slot.is_wanted]
+        return [
+            Point(slot.load, slot.velocity, ((TEST_POINT, k),))
+            for k, slot in enumerate(self.slots)
+            if slot.is_wanted
+        ]
 
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point, also if no test asks for it."""

@@ -9,8 +9,6 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -273,13 +271,6 @@ class Store:
 def opened(path: PathLike) -> Store:
     """Open a store to read it."""
     return Store(place := place_of(path), read_root(place))
-
-
-@contextmanager
-def store_path(path: PathLike | None) -> Iterator[PathLike]:
-    """Context manager: yield `path`, or if it is None a temporary path, deleted after the block."""
-    with TemporaryDirectory(prefix="irg-") as folder:
-        yield Path(folder) / "points.zarr" if path is None else path
 
 
 _PAUSE = 1.0  # [s] between commits: as much work as a kill may cost

@@ -18,7 +18,7 @@ from typing import Any, Final, NoReturn
 
 import numpy as np
 
-from tribo import PINS, InputError, Rule, Scene
+from tribo import PINS, InputError, Rule
 from tribo.surface import UnknownHeights
 
 _ROOTS: Final = ("tribo", "pipeline")
@@ -154,14 +154,6 @@ def code_of(law: Any) -> Any:
     """
     called = law.rise if isinstance(law, Rule) else type(law)
     return called if hasattr(called, "__qualname__") else type(called)
-
-
-def given_laws(scene: Scene) -> list[Any]:
-    """The Python objects that a user gave as wear law, surface or pin of a scene.
-
-    For a scene from a store they are the stored records, `Law`.
-    """
-    return [part for part in (scene.wear, scene.roughness, scene.pin) if is_user_law(part)]
 
 
 def _storable(value: Any) -> Any:

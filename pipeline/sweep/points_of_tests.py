@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from pipeline.sweep.measurement import TEST
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Sweep
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.variants import PLACE_UNITS, Column, Row, Variants
 from tribo import Ramp, Scene
@@ -59,11 +59,6 @@ def grown_slots(before: Iterable[Slot], sweep: Sweep) -> list[Slot]:
         else:
             slots.append(slot)
     return slots
-
-
-def slot_point(place: int, slot: Slot) -> Point:
-    """The point of a slot, named by its place among the slots."""
-    return Point(slot.load, slot.velocity, ((TEST_POINT, place),))
 
 
 def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sweep:

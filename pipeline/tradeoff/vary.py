@@ -8,6 +8,8 @@ import re
 from collections import ChainMap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -25,7 +27,7 @@ from pipeline.scene.scenefile import PresetName, load_scene
 from pipeline.scene.units import NUMBER
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.store.write import opened, store_path
+from pipeline.store.write import opened
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.shown import shown
@@ -121,7 +123,8 @@ def vary(
     variations = [(_UNCHANGED, ""), *others]
     scenes = [sweep, *others.values()]
     varied = _combine(sweep, variations, scenes)
-    with store_path(out) as path:
+    with TemporaryDirectory(prefix="irg-") as folder:
+        path = Path(folder) / "points.zarr" if out is None else out
         varied = replace(varied, inputs=())  # they move no computed boundary
         searches = Searches(varied, USUAL_TOLERANCE, only_first=True)
         run_points(varied, path, searches, Cluster(workers, client), progress)

@@ -223,14 +223,10 @@ def _conditions(made):
     entries |= _condition_entries({k: v for k, v in values.items() if k not in beside})
     entries |= _beside(made.corrections)
     curves = made.corrections and made.corrections.friction
-    for key in ("velocity", "temperature"):
-        rows = getattr(curves, f"by_{key}", ()) if curves else ()
-        unit = "m/s" if key == "velocity" else "K"
-        table = [
-            {key: f"{float(node)!r} {unit}", "coefficient": factor * made.friction}
-            for node, factor in rows
-        ]
-        entries[f"friction.by_{key}"] = table or None
+    entries["friction.by_velocity"] = [
+        {"velocity": f"{float(node)!r} m/s", "coefficient": factor * made.friction}
+        for node, factor in (curves.by_velocity if curves else ())
+    ] or None
     return entries
 
 
