@@ -110,7 +110,8 @@ class Group:
     def scene_hash(self, point: Point) -> str:
         """SHA-256 of the scene that is simulated at a point."""
         if point.variant not in self._scene_hashes:
-            self._scene_hashes[point.variant] = self.sweep._scene_hash(point)
+            scene = self.sweep.case(point.variant).scene
+            self._scene_hashes[point.variant] = self.sweep._hash_scene(scene)
         return self._scene_hashes[point.variant]
 
     @cached_property

@@ -217,10 +217,6 @@ class Sweep:
             source=replace(self.source, written=replace_values(self.source.written, values)),
         )
 
-    def _scene_hash(self, point: Point) -> str:
-        """SHA-256 of the scene that is simulated at a point."""
-        return self._hash_scene(self.case(point.variant).scene)
-
     def _hash_scene(self, scene: Scene) -> str:
         """SHA-256 of a scene, computed once for this sweep."""
         if scene not in self._hashes:

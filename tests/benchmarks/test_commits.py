@@ -29,7 +29,7 @@ def test_commits_of_120_points(benchmark, tmp_path, fields):
     todo = sorted(points(sweep), key=lambda point: (point.velocity, point.load))
     record = run_point(sweep, todo[7]).record(fields)
     records = [
-        packed(replace(record, point=point, wall_time=0.1), sweep._scene_hash(point))
+        packed(replace(record, point=point, wall_time=0.1), sweep._hash_scene(sweep.scene))
         for point in todo
     ]
     took = []
