@@ -97,12 +97,3 @@ class Measurement:
         if self.own is None:
             raise InputError("this test belongs to no scene; take it from the tests of one")
         return self.own
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields as plain data, without those that are None (except friction)."""
-        names = (
-            "normal_load", "velocity", "friction", "bulk_temperature", "hold", "outcome", "number",
-            "run",
-        )  # fmt: skip
-        values = {name: getattr(self, name) for name in names}
-        return {k: v for k, v in values.items() if v is not None or k == "friction"}
