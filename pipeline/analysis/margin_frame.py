@@ -25,7 +25,7 @@ from pipeline.analysis.specimen import counted
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
-from pipeline.scene.along import OperatingPoint, OperatingPoints
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.doubts import doubts_of_row
 from pipeline.scene.names import Heading
 from pipeline.scene.units import in_si, is_unit, to_si
@@ -33,6 +33,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.condition_words import verdict_conditions
 from pipeline.sweep.conditions import known_critical_temperature
+from pipeline.sweep.inputs import Place
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError, WarningKind
@@ -122,7 +123,7 @@ def margin(
     if (load is None or isinstance(load, float | int)) and (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
     if velocity is not None:
-        place = OperatingPoint(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
+        place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
         points = OperatingPoints((place,), {})
     elif not (load is None or isinstance(load, OperatingPoints)):
         points = OperatingPoints.read(load)
@@ -142,7 +143,7 @@ class Asked(NamedTuple):
     """An operating point asked of one scene: its `Margin`, or why that is unknown."""
 
     source: Results  # results of the scene
-    place: OperatingPoint
+    place: Place
     own: Mapping[str, float]  # conditions given in the row of a table
     margin: Margin | None
     reason: str = ""
@@ -170,13 +171,11 @@ def asked_of(data: Results, points: OperatingPoints | None) -> Iterator[Asked]:
                 "no operating point is given, and rows of the sweep have none; give a load and a "
                 "velocity (--load and --velocity), or a table of them (--points)"
             )
-        own_place = [(OperatingPoint(*place), dict[str, float]())] if place else []
+        own_place = [(place, dict[str, float]())] if place else []
         yield from _asked(judge, [*(points.rows if points else own_place)])
 
 
-def _asked(
-    judge: Judge, points: Sequence[tuple[OperatingPoint, Mapping[str, float]]]
-) -> list[Asked]:
+def _asked(judge: Judge, points: Sequence[tuple[Place, Mapping[str, float]]]) -> list[Asked]:
     """Judge operating points (load, velocity) of one scene, each with its own conditions."""
     found, alike = dict[int, Asked](), dict[tuple[Any, ...], list[int]]()
     for number, (_, own) in enumerate(points):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pipeline
 from pipeline.cli.output import tell
 from pipeline.paths import user_path
-from pipeline.scene.along import OperatingPoint, OperatingPoints
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.choices import Choices
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import FILES
@@ -102,7 +102,7 @@ def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
         (given,) = place
         lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")
         raise InputError(f'--{given} alone is no operating point; give --{lacks}, too: "{such}"')
-    return OperatingPoints((OperatingPoint(options.load, options.velocity),), {}) if place else None
+    return OperatingPoints(((options.load, options.velocity),), {}) if place else None
 
 
 def scene_in(options: argparse.Namespace) -> Sweep:

@@ -17,9 +17,10 @@ from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, tell, working, wrapped
 from pipeline.cli.verdicts import place_lines
 from pipeline.run.here import compute_here, computed_dataset
-from pipeline.scene.along import OperatingPoint, OperatingPoints
+from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
+from pipeline.sweep.inputs import Place
 from pipeline.sweep.model import Point
 from tribo import InputError
 
@@ -49,14 +50,14 @@ def point(options: argparse.Namespace) -> Result:
     with working("simulating") as progress, writing(None, places) as store:
         wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
         compute_here(store, wanted, source, progress)
-    return _margin_result(computed_dataset(store), OperatingPoint(load, velocity))
+    return _margin_result(computed_dataset(store), (load, velocity))
 
 
-def _margin_result(ds: xr.Dataset, place: OperatingPoint) -> Result:
+def _margin_result(ds: xr.Dataset, place: Place) -> Result:
     """Result of ``irg point``: the verdict on the point, and numbers of its contact."""
     data = pipeline.results(ds)
     conditions = data.conditions
-    point = ds.sel(load=[place.load], velocity=[place.velocity])
+    point = ds.sel(load=[place[0]], velocity=[place[1]])
     contact = _contact_frame(point)
     if conditions.critical_temperature is None:
         decides = conditions.contact_temperature(pipeline.results(point).rises(conditions))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated as A
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Sheet, Written
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.inputs import Place
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVE, entry_at, flat
@@ -51,36 +52,22 @@ _TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
 """Beginnings of the key paths of entries, such as ``pin.``."""
 
 
-class OperatingPoint(NamedTuple):
-    """Operating point: load [N] and velocity [m/s].
-
-    Examples
-    --------
-    >>> place = OperatingPoint(load=400.0, velocity=2.2)
-    >>> f"friction heat at friction 0.1: {0.1 * place.load * place.velocity:.0f} W"
-    'friction heat at friction 0.1: 88 W'
-    """
-
-    load: float
-    velocity: float
-
-
 @dataclass(frozen=True, slots=True)
 class OperatingPoints:
-    """Operating points read from a table, and the table's other columns by their headings.
+    """Operating points, loads [N] and velocities [m/s], and other columns of their table.
 
     `conditions` has friction, bulk and critical temperature [K] of each point, if the table gives
     them. `counted` states how many rows were used and left out.
     """
 
-    places: tuple[OperatingPoint, ...]
+    places: tuple[Place, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
     remarks: tuple[str, ...] = ()  # columns that change no verdict, and sheets that were not read
     counted: str = ""  # rows used and left out, with the reasons, if any is left out
 
     @property
-    def rows(self) -> list[tuple[OperatingPoint, Mapping[str, float]]]:
+    def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
         """Place and conditions of each row."""
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
@@ -115,7 +102,7 @@ class OperatingPoints:
         conditions = tuple(
             {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
         )
-        places = tuple(OperatingPoint(row["load"], row["velocity"]) for row in rows)
+        places = tuple((row["load"], row["velocity"]) for row in rows)
         beside = ", ".join(sheet.unused)
         remarks = [f"columns shown, but not judged by: {beside}"] * bool(beside)
         remarks += filter(None, [sheet.other_sheets])

@@ -12,7 +12,7 @@ import functools
 import itertools
 import keyword
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from decimal import Decimal
 from types import NoneType, UnionType
@@ -358,10 +358,6 @@ class ByPath(Kind):
         require(value, dict, "is not a table")
         read = {
             path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
-            for path, leaf in self.leaves(value)
+            for path, leaf in flat(value)
         }
         return {path: leaf for path, leaf in read.items() if leaf is not None}
-
-    def leaves(self, value: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        """Pairs (path, value), also if a path is written as nested tables."""
-        return flat(value)

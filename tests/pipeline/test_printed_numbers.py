@@ -17,7 +17,7 @@ from pipeline.analysis.tables import records
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
 from pipeline.constants import PRESET_BOUNDS
-from pipeline.scene.along import OperatingPoint, OperatingPoints
+from pipeline.scene.along import OperatingPoints
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
 from tests.helpers.scenes import MEASURED
@@ -100,7 +100,7 @@ def margin_in_python(ds, options):
     found = [
         *asked_of(
             pipeline.results(ds),
-            OperatingPoints((OperatingPoint(options.load, options.velocity),), {}),
+            OperatingPoints(((options.load, options.velocity),), {}),
         )
     ]
     margins = [one.known() for one in found]
