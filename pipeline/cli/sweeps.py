@@ -61,8 +61,9 @@ def run(options: argparse.Namespace) -> Result:
         text.append("to compute them again: the same command and --retry-failed")
     elif outcome.done:
         text += _ending(judged, shlex.quote(str(out)))
-        if (options.accuracy or 0.0) > 2 * (velocity_error(stored) or 0.0):
-            text.append(f"to go on: {_halving(options, out)}")
+        half, least = (options.accuracy or 0.0) / 2, velocity_error(stored) or 0.0
+        if least < half < max((one.total for one in told), default=0.0):
+            text.append(f"to go on: {_going_on(options, out, half)}")
     document = {
         "store": str(out), "points": outcome.total, "done": outcome.done,
         "computed": outcome.computed, "failed": len(outcome.failed),
@@ -78,9 +79,9 @@ def run(options: argparse.Namespace) -> Result:
     return Result(document, text, pipeline.warned(judged), code=code)
 
 
-def _halving(options: argparse.Namespace, out: Path | str) -> str:
-    """The command that goes on with the store of a goal, to half its error."""
-    accuracy = percent(options.accuracy / 2).replace(" ", "")
+def _going_on(options: argparse.Namespace, out: Path | str, goal: float) -> str:
+    """The command that goes on with the store of a goal, to a smaller error."""
+    accuracy = percent(goal).replace(" ", "")
     where = "" if options.output is None else f"-o {shlex.quote(str(out))} "
     return f"irg run {typed_scene(options)} {where}--accuracy {accuracy}"
 
