@@ -282,7 +282,7 @@ def _number(value: float | str) -> float:
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
     """Error message: a value of the entry at `path` needs a new run, or there is no such entry."""
     if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of a path is enough
-        return f"{path} is no entry of a scene{did_you_mean(path, dict(all_keys()))}"
+        return f"{path} is no entry of a scene{did_you_mean(path, (*FIELDS, *dict(all_keys())))}"
     has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     return (
         f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "

@@ -99,6 +99,7 @@ def unknown_place():
 REFUSALS = {
     # other conditions
     "entry": (at(**{"pin.radius": "3 mm"}), "; run the scene with pin.radius = 3 mm into"),
+    "condition": (at(friktion=0.1), 'friktion is no entry of a scene (did you mean "friction'),
     "misspelt": (at(**{"pin.radus": "3 mm"}), 'pin.radus is no entry of a scene (did you mean'),
     "part": (at(**{"pin.material.hardness": "3 GPa"}), "with pin.material.hardness = 3 GPa into"),
     "read": (lambda: pipeline.boundary(pipeline.results(plane()), friction=0.1),
