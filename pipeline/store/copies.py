@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import zipfile
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from zarr.storage import ZipStore
 
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.store.place import ROOT, Folder, StoreError, StorePlace, damaged, io_errors
@@ -32,9 +29,7 @@ from tribo.types import Mask
 def open_copy(place: StorePlace) -> xr.Dataset | None:
     """Open a copy of a sweep that xarray wrote as netCDF or Zarr; None for anything else."""
     with io_errors(place), suppress(ValueError, KeyError, TypeError, OSError, RecursionError):
-        if isinstance(place, Folder) and zipfile.is_zipfile(place.path):
-            copy = _open_zip(place.path)
-        elif isinstance(place, Folder) and place.path.is_file():
+        if isinstance(place, Folder) and place.path.is_file():
             copy = xr.open_dataset(place.path, chunks=None)
         elif place.read(f"{ABOUT}/{ROOT}") is None:
             form = 2 if place.read(ROOT) is None else 3
@@ -44,17 +39,6 @@ def open_copy(place: StorePlace) -> xr.Dataset | None:
         if "scene" in copy.attrs:
             return copy
     return None
-
-
-def _open_zip(path: Path) -> xr.Dataset:
-    """Open a zip file of a Zarr group, also if the group is a folder in the file."""
-    with zipfile.ZipFile(path) as archive:
-        names = (Path(name) for name in archive.namelist())
-        roots = [name for name in names if name.name in (ROOT, ".zgroup")]
-    group = min(roots, key=lambda name: len(name.parts)).parent.as_posix().strip(".")
-    held = ZipStore(path, mode="r")
-    copy: xr.Dataset = xr.open_zarr(held, group=group, consolidated=False, chunks=None)
-    return copy
 
 
 def sweep_of_copy(copy: xr.Dataset) -> Sweep:

@@ -51,7 +51,7 @@ def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> I
     written.
     """
     place = place_of(path)
-    if isinstance(place, Bucket) and not place.address.startswith("s3://"):
+    if isinstance(place, Bucket) and not place.is_written:
         raise StoreError(f"{place} can only be read; write to a folder, or to an s3:// address")
     find_root(place)  # raises if this is no store, before a lock is put there
     with locked(place, progress) as lock:

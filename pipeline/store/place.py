@@ -15,10 +15,11 @@ from __future__ import annotations
 
 import errno
 import os
+import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import read_file, user_path
@@ -122,13 +123,24 @@ class Bucket:
         """Read-only Zarr store of the objects."""
         from zarr.storage import FsspecStore
 
-        return FsspecStore.from_url(self.address, read_only=True, storage_options=_OPTIONS)
+        return FsspecStore.from_url(self.address, read_only=True, storage_options=self._options)
+
+    @property
+    def is_written(self) -> bool:
+        """True if stores are written there; at addresses of other kinds they are only read."""
+        return self.address.startswith("s3://")
+
+    @property
+    def _options(self) -> dict[str, Any]:
+        # With more requests at a time, each read of an object would begin with one for its size.
+        only_s3 = {"max_concurrency": 1} if self.is_written else {}
+        return {"use_listings_cache": False, **only_s3}
 
     def _opened(self) -> tuple[Any, str]:
         """File system of fsspec, and the prefix of the names of the store's objects."""
         import fsspec  # which stores in folders do without
 
-        system, path = fsspec.core.url_to_fs(self.address, **_OPTIONS)
+        system, path = fsspec.core.url_to_fs(self.address, **self._options)
         return system, f"{path}/"
 
     def read(self, key: str) -> bytes | None:
@@ -151,10 +163,6 @@ class Bucket:
         """Names of all objects of the store."""
         system, above = self._opened()
         return {name.removeprefix(above) for name in system.find(above)}
-
-
-# With a higher number, each read of an object would begin with a request for its size.
-_OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
 @dataclass(frozen=True)
@@ -199,7 +207,7 @@ StorePlace = Folder | Bucket | Memory
 def place_of(path: PathLike | None) -> StorePlace:
     """`Folder` or `Bucket` of a store, from its path or address; `Memory` without one.
 
-    An address ``file://PATH`` is a folder.
+    An address ``file://PATH`` is a folder, and a zip file of a store an address to read.
 
     Raises a `StoreError` for the root of a file system.
     """
@@ -211,7 +219,21 @@ def place_of(path: PathLike | None) -> StorePlace:
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
-    return Folder(folder)
+    group = _group_in_zip(folder)
+    return Folder(folder) if group is None else Bucket(f"zip://{group}::{folder}")
+
+
+def _group_in_zip(path: Path) -> str | None:
+    """Path of the only Zarr group at the top of a zip file; None if there is none."""
+    if not path.is_file():  # such as a FIFO
+        return None
+    with suppress(OSError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
+        names = map(PurePosixPath, archive.namelist())
+        groups = [name.parent for name in names if name.name in (ROOT, ".zgroup")]
+        top = min((len(group.parts) for group in groups), default=0)
+        found = {group.as_posix().strip(".") for group in groups if len(group.parts) == top}
+        return found.pop() if len(found) == 1 else "" if found else None
+    return None
 
 
 @contextmanager

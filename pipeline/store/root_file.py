@@ -77,8 +77,8 @@ def _what_it_is(place: StorePlace, keys: set[str]) -> str:
         suffix = PurePath(str(place)).suffix
         if suffix == ".toml":
             return "it is a scene; compute it by irg run, and give the store that this makes"
-        if suffix in (".zip", ".nc"):
-            return f"it is a file {suffix}, {_COPY.removeprefix('that of ')}"
+        if suffix == ".nc":
+            return f"it is a file .nc, {_COPY.removeprefix('that of ')}"
         return "it is a file; give the folder that irg run has made"
     if f"{ABOUT}/{ROOT}" in keys:
         return f"it has lost its {ROOT}; {_ELSEWHERE}"

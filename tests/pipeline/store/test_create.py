@@ -1,11 +1,14 @@
 """Creation and growth of stores, also of ones that were cut short, and refusals."""
 
 import errno
+import functools
+import http.server
 import os
 import shutil
 import stat
 import subprocess
 import sys
+import threading
 
 import fsspec
 import numpy as np
@@ -371,6 +374,31 @@ def test_a_store_is_written_at_a_file_address_and_only_read_at_other_addresses(t
         commit(address, LARGER, [ADDED])
     with open_sweep(address) as ds, xr.open_zarr(address, chunks=None) as plain:
         np.testing.assert_array_equal(ds["status"], plain["status"])
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder without a word."""
+
+    def log_message(self, *_):
+        pass
+
+
+def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, tmp_path):
+    right = pipeline.boundary(copy)
+    handler = functools.partial(Quiet, directory=copy.parent)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        places = (
+            shutil.make_archive(tmp_path / "content", "zip", copy),
+            shutil.make_archive(tmp_path / "inside", "zip", copy.parent, copy.name),
+            f"http://127.0.0.1:{server.server_port}/{copy.name}",
+        )
+        for place in places:
+            xr.testing.assert_identical(pipeline.boundary(place), right)
+            assert verify_store(place) == verify_store(copy)
+            with pytest.raises(StoreError, match="can only be read; write to a folder, or to an s"):
+                commit(place, LARGER, [ADDED])
+        server.shutdown()
 
 
 def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
