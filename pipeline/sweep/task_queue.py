@@ -15,7 +15,8 @@ class TaskQueue:
     """Waiting tasks by loading ramp, and the ramps that each worker has cached.
 
     A worker gets the next load of a ramp that it has cached; else the lowest load of a ramp that no
-    worker has begun; else the next load of the ramp with most points left.
+    worker has begun, if possible on its last surface, or on one that no other worker has; else the
+    next load of the ramp with most points left.
     """
 
     def __init__(self, tasks: Iterable[Task]) -> None:
@@ -25,8 +26,12 @@ class TaskQueue:
             self._left.setdefault(task.ramp, []).append(task.point)
         for ones in self._left.values():
             ones.reverse()
-        self._fresh = deque(self._left)
+        # Ramps that nobody has begun, by their mechanics; mechanics begun last are at the end.
+        self._fresh: dict[Any, deque[tuple[Any, ...]]] = {}
+        for ramp in self._left:
+            self._fresh.setdefault(ramp[0], deque()).append(ramp)
         self._has: defaultdict[Hashable, dict[tuple[Any, ...], None]] = defaultdict(dict)
+        self._last: dict[Hashable, Any] = {}  # mechanics of each worker's last ramp
 
     def __len__(self) -> int:
         return sum(map(len, self._left.values()))
@@ -36,7 +41,8 @@ class TaskQueue:
 
     def take(self, worker: Hashable) -> Task:
         """Remove and return the next task for a worker; the queue must not be empty."""
-        ramp = self._ramp(has := self._has[worker])
+        ramp = self._ramp(worker, has := self._has[worker])
+        self._last[worker] = ramp[0]
         left = self._left[ramp]
         point = left.pop()
         if not left:
@@ -49,13 +55,19 @@ class TaskQueue:
         """Put a task that was not computed back into the queue, as the next task of its ramp."""
         self._left.setdefault(task.ramp, []).append(task.point)
 
-    def _ramp(self, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
+    def _ramp(self, worker: Hashable, has: dict[tuple[Any, ...], None]) -> tuple[Any, ...]:
         while has:
             if (ramp := next(reversed(has))) in self._left:
                 return ramp
             has.popitem()
-        if self._fresh:  # ramps that nobody has begun
-            return self._fresh.popleft()
+        if self._fresh:
+            last = self._last.get(worker)
+            mechanics = last if last in self._fresh else next(iter(self._fresh))
+            ramps = self._fresh.pop(mechanics)
+            ramp = ramps.popleft()
+            if ramps:
+                self._fresh[mechanics] = ramps
+            return ramp
         return max(self._left, key=lambda ramp: len(self._left[ramp]))
 
 
