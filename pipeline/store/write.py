@@ -235,7 +235,7 @@ class Store:
         """Part for the `Encoder`: a chunk with new `values`, by the index of the point."""
         block = slices_of(chunk, self.block_of(name))
         if (name, chunk) not in self._kept:
-            self._kept[name, chunk] = self.read(name, block)
+            self._kept[name, chunk] = self._found(name, block)
         kept = self._kept[name, chunk]
         for index, value in values.items():
             within = tuple(i - part.start for i, part in zip(index, block, strict=True))
@@ -245,6 +245,14 @@ class Store:
             else:
                 kept[within] = value
         return name, block, kept
+
+    def _found(self, name: str, block: Slices) -> Any:
+        """Values of a chunk before new ones; without a point there is nothing to read."""
+        if (flags := self.flags[block]).any():
+            return self.read(name, block)
+        array = self.arrays[name]
+        within = array.shape[len(self.dims) :]
+        return np.full(flags.shape + within, array.fill_value, array.dtype)
 
     def _write_flags(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
         """Write the chunks of ``status`` or ``asked`` in which a value has changed."""
