@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ def _find_damage(store: Store, progress: Report) -> _Damage:
         for chunk, block in begun:
             _read_flags(store, damage, chunk, block)
         for count, (_, block) in enumerate(begun, 1):
-            for part, values in read_block(store, block):
+            for part, values in read_block(store, block, keys):
                 is_done = (store.flags[part] == DONE).any()
                 for name, of_part in values.items():
                     of_name = store.block_of(name)
@@ -154,11 +154,14 @@ def _read(store: Store, name: str, block: Any) -> Any:
     return None
 
 
-def read_block(store: Store, block: Slices) -> Iterator[tuple[Slices, dict[str, Any]]]:
+def read_block(
+    store: Store, block: Slices, keys: Container[str] = ()
+) -> Iterator[tuple[Slices, dict[str, Any]]]:
     """Yield the parts of a chunk of points at the slices `block`: slices, and arrays by variable.
 
-    Each part lies in a single chunk of each field, as fields have smaller chunks. Coordinates,
-    ``status`` and ``asked`` are left out. A damaged variable has None for an array.
+    Each part lies in a single chunk of each field, as fields have smaller chunks. A part without a
+    point that is done or failed is left out, unless a file of its fields is among `keys`.
+    Coordinates, ``status`` and ``asked`` are left out. A damaged variable has None for an array.
     """
     names = [name for name in store.arrays if not (name in _FLAGS or is_coordinate(name))]
     fields = [name for name in names if name in AT_END]
@@ -170,7 +173,12 @@ def read_block(store: Store, block: Slices) -> Iterator[tuple[Slices, dict[str, 
             return dict(zip(names, apply(lambda name: _read(store, name, at), names), strict=True))
 
         values = read([name for name in names if name not in AT_END], block)
-        for part in parts_of(block, store.block_of(fields[0])) if fields else [block]:
+        sizes = store.block_of(fields[0]) if fields else ()
+        for part in parts_of(block, sizes) if fields else [block]:
+            if fields and not store.flags[part].any():
+                chunk = [one.start // n for one, n in zip(part, sizes, strict=True)]
+                if not any(store.key(name, chunk) in keys for name in fields):
+                    continue
             pairs = zip(part, block, strict=True)
             within = tuple(slice(a.start - b.start, a.stop - b.start) for a, b in pairs)
             own = {k: None if one is None else one[within] for k, one in values.items()}
