@@ -31,8 +31,7 @@ def status(options: argparse.Namespace) -> Result:
         brief = frame.drop(columns=["points", "done", "failed", "pending"])
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
     state, sweep = states(path)
-    counts = _counts(state) if state.left_out else f"{state.total} points: {_counts(state)}"
-    text = [state.title, counts]
+    text = [state.title, f"{state.total} points: {_counts(state)}"]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
     text += [earlier] * bool(state.earlier)
     text += counted_tests(state.tests, sweep)
@@ -50,13 +49,7 @@ def status(options: argparse.Namespace) -> Result:
 
 
 def _counts(state: Summary) -> str:
-    failed, pending = len(state.failed), state.pending - state.left_out
-    if not state.left_out:
-        return f"{state.done} done, {failed} failed, {pending} pending"
-    others = [
-        f"{count} {kind}" for count, kind in ((failed, "failed"), (pending, "pending")) if count
-    ]
-    return ", ".join([f"{state.done} of {state.total} points, the rest left out", *others])
+    return f"{state.done} done, {len(state.failed)} failed, {state.pending} pending"
 
 
 def _is_store(path: Path) -> bool:

@@ -9,14 +9,12 @@ import xarray as xr
 
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.store.place import ROOT, Folder, StoreError, StorePlace, damaged, io_errors
-from pipeline.store.progress import FailedPoint, Summary
+from pipeline.store.progress import FailedPoint, Summary, is_wanted
 from pipeline.store.schema import (
     ABOUT,
     DONE,
     FAILED,
     INPUTS,
-    LEFT_OUT,
-    NOT_ASKED,
     PENDING,
     PLANE,
     split_arrays,
@@ -53,7 +51,7 @@ def summary_of_copy(copy: xr.Dataset) -> Summary:
     """Count the points of a copy by state."""
     sweep, status = sweep_of_copy(copy), copy["status"].values
     asked = copy["asked"].values if "asked" in copy else np.ones(status.shape)
-    is_asked = asked != NOT_ASKED
+    is_asked = is_wanted(asked, status)
     return Summary(
         name=sweep.name,
         title=sweep.title,
@@ -61,7 +59,6 @@ def summary_of_copy(copy: xr.Dataset) -> Summary:
         done=int((is_asked & (status == DONE)).sum()),
         pending=int((is_asked & (status == PENDING)).sum()),
         failed=_points(copy, is_asked & (status == FAILED), "its reason is in the store alone"),
-        left_out=int(((asked == LEFT_OUT) & (status == PENDING)).sum()),
         earlier=int((status[~is_asked] == DONE).sum()),
         warned=int((copy["warning_flags"].values[status == DONE] != 0).sum()),
     )

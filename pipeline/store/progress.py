@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.schema import DONE, FAILED, LEFT_OUT, NOT_ASKED, PENDING
+from pipeline.store.schema import ASKED, DONE, FAILED, LEFT_OUT, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.shown import shown
@@ -39,13 +40,12 @@ class Summary:
     #: Name and title of the scene.
     name: str
     title: str
-    #: Number of points that the scene asks for, and of these that are done and to do.
+    #: Number of points that the scene, or the search for an accuracy, asks for; of these that are
+    #: done and to do.
     total: int
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]  #: Points that could not be computed.
-    #: Number of pending points that a search of the boundary has left out.
-    left_out: int = 0
     earlier: int = 0  #: Number of further done points, for which only an earlier run asked.
     #: Number of done points with a warning, also those for which only an earlier run asked.
     warned: int = 0
@@ -53,9 +53,15 @@ class Summary:
     tests: Summary | None = None  #: Progress of the points of tests; None if there are none.
 
 
+def is_wanted(asked: Any, status: Any) -> Any:
+    """Mask of the points that are asked for; a search has left out others, unless they are done."""
+    return (asked == ASKED) | ((asked == LEFT_OUT) & (status != PENDING))
+
+
 def summary_of(store: Store) -> Summary:
     """Count the points of an open store by state, and the points with a warning."""
-    asked, flags = store.asked != NOT_ASKED, store.flags
+    flags = store.flags
+    asked = is_wanted(store.asked, flags)
     failed = np.nonzero(asked & (flags == FAILED))
     messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
@@ -64,7 +70,6 @@ def summary_of(store: Store) -> Summary:
         total=int(np.count_nonzero(asked)),
         done=int(np.count_nonzero(asked & (flags == DONE))),
         pending=int(np.count_nonzero(asked & (flags == PENDING))),
-        left_out=int(np.count_nonzero((store.asked == LEFT_OUT) & (flags == PENDING))),
         failed=tuple(
             FailedPoint(*point[:2], str(message), point.variant, store.in_words(point))
             for point, message in zip(store.points_at(failed), messages, strict=True)
