@@ -100,19 +100,20 @@ class Searches:
         `sweep` then has as many patches as these points need.
         """
         missing: list[Point] = []
-        patches = [0]
+        most = 1
         for one in self._all:
             while batch := one.batch or one.search.ask():
                 one.batch = batch
                 lacking = [point for point in self._points(one) if self._is_missing(store, point)]
                 if lacking:
                     missing += lacking
-                    patches += [place.patch for place in batch]
+                    # Those to come, too: to grow the store takes as long as some points.
+                    most = max(most, one.search.patches, *(place.patch + 1 for place in batch))
                     break
                 self._tell(store, one)
                 one.batch = []
-        if self._grows and max(patches) >= len(self.sweep.variants.axes["realization"]):
-            self.sweep = self.sweep._with_patches(max(patches) + 1)
+        if self._grows and most > len(self.sweep.variants.axes["realization"]):
+            self.sweep = self.sweep._with_patches(most)
         first = [point for point in missing if self._is_first(point)]
         self.is_on_first_patch = bool(first)
         return first or missing

@@ -21,7 +21,8 @@ from pipeline.sweep.stages import Progress, Report, silent
 from tribo import PRESETS, Fidelity, InputError, WarningKind
 from tribo.simulation import forget_contacts
 
-_WORTH = 0.9  # costs below this share of those of a faster preset choose a slower one
+_WORTH = 0.8  # costs below this share of those of a faster preset choose a slower one
+_DEARER = 1.7  # least ratio of a point's times by a preset and a faster one; 1.7 to 7 as shipped
 _NEAR = 0.1  # error of a crossing beside which heat is looked at
 
 
@@ -58,7 +59,7 @@ def begin_goal(
     words += ", in place of the scene's own [fidelity]" * (sweep.preset is None)
     report(Progress(words))
     patches = before.variants.axes.get("realization", ()) if before else ()
-    return Searches(chosen, accuracy, patches=max(len(patches), 1))
+    return Searches(chosen, accuracy, patches=max(len(patches), 4))
 
 
 def goal_presets(sweep: Sweep) -> tuple[Sweep, ...]:
@@ -84,9 +85,10 @@ def choose_preset(
             f"accuracy is {percent(accuracy)}, and the preset {sweep.preset} errs by up to "
             f"{percent(best)}; give more than that"
         )
-    if len(able) == 1 or why_fixed(presets[0]):
-        return able[0][0]
     # The number of patches goes with the square of the error that a preset leaves.
+    fewer = (accuracy**2 - able[-1][1] ** 2) / (accuracy**2 - able[0][1] ** 2)
+    if why_fixed(presets[0]) or _WORTH * fewer <= _DEARER:
+        return able[0][0]
     costs = [seconds(one) / (accuracy**2 - error**2) for one, error in able]
     cheapest = int(np.argmin(costs))
     return able[cheapest if costs[cheapest] < _WORTH * costs[0] else 0][0]

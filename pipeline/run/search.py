@@ -91,6 +91,7 @@ class Search:
         self._rises, self._sampling = np.full(shape, math.nan), np.full(shape, math.nan)
         self._flags, self._durations = np.zeros(shape[1:], np.int64), np.zeros(shape[1:])
         self._searched = [len(loads) - 1]  # from the highest load down
+        self.patches = 1  # that the load which needs most is thought to need
 
     def tell(
         self,
@@ -307,13 +308,15 @@ class Search:
     def _further_patches(self) -> list[Place]:
         """Points of further patches beside the crossings, about as many as each load needs."""
         found, needed = [], self.needed()
+        self.patches = int(needed.max(initial=1))
         for load in np.flatnonzero(needed).tolist():
             has = np.isfinite(self._rises[:, load]).any(axis=1)
             known = np.isfinite(self._rises[0, load])
             away = np.abs(self.velocities - self.critical[load])
             column = int(np.argmin(np.where(known, away, math.inf)))
             tried = self.asked[:, load].any(axis=1)
-            wanted = min(needed[load], 2 * has.sum() + 2) - has.sum()
+            # The number that is needed is known the better, the more there are.
+            wanted = min(needed[load], max(2 * has.sum() + 2, needed[load] // 2)) - has.sum()
             patches = np.flatnonzero(~tried)[:wanted]
             found += [Place(patch, load, column) for patch in patches.tolist()]
         return found

@@ -44,7 +44,7 @@ from tribo.errors import require_positive
 class Outcome:
     """Result of a run: how many points are done, which failed, and how long it took."""
 
-    #: Number of points of the sweep, and of its points that are done.
+    #: Number of points that the sweep or its accuracy needs, and of these that are done.
     total: int
     done: int
     computed: int  #: Number of points that this run completed.
@@ -214,13 +214,13 @@ class _Run:
         """Tasks to compute next; empty at the end."""
         if self.searches:
             wanted = self.searches.next_points(self.store)
+            self._tell_forecast()  # or refuse, before the store grows
             if self.searches.sweep is not self.sweep:
                 self.sweep = self.searches.sweep
                 self.store = open_grown(self.store.place, self.sweep, self.store.lock)
                 self.store.leave_out_pending()
                 self.tally.follow(self.store)
             self.store.ask_for(wanted)
-            self._tell_forecast()
         return TaskQueue(tasks(self.store.pending(), self.sweep))
 
     def compute(self, link: Connection, queue: TaskQueue) -> None:
