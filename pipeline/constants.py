@@ -50,10 +50,10 @@ ln(gap), as the rise is rough at these distances. On 15 scenes the bound holds a
 between those of `fine`, on 7 others at all 175.
 Found by `python -m tests.promises.errors`.
 """
-BETWEEN_LOADS = 2.0
+BETWEEN_LOADS = 3.0
 """Bound of the interpolation error at a load that a search left out, as `BETWEEN`, over ln(gap)².
 
-Judged by `python -m pytest tests/pipeline/run/test_search.py`.
+Found by `python -m tests.promises.searched`.
 """
 BEYOND = 0.12
 """Error of the exponent of an extrapolated power law, for each unit of ln(velocity).

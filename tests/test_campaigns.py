@@ -8,7 +8,7 @@ import pytest
 from pipeline.constants import PRESET_BOUNDS
 from tests import measured
 from tests.house import measure
-from tests.promises import front, goals, laboratories, patches, truth
+from tests.promises import errors, front, goals, laboratories, patches, truth
 from tests.promises.families import FAMILIES, cases
 from tribo import PRESETS
 
@@ -66,6 +66,18 @@ def test_two_halves_of_eight_patches_are_as_near_as_they_state():
     for _, apart, ratio in patches.rows_of("line", patches=8, **small):
         assert apart <= 1
         assert patches.LEAST <= ratio <= patches.MOST
+
+
+def test_stated_errors_break_their_promise_by_more_misses_than_a_sample_has_by_chance():
+    for count, held, over, is_right in (
+        (255, "98.4%", "1.0", True),
+        (255, "97.0%", "1.0", False),
+        (2550, "98.4%", "1.0", False),
+        (2550, "99.0%", "1.0", True),
+        (255, "99.6%", "4.5", False),
+    ):
+        line = "fine, without a warning", 5, count, "1%", "1%", "1%", over, held
+        assert errors.are_covered([line]) == is_right
 
 
 # Uncertain inputs
