@@ -18,8 +18,8 @@ from pipeline.sweep.measurement import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations
-from pipeline.sweep.tables import Entries, entry_at, replace_value, replace_values
-from pipeline.sweep.variants import SEED, Variants, surfaces
+from pipeline.sweep.tables import Entries, replace_values
+from pipeline.sweep.variants import SEED, Variants
 from tribo import InputError, SelfAffineRoughness
 
 
@@ -29,15 +29,6 @@ class Source:
 
     written: Entries
     reader: SceneReader
-
-    def changed(self, sweep: Sweep, path: str, value: Any) -> Sweep:
-        """`sweep`, read again with another value of the entry at `path`."""
-        written = dict(self.written)
-        if path == "fidelity.preset":  # the preset replaces all other choices
-            written.pop("fidelity", None)
-        elif path.startswith("fidelity.") and self.reader.is_stored:
-            written = replace_value(written, "fidelity.preset", None)  # no longer its choices
-        return self.read_again(sweep, replace_values(written, {path: value}), sweep.variants)
 
     def read_again(self, sweep: Sweep, written: Entries, variants: Variants) -> Sweep:
         """`sweep`, read again from entries `written`, with a table of `variants`."""
@@ -50,13 +41,6 @@ class Source:
             stations=sweep.stations,
         )
         return made.judge(sweep.judged)
-
-    def with_patches(self, sweep: Sweep, count: int) -> Sweep:
-        """`sweep` on this many random surfaces, counted from its own seed on."""
-        first = entry_at(sweep.entries, SEED)
-        written = replace_values(self.written, {"sweep.realizations": count})
-        variants = sweep.variants.without_surfaces * surfaces(range(first, first + count))
-        return self.read_again(sweep, written, variants)
 
     @cached_property
     def parts(self) -> Parts:

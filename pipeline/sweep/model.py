@@ -18,8 +18,8 @@ from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
-from pipeline.sweep.tables import replace_values
-from pipeline.sweep.variants import SEED, Row, Variant, Variants
+from pipeline.sweep.tables import entry_at, replace_value, replace_values
+from pipeline.sweep.variants import SEED, Row, Variant, Variants, surfaces
 from tribo import InputError, MeasuredRoughness, Oil, Ramp, Scene, SelfAffineRoughness
 from tribo.surface import array_digest
 
@@ -94,7 +94,7 @@ class Sweep:
     stations: Stations | None = None  # times whose results an existing store has
     judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
     entries: Mapping[str, Any] = field(repr=False)
-    source: Any = field(repr=False)  # `pipeline.scene.source.Source`, for `changed`
+    source: Any = field(repr=False)  # `pipeline.scene.source.Source`, to read again
 
     def __eq__(self, other: object) -> bool:
         """True if both sweeps have the same meaning, however their entries are written."""
@@ -238,12 +238,22 @@ class Sweep:
         InputError
             If the scene has a fault with this value.
         """
-        made: Self = self.source.changed(self, path, value)
+        written = dict(self.source.written)
+        if path == "fidelity.preset":  # the preset replaces all other choices
+            written.pop("fidelity", None)
+        elif path.startswith("fidelity.") and self.source.reader.is_stored:
+            written = replace_value(written, "fidelity.preset", None)  # no longer its choices
+        made: Self = self.source.read_again(
+            self, replace_values(written, {path: value}), self.variants
+        )
         return made
 
     def _with_patches(self, count: int) -> Self:
         """The sweep on this many random surfaces, counted from its own seed on."""
-        made: Self = self.source.with_patches(self, count)
+        first = entry_at(self.entries, SEED)
+        written = replace_values(self.source.written, {"sweep.realizations": count})
+        variants = self.variants.without_surfaces * surfaces(range(first, first + count))
+        made: Self = self.source.read_again(self, written, variants)
         return made
 
     def description(self) -> tuple[str, dict[str, Any]]:

@@ -67,7 +67,7 @@ class Planes:
         """Scenes of the patches of a sweep."""
         if self.fixed:
             return [sweep.scene]
-        return [case.scene for case in sweep.source.with_patches(sweep, MOST_PATCHES).cases]
+        return [case.scene for case in sweep._with_patches(MOST_PATCHES).cases]
 
     def keep(self):
         """Write the points to the file."""
