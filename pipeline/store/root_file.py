@@ -44,7 +44,7 @@ from pipeline.sweep.points_of_tests import (
 from tribo.loading.ramp import MOST_STEPS
 from tribo.types import Array
 
-_COPY = "that of a copy by xarray, which can be read, but not resumed"
+_COPY = "a copy by xarray, which can be read, but not resumed"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
@@ -65,8 +65,8 @@ def find_root(place: StorePlace) -> Root | None:
         keys = place.keys() if content is None else set()
     if content is not None:
         return _parse(place, content)
-    is_file = isinstance(place, Folder) and place.path.is_file()
-    if is_file or not all(map(_is_left_over, keys)):
+    is_no_folder = isinstance(place, Folder) and place.path.exists() and not place.path.is_dir()
+    if is_no_folder or not all(map(_is_left_over, keys)):
         raise StoreError(f"{place} is no store: {_what_it_is(place, keys)}")
     return None
 
@@ -78,14 +78,14 @@ def _what_it_is(place: StorePlace, keys: set[str]) -> str:
         if suffix == ".toml":
             return "it is a scene; compute it by irg run, and give the store that this makes"
         if suffix == ".nc":
-            return f"it is a file .nc, {_COPY.removeprefix('that of ')}"
-        return "it is a file; give the folder that irg run has made"
+            return f"it is a file .nc: if xarray wrote it of a store, {_COPY}"
+        return "it is no folder; give the folder that irg run has made"
     if f"{ABOUT}/{ROOT}" in keys:
         return f"it has lost its {ROOT}; {_ELSEWHERE}"
     if inner := sorted(key for key in keys if key.endswith(f"/{ABOUT}/{ROOT}")):
         return f"it is a folder of stores; give one of them, such as {inner[0].split('/')[0]}"
     if keys & {".zgroup", ".zarray"}:
-        return f"it is Zarr of format 2: if xarray wrote it, {_COPY.removeprefix('that of ')}"
+        return f"it is Zarr of format 2: if xarray wrote it of a store, {_COPY}"
     return "it is a folder with other files; give the folder that irg run has made, or a new one"
 
 
@@ -108,7 +108,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         if ABOUT not in metadata and "scene" not in document["attributes"]:
             fault = "that of another program; give a store that irg run has made"
         if "scene" in document["attributes"] and ABOUT not in metadata:
-            fault = _COPY
+            fault = f"that of {_COPY}"
         found = metadata[ABOUT]["attributes"]
         version = found["format"]
         is_own = version == FORMAT and found["digest"] == digest_of(found)

@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import threading
+import zipfile
 
 import fsspec
 import numpy as np
@@ -413,12 +414,20 @@ def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
 
 def test_what_lies_at_a_path_is_named_as_what_it_is(copy, tmp_path, irg):
     (tmp_path / "a.toml").write_text("")
+    xr.Dataset({"a": 1.0}).to_netcdf(tmp_path / "a.nc")
+    os.mkfifo(tmp_path / "fifo")
+    shutil.make_archive(tmp_path / "stores", "zip", copy.parent, copy.name)
+    with zipfile.ZipFile(tmp_path / "stores.zip", "a") as archive:
+        archive.write(copy / "zarr.json", "second.zarr/zarr.json")
     other, old = tmp_path / "other.zarr", tmp_path / "old.zarr"
     zarr.open_group(other, mode="w")
     zarr.open_group(old, mode="w", zarr_format=2)
     said = {
         tmp_path / "a.toml": "it is a scene; compute it by irg run",
         copy.parent: "it is a folder of stores; give one of them, such as tiny.zarr",
+        tmp_path / "stores.zip": "it is a folder of stores; give one of them, such as tiny.zarr",
+        tmp_path / "a.nc": "it is a file .nc: if xarray wrote it of a store, a copy by xarray",
+        tmp_path / "fifo": "it is no folder; give the folder that irg run has made",
         other: "of another program; give a store that irg run has made",
         old: "it is Zarr of format 2",
     }
