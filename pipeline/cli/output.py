@@ -155,7 +155,7 @@ def run_line(silent: float = 0.0) -> Iterator[Report]:
             nonlocal bar, latest, printed, printed_at
             if progress.words:
                 tell(progress)
-            elif time.monotonic() < begins:
+            elif not progress.total or time.monotonic() < begins:
                 return
             elif in_place:
                 if bar is None:

@@ -234,7 +234,7 @@ class _Run:
             done = self.store.flags == DONE
             each = float(np.nanmean(self.store.read("wall_time", ...)[done]))
             words = f"roughly {duration(more * each)} on one worker"
-            self.report(Progress(f"first patch done; about {more} points are to come, {words}"))
+            self.report(Progress(f"first patch done; points to come: about {more}, {words}"))
 
 
 def _tasks_of_tests(store: Store) -> Iterable[Task]:

@@ -31,7 +31,7 @@ def small(tmp_path_factory):
     outcome = run(scene(), path, progress=lambda one: told.append(str(one)))
     assert outcome.computed == outcome.done < 30
     assert told[0] == "preset standard (up to 1.5 %)"
-    assert any("first patch done; about" in words for words in told)
+    assert any("first patch done; points to come: about" in words for words in told)
     return path
 
 
@@ -102,6 +102,7 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     )  # fmt: skip
     assert "accuracy 2 % reached: at most ± 1.5" in words
     assert "2 listed seeds, not reduced by computing" in words
+    assert f"{out}: {done(out).sum()} points done, " in words
     assert done(out)[1].sum() == 1
 
 
