@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis import accessor as accessor  # ds.irg
-from pipeline.analysis.scenes import identify, require_one_sweep
+from pipeline.analysis.scenes import require_one_sweep
 from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si
@@ -92,11 +92,6 @@ def scene_sweep(ds: xr.Dataset) -> Sweep:
     return judged_sweep(Origin.of(ds), "{}")
 
 
-def whole_sweep(ds: xr.Dataset) -> Sweep:
-    """Whole sweep from which a dataset was selected, with the values that `pipeline.at` has set."""
-    return judged_sweep(Origin.of(ds), json.dumps(judged_values(ds)))
-
-
 def judged_values(ds: xr.Dataset) -> dict[str, Any]:
     """Values that `pipeline.at` has set in a dataset, in SI, by the path of their scene entry."""
     try:
@@ -166,11 +161,6 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ordered(open_store(found_store(path))).drop_vars(
         ["checksum", "message"], errors="ignore"
     )
-
-
-def add_scene_ids(ds: xr.Dataset) -> xr.Dataset:
-    """Add coordinate ``scene_id``: for each variant a digest of all that affects its results."""
-    return identify(ds, whole_sweep(ds)._scene_ids, scene_sweep(ds).variants)
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

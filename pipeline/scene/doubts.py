@@ -159,17 +159,13 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 
 def notes_on_scene(sweep: Sweep) -> tuple[Remark, ...]:
-    """Notes on the entries of a scene, and on the past of its tests."""
-    return *(one for one in sweep.notes if one.grade == "note"), *_notes_on_pasts(sweep)
-
-
-def _notes_on_pasts(sweep: Sweep) -> tuple[Remark, ...]:
-    """How the past of tests differs from the plane's, a line for each kind, with its effect."""
+    """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
     plane, found = sweep.scene.loading, dict[str, list[Measurement]]()
-    for test in sweep.tests:
+    for test in sweep.tests:  # each is simulated with its own past
         if words := _difference(test.simulated.scene.loading, plane):
             found.setdefault(words, []).append(test)
-    return tuple(Remark("", "note", f"{_named(tests)}: {words}") for words, tests in found.items())
+    of_tests = (Remark("", "note", f"{_named(some)}: {words}") for words, some in found.items())
+    return *(one for one in sweep.notes if one.grade == "note"), *of_tests
 
 
 def _difference(own: Loading, plane: Loading) -> str:

@@ -123,6 +123,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         )
     # From here on only errors that speak of the store: a fault of this program is not damage.
     if facts:
+        tests = facts["tests"]
         try:
             root = Root(
                 sweep=parse_sweep(facts["scene"], _read_inputs(place, facts["inputs"])),
@@ -132,7 +133,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 block=facts["points_per_chunk"],
                 field_block=facts["points_per_field_chunk"],
                 history=facts["history"],
-                layout=_layout_of(facts["tests"]),
+                layout=tests and TestLayout([Slot(*slot) for slot in tests[0]], *tests[1:]),
                 found=document,
             )
             if _fit_axes(root):
@@ -141,14 +142,6 @@ def _parse(place: StorePlace, content: bytes) -> Root:
             fault = f"{fault} ({error})"
     is_damaged = "damaged" in fault
     raise StoreError(f"{place}: its {ROOT} is {fault}" + f"; {_ELSEWHERE}" * is_damaged)
-
-
-def _layout_of(facts: Any) -> TestLayout | None:
-    """Layout of the points of tests from its JSON."""
-    if facts is None:
-        return None
-    slots, steps, judges_hold = facts
-    return TestLayout([Slot(*slot) for slot in slots], steps, judges_hold)
 
 
 def _are_facts(facts: Any) -> bool:

@@ -18,7 +18,6 @@ from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo import InputError, Verdict
 from tribo.simulation import verdict as tribo_verdict
 from tribo.simulation.corrections import NEEDED
-from tribo.simulation.verdict import RISES as RISES
 from tribo.simulation.verdict import above_colder as above_colder
 from tribo.simulation.verdict import worst_moment as worst_moment
 from tribo.thermal import failed_share
