@@ -224,16 +224,16 @@ def place_of(path: PathLike | None) -> StorePlace:
 
 
 def _group_in_zip(path: Path) -> str | None:
-    """Path of the only Zarr group at the top of a zip file; None if there is none."""
-    if not path.is_file():  # such as a FIFO
-        return None
-    with suppress(OSError, zipfile.BadZipFile), zipfile.ZipFile(path) as archive:
-        names = map(PurePosixPath, archive.namelist())
-        groups = [name.parent for name in names if name.name in (ROOT, ".zgroup")]
-        top = min((len(group.parts) for group in groups), default=0)
-        found = {group.as_posix().strip(".") for group in groups if len(group.parts) == top}
-        return found.pop() if len(found) == 1 else "" if found else None
-    return None
+    """Path of a zip file's only Zarr group at the top, "" for several; None without one."""
+    names: list[PurePosixPath] = []
+    with suppress(OSError, zipfile.BadZipFile):  # such as a name that is too long
+        if path.is_file():  # a FIFO is none
+            with zipfile.ZipFile(path) as archive:
+                names = [*map(PurePosixPath, archive.namelist())]
+    groups = [name.parent for name in names if name.name in (ROOT, ".zgroup")]
+    top = min((len(group.parts) for group in groups), default=0)
+    found = {group.as_posix().strip(".") for group in groups if len(group.parts) == top}
+    return found.pop() if len(found) == 1 else "" if found else None
 
 
 @contextmanager

@@ -402,6 +402,11 @@ def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, 
         server.shutdown()
 
 
+def test_a_name_that_is_too_long_is_a_store_error(tmp_path):
+    with pytest.raises(StoreError, match="File name too long"):
+        summary(tmp_path / ("a" * 265))
+
+
 def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
     right = pipeline.boundary(copy)["critical_velocity"].values
     shutil.rmtree(copy / "fields")
