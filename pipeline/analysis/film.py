@@ -48,14 +48,19 @@ def inside_alone(rises: Rises, axis: str, places: Array, found: Array) -> tuple[
     return np.where(outside, np.nan, found), outside
 
 
-def turns_inside(rises: Rises, axis: str, places: Array, turns: Turns) -> tuple[Array, list[str]]:
-    """Critical values as `inside_alone` gives them, and for each of them the outcome in words.
+def critical_inside(rises: Rises, axis: str, places: Array, turns: Turns) -> tuple[Array, Mask]:
+    """Critical values as `inside_alone` gives them, and which lines are outside.
 
     A line without a crossing is outside if both of its computed ends are.
     """
     found, outside = inside_alone(rises, axis, places, turns.critical)
     ends = [inside_alone(rises, axis, places, end)[1] for end in turns.computed]
-    outside |= np.isnan(turns.critical) & ends[0] & ends[1]
+    return found, outside | (np.isnan(turns.critical) & ends[0] & ends[1])
+
+
+def turns_inside(rises: Rises, axis: str, places: Array, turns: Turns) -> tuple[Array, list[str]]:
+    """Critical values as `critical_inside`, and for each of them the outcome in words."""
+    found, outside = critical_inside(rises, axis, places, turns)
     told = zip(turns.texts(axis), outside, strict=True)
     return found, [OUTSIDE_WORDS if there else text for text, there in told]
 

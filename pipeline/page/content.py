@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.film import OUTSIDE_WORDS, is_outside
+from pipeline.analysis.film import critical_inside, is_outside
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.likelihood import condition
 from pipeline.analysis.outcomes import Outcome, outcomes
 from pipeline.analysis.reading import results
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import SURFACE, rise_errors, totals
-from pipeline.analysis.rises import rises_of
+from pipeline.analysis.rises import Rises, rises_of
 from pipeline.analysis.specimen import specimen_of
 from pipeline.analysis.tested import Evidence, is_alike
 from pipeline.constants import DECIDED
@@ -106,7 +106,8 @@ def _page_facts(data: Results) -> dict[str, Any]:
         "friction_band": sweep.friction_band,
         "several": Outcome.SEVERAL,
         "outcomes": {
-            axis: [*outcomes(axis).values(), OUTSIDE_WORDS] for axis in ("velocity", "load")
+            axis: [*outcomes(axis).values(), "outside the model: oil film"]
+            for axis in ("velocity", "load")
         },
         "loads": data.loads.tolist(),
         "velocities": data.velocities.tolist(),
@@ -198,10 +199,6 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
     targets = np.linspace(ends[0] - _ROUNDING, ends[1] + _ROUNDING, _TARGETS)
     states = np.where(base.is_done(*places), COMPUTED, INTERPOLATED)
     states = np.where(base.is_continued(*places), EXTRAPOLATED, states)
-    turns = {
-        axis: [one.turns_by_limit(axis, at, np.exp(targets)) for one in each]
-        for axis, at in (("velocity", data.loads), ("load", data.velocities))
-    }
     return {
         "fine": {"velocity": velocities.tolist(), "load": loads.tolist()},
         "nodes": {
@@ -216,13 +213,27 @@ def _planes(rises: Array, data: Results, conditions: Conditions) -> dict[str, An
         "film": digit_string(is_outside(base, *places)),
         "targets": targets.tolist(),
         "turns": {
-            axis: {
-                "places": packed_array([found.critical for found in each_limit], "<f4"),
-                "codes": digit_string([found.outcome for found in each_limit]),
-            }
-            for axis, each_limit in turns.items()
+            "velocity": _turns(each, base, "velocity", data.loads, np.exp(targets)),
+            "load": _turns(each, base, "load", data.velocities, np.exp(targets)),
         },
     }
+
+
+def _turns(
+    each: Sequence[Rises], own: Rises, axis: str, at: Array, limits: Array
+) -> dict[str, str]:
+    """Critical values along an axis by limit, and codes of outcomes, the last for "outside".
+
+    Of `each` of the rises by bulk ratio. A film is that at the scene's `own` temperatures.
+    """
+    places, codes = list[Array](), list[Array]()
+    for rises in each:
+        turns = rises.turns_by_limit(axis, at, limits)
+        along = np.broadcast_to(at[:, None], turns.outcome.shape)
+        critical, is_film = critical_inside(own, axis, along, turns)
+        places.append(critical)
+        codes.append(np.where(is_film, len(Outcome), turns.outcome))
+    return {"places": packed_array(places, "<f4"), "codes": digit_string(codes)}
 
 
 def _evidence(data: Results, conditions: Conditions, form: Sequence[Control]) -> dict[str, Any]:

@@ -31,7 +31,7 @@ function drawDiagram() {
   if (isInside(chosen, content)) drawn.push(cross(frame, chosen));
   inside.append(svg("svg", { ...size, viewBox: Object.values(size).join(" "), class: "view" }, ...drawn));
   const pointer = svg("circle", { class: "pointer", r: 8 });
-  filled(root, about, [pointer]);
+  filled(root, about, [hatch(), pointer]);
   const held = element("diagram").contains(document.activeElement) ? pointed : null;
   element("diagram").replaceChildren(root, tip);
   diagram = { frame, root, pointer };
@@ -69,15 +69,16 @@ function regions() {
   const isMild = grid((_, highest, verdict) => within(mild - highest, verdict === "mild"));
   const isSevere = grid((lowest, _, verdict) => within(lowest - severe, verdict === "severe"));
   const open = isMild.map((row, k) => row.map((value, j) => -Math.max(value, isSevere[k][j])));
-  return [["mild", isMild], ["severe", isSevere], ["open", open]];
+  const outside = load.map((_, k) => velocity.map((_place, j) => (isFilm(indexOf(k, j)) ? 1 : -1)));
+  return [["mild", isMild], ["severe", isSevere], ["open", open], ["outside", outside]];
 }
 
-/** y minus a level at the nodes (load, velocity), finite without friction; NaN if unknown. @param
- * {Conditions} conditions @param {(place: Place) => number} level */
+/** y minus a level at the nodes (load, velocity), finite without friction; NaN if unknown, or where a film
+ * carries too much. @param {Conditions} conditions @param {(place: Place) => number} level */
 function excess(conditions, level = () => 0) {
   const plane = planeOf(conditions);
-  return content.fine.load.map((load, k) => content.fine.velocity.map((velocity, j) =>
-    Math.max(Math.min(plane[indexOf(k, j)] - level({ load, velocity }), 50), -50)));
+  return content.fine.load.map((load, k) => content.fine.velocity.map((velocity, j) => (isFilm(indexOf(k, j))
+    ? NaN : Math.max(Math.min(plane[indexOf(k, j)] - level({ load, velocity }), 50), -50))));
 }
 
 /** Draw the marks of the points, with a ring if they carry a warning. @param {Frame} frame */

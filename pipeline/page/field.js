@@ -7,6 +7,11 @@ function indexOf(k, j) {
   return k * content.fine.velocity.length + j;
 }
 
+/** True if a film carries too much at a node. @param {number} node */
+function isFilm(node) {
+  return content.film[node] === "1";
+}
+
 /** Indices of the load and velocity nearest to a place. @param {Place} place @returns {[number, number]} */
 function nearestNode({ load, velocity }) {
   return [nearest(content.fine.load, load), nearest(content.fine.velocity, velocity)];
@@ -52,12 +57,11 @@ function turnAt(axis, at, conditions, level = 0) {
     near.map(([k, weight]) => ({
       index: (table * rows.length + row) * targets.length + k, weight: part * share * weight,
     }))));
-  const [main] = [...indices].sort((a, b) => b.weight - a.weight);
-  const isOutside = target < targets[0] || target > targets[targets.length - 1];
+  const isBeyond = target < targets[0] || target > targets[targets.length - 1];
   const found = sum(indices.map(({ index, weight }) => weight * Math.log(places[index])));
-  const place = isOutside ? NaN : Math.exp(found);
-  const [load, velocity] = axis === "velocity" ? [at, place] : [place, at];
-  const isFilm = Number.isFinite(place) && content.film[indexOf(...nearestNode({ load, velocity }))] === "1";
-  if (isFilm) return { place: NaN, outcome: content.outcomes[axis].length - 1 };
+  const place = isBeyond ? NaN : Math.exp(found);
+  // A neighbour without a place says why there is none.
+  const like = indices.filter(({ index }) => Number.isNaN(places[index]) === Number.isNaN(place));
+  const [main] = (like.length ? like : indices).sort((a, b) => b.weight - a.weight);
   return { place, outcome: Number(codes[main.index]) };
 }

@@ -58,9 +58,8 @@ function marginAt([k, j], conditions) {
   const likely = likelyAt(y, beliefs);
   const ends = Number.isNaN(error) ? [0, 1] : [y - error, y + error].map((end) => likelyAt(end, beliefs));
   const [noMild, noSevere] = forbiddenAt([k, j], conditions);
-  const isOutside = content.film[node] === "1";
   const isMild = ends[1] <= content.decided[0] && !noMild;
   const isSevere = ends[0] >= content.decided[1] && !noSevere;
-  const verdict = isOutside ? OUTSIDE : isMild ? "mild" : isSevere ? "severe" : "not decided";
+  const verdict = isFilm(node) ? OUTSIDE : isMild ? "mild" : isSevere ? "severe" : "not decided";
   return { y, error, probabilities: [ends[0], likely, ends[1]], verdict };
 }

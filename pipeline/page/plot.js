@@ -110,6 +110,13 @@ function readContent() {
   });
 }
 
+/** Pattern that fills what is outside the model. */
+function hatch() {
+  const size = { width: 6, height: 6, patternUnits: "userSpaceOnUse" };
+  const line = svg("path", { class: "hatch", d: "M0,0V6" });
+  return svg("pattern", { id: "hatch", ...size, patternTransform: "rotate(45)" }, line);
+}
+
 /** A mark of the legend drawn at a place [px]. @param {string} name @param {number} x @param {number} y
  * @param {number} [size] */
 function sign(name, x, y, size = 1) {

@@ -133,7 +133,7 @@ function description(point, isFull) {
   const { critical_temperature } = chosen.conditions;
   const kind = kindOf(point) || "pending";
   /** @type {[string, string][]} */
-  const rows = [["wear", WEAR.get(kind) ?? kind]];
+  const rows = [["wear", isFilm(nodeOf(point)) ? OUTSIDE : WEAR.get(kind) ?? kind]];
   const message = content.messages[place];
   if (isDone(point)) {
     const curve = quantilesAt(place);

@@ -4,7 +4,7 @@ const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = readContent();
-const OUTSIDE = content.outcomes.velocity[content.outcomes.velocity.length - 1]; // a film carries too much
+const OUTSIDE = content.outcomes.velocity[content.outcomes.velocity.length - 1]; // the last
 /** Planes of `planeOf` by conditions. @type {Map<string, Float64Array>} */
 const planes = new Map();
 /** Conditions and operating point of the reader. @type {Place & {conditions: Conditions}} */

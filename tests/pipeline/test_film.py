@@ -12,6 +12,7 @@ import tribo
 from pipeline.page.content import content
 from pipeline.store.schema import test_variable as variable_at_tests
 from tests.helpers import synthetic
+from tests.helpers.javascript import run
 from tribo.simulation.film import film_excess, film_inlet
 
 SAID = "utside the model: the oil film carries more than a fifth of the load"
@@ -151,3 +152,14 @@ def test_the_page_has_no_verdict_where_a_film_carries_too_much(store, tmp_path):
             here = pipeline.margin(store, load, held["fine"]["velocity"][j])
             assert nodes[k, j] == (here.verdict == "outside")
     assert {*nodes.ravel()} == {0, 1}
+    found = pipeline.boundary(store)
+    for axis, line in (("velocity", "load"), ("load", "velocity")):
+        words = held["outcomes"][axis]
+        told = run(
+            pipeline.results(store),
+            f"return argument.map((at) => turnAt('{axis}', at, chosen.conditions));",
+            found[line].values.tolist(),
+        )
+        outside = [SAID in text for text in found[f"words_at_{line}"].values]
+        assert [words[one["outcome"]] == words[-1] for one in told] == outside
+        assert any(outside)
