@@ -85,6 +85,7 @@ class ElasticBodies(NamedTuple):
 
 
 _bodies = Cache[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
+_solids = Cache[ElasticHalfSpace](size_of=lambda _: 1, limit=_MOST_BODIES)  # for any surface
 _heights = Cache[Array | None](size_of=lambda _: 1, limit=1)  # one surface, for all its grids
 _summits = Cache[Any](size_of=lambda _: 1, limit=_MOST_BODIES)
 _spectra = Cache[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
@@ -92,6 +93,11 @@ _maps = Cache[Convolution](size_of=lambda _: 1, limit=_MOST_MAPS)
 _contacts = Cache[State](
     size_of=lambda state: (4 + len(state.passing)) * state.pressure.nbytes, limit=_MOST_BYTES
 )
+
+
+def cached_heights(scene: Scene) -> Array | None:
+    """Heights of the disk on the pixels [m], cached; None if it is smooth."""
+    return _heights.get((scene.roughness, scene.pixels), scene.heights)
 
 
 def cached_summits(scene: Scene, compute: Callable[[], Value]) -> Value:
@@ -150,6 +156,7 @@ def forget_kernels() -> None:
     >>> forget_kernels()
     """
     _bodies.clear()
+    _solids.clear()
     _heights.clear()
     _summits.clear()
     _spectra.clear()
@@ -161,8 +168,9 @@ def forget_kernels() -> None:
 def _elastic_bodies(scene: Scene) -> ElasticBodies:
     modulus = contact_modulus(scene.pin.material, scene.disk)
     kernel: ElasticKernel = "nearest-image" if scene.fidelity.as_published else "periodic"
-    solid = ElasticHalfSpace(scene.grid, modulus, kernel)
-    heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
+    key = scene.grid, modulus, kernel
+    solid = _solids.get(key, lambda: ElasticHalfSpace(*key))
+    heights = cached_heights(scene)
     separation = scene.separation(heights)
     if not (scene.sweeps_over or scene.fidelity.imprint):
         return ElasticBodies(solid, separation)

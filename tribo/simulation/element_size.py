@@ -46,7 +46,7 @@ from tribo.constants import (
 )
 from tribo.loading import MeasuredLoad, Stages
 from tribo.material import contact_modulus
-from tribo.simulation.cache import cached_summits
+from tribo.simulation.cache import cached_heights, cached_summits
 from tribo.simulation.disk_positions import position_count
 from tribo.simulation.scene import Scene
 from tribo.surface import rms_slope
@@ -172,7 +172,7 @@ def _cached_summits(scene: Scene) -> Summits:
 
 
 def _summits(scene: Scene) -> Summits:
-    heights = scene.heights()
+    heights = cached_heights(scene)
     if heights is None:
         return SMOOTH
     widths = _run_length(heights, 0), _run_length(heights, 1)
