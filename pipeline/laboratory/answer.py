@@ -119,7 +119,7 @@ def _log_result(path: Path, log: Log, options: argparse.Namespace) -> Result:
                 faults.append(f"{path.name}, row {row.number}, run: {problem}")
     runs = staged_runs(log) if found and not faults else []
     toml = [*_log_toml(log, path, options)] if found and not (faults or runs) else []
-    toml += [line for run in runs for line in ("[[tested]]", *_entries(run))]
+    toml += [line for run in runs for line in ("[[tested]]", *_entries(run), "")][:-1]
     doubts = [*_unit_doubts(log.in_si)] if log.row_class is not StagedRunTable else []
     document = {
         "file": str(path), **_describe(log.sheet, log.export), "words": log.words, "tests": found,
