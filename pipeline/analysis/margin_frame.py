@@ -120,7 +120,7 @@ def margin(
     """
     data = asked_at(ds, conditions)
     points = load
-    if (load is None or isinstance(load, float | int)) and (load is None) != (velocity is None):
+    if (load is None or _is_quantity(load)) and (load is None) != (velocity is None):
         raise InputError("load and velocity go together; give both")
     if velocity is not None:
         place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
@@ -153,6 +153,14 @@ class Asked(NamedTuple):
         if self.margin is None:
             raise InputError(self.reason)
         return self.margin
+
+
+def _is_quantity(load: Any) -> bool:
+    """True for a number, or text such as "500 N", which is no path of a table."""
+    with suppress(InputError):
+        in_si("load", load, "500 N")
+        return True
+    return False
 
 
 def asked_of(data: Results, points: OperatingPoints | None) -> Iterator[Asked]:

@@ -170,6 +170,7 @@ REFUSALS = {
     "nothing": (margin(400.0, 2.1, status=synthetic.NOTHING),
                 "too few points about 400 N and 2.1 m/s"),
     "no load": (margin(None, 2.0), "load and velocity go together; give both"),
+    "no velocity beside text": (margin("400 N"), "load and velocity go together; give both"),
     "no velocity": (margin(400.0), "load and velocity go together; give both"),
     "no place": (margin(), "no operating point is given"),
     "loads": (margin([400.0], 2.0), "not 'list'; give one such as \"500 N\""),
