@@ -43,9 +43,8 @@ def run(options: argparse.Namespace) -> Result:
     judged = pipeline.at(out)
     stored, tests = scene_sweep(judged), outcome.tests
     failed = *outcome.failed, *(tests.failed if tests else ())
-    of_all = f" of {outcome.total}" * (options.accuracy is None)  # a goal needs few of all
     text = [
-        f"{out}: {outcome.done}{of_all} points done, {outcome.computed} of them now, "
+        f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
         f"in {outcome.wall_time:.1f} s",
         *output.counted_tests(outcome.tests, stored),
         *(f"failed: {point}" for point in failed),

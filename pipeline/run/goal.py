@@ -71,6 +71,7 @@ class Searches:
         self, sweep: Sweep, accuracy: float, only_first: bool = False, patches: int = 1
     ) -> None:
         self._accuracy, self._only_first = accuracy, only_first
+        self.asked_for = None if only_first else accuracy
         self._grows = not only_first and not why_fixed(sweep)
         self.sweep = sweep._with_patches(patches) if self._grows else sweep
         seeds = self.sweep.variants.axes.get("realization", (0,))

@@ -165,7 +165,8 @@ def run_points(
     if damaged := mend_store(out, sweep):
         report(Progress(f"{out} had {damaged} damaged points or files, which are made anew"))
     before, other = find_sweep(out), None if source is None else opened(source)
-    with writing(out, sweep, report) as store:
+    accuracy = searches.asked_for if searches else None
+    with writing(out, sweep, report, accuracy) as store:
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
         for group in filter(None, (store, store.tests) if retry_failed else ()):

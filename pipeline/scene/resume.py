@@ -13,8 +13,6 @@ from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.tables import entry_at
 from tribo import InputError, TriboError
 
-GROWING = "a store that was run for an accuracy is grown by: irg run SCENE --accuracy 2%"
-
 
 def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     """Sweep of a store that is continued: variants of both runs, other data from `sweep`.
@@ -40,15 +38,19 @@ def join(before: Sweep | None, sweep: Sweep) -> Sweep:
     )
 
 
-def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
-    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can."""
+def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
+    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can.
+
+    `goal` is the option that the store was last run with for an accuracy, if there is one.
+    """
+    growing = [f"the store is grown by: irg run SCENE {goal}"] * bool(goal)
     old, new = stored.variants, sweep.variants
     if [*old.axes] != [*new.axes]:
         have, gives = (", ".join(table.axes) or "none" for table in (old, new))
         by = "by sweep.over or realizations"
         yield f"axes {by}: {have} in the store, {gives} in the scene"
         if {*old.axes} - {*new.axes} == {"realization"}:
-            yield GROWING
+            yield from growing
         return
     for name in (name for name in new.names if name in old.by_name):
         before, after = (one._alone(name) for one in (stored, sweep))
@@ -56,7 +58,7 @@ def misfits(stored: Sweep, sweep: Sweep) -> Iterator[str]:
             row = f"scene with {', '.join(variant_words(name))}: " if name else ""
             yield from (f"{row}{words}" for words in different)
             if all(words.startswith("fidelity.") for words in different):
-                yield GROWING
+                yield from growing
             break  # one variant that differs is enough
     labels = {column.name: values for column, values in old.coordinates.items()}
     for column, values in new.coordinates.items():

@@ -29,7 +29,7 @@ from pipeline.store.place import (
     io_errors,
     place_of,
 )
-from pipeline.store.root import CONSOLIDATED, Root, TestLayout, with_others
+from pipeline.store.root import CONSOLIDATED, GOAL, Root, TestLayout, with_others
 from pipeline.store.root_file import find_root, read_metadata, require_same_scene
 from pipeline.store.schema import AT_END, PENDING, Variable, is_coordinate, variables_of
 from pipeline.store.versions import in_words, package_versions
@@ -41,11 +41,14 @@ from pipeline.sweep.stages import Report, silent
 
 
 @contextmanager
-def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
+def writing(
+    path: PathLike | None, sweep: Sweep, progress: Report = silent, accuracy: float | None = None
+) -> Iterator[Store]:
     """Context manager: create the store of a sweep, or open it with room for the sweep's points.
 
     The points are marked as asked for, and files that an earlier run began to write are removed.
-    Without a path the store is in memory, and goes with the last reference to it.
+    Without a path the store is in memory, and goes with the last reference to it. An `accuracy`
+    that is asked for is noted in the store's history.
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
@@ -59,10 +62,12 @@ def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> I
             with io_errors(place, "written"):
                 for file in [*place.path.rglob(f"*{PARTIAL}")]:
                     file.unlink()
-        yield open_grown(place, sweep, lock)
+        yield open_grown(place, sweep, lock, accuracy)
 
 
-def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
+def open_grown(
+    place: StorePlace, sweep: Sweep, lock: Lock | None, accuracy: float | None = None
+) -> Store:
     """Create or open a store, with room for a sweep's points, which are marked as asked for.
 
     `lock` is the store's lock, which this process must already hold. With None, later writes do
@@ -71,7 +76,7 @@ def open_grown(place: StorePlace, sweep: Sweep, lock: Lock | None) -> Store:
     """
     if before := find_root(place):
         require_same_scene(place, before, sweep)
-    root = _grown_root(place, before, sweep)
+    root = _grown_root(place, before, sweep, accuracy)
     groups = root.documents()
     last = {ROOT: groups.pop(ROOT)}
     if before is None or json.loads(last[ROOT]) != before.found:
@@ -122,7 +127,9 @@ def _empty_tests(store: Store, root: Root) -> None:
     store.place.put(Encoder(root.tests.arrays, root.tests.prefix)(fills))
 
 
-def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
+def _grown_root(
+    place: StorePlace, before: Root | None, sweep: Sweep, accuracy: float | None
+) -> Root:
     """Root document with room for a sweep's points; `before` is the present one, if any."""
     kept = join(before.sweep if before else None, sweep)
     wanted = variables_of(kept)
@@ -142,6 +149,8 @@ def _grown_root(place: StorePlace, before: Root | None, sweep: Sweep) -> Root:
                 raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
     blocks = [before.block, before.field_block] if before else _chunks_of(wanted, axes, sizes)
     lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
+    if accuracy is not None:
+        lines.append(f"{GOAL}{100 * accuracy:g}%")
     return Root(
         sweep=kept,
         text=sweep_text(kept),

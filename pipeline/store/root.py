@@ -46,6 +46,8 @@ from pipeline.sweep.variants import Variant
 CONSOLIDATED = "consolidated_metadata"
 """Key of all arrays' metadata in a root; without ``kind``, read from each array's own document."""
 _TESTS_IN_A_CHUNK = 32
+GOAL = "run with --accuracy "
+"""Begin of a line in the history of a store."""
 _FACTS = (
     "format", "axes", "points_per_chunk", "points_per_field_chunk", "history", "inputs", "scene",
     "ids", "tests",
@@ -66,7 +68,7 @@ class Group:
     ids: list[int]  # scene ids of the sweep's variants, in the order of the table
     block: dict[str, int]  # points in a chunk along each dimension
     field_block: dict[str, int]  # the same for fields, whose points are far larger
-    history: list[str]  # versions of the programs that computed
+    history: list[str]  # versions of the programs that computed, and accuracies asked for
 
     prefix: ClassVar[str] = ""
     """Path of the group in the store, with a slash; empty for the plane of points."""
@@ -234,6 +236,12 @@ class Root(Group):
             "scene": self.text,
             SCENE_ID: json.dumps(self.ids),
         }
+
+    @property
+    def goal(self) -> str:
+        """Option of the last new accuracy that the store was run for; empty without one."""
+        goals = [line for line in self.history if line.startswith(GOAL)]
+        return goals[-1].removeprefix("run with ") if goals else ""
 
     @property
     def found_metadata(self) -> dict[str, Document]:

@@ -212,7 +212,7 @@ def require_same_scene(place: StorePlace, root: Root, sweep: Sweep) -> None:
 
     `root` is the root document of the store.
     """
-    if differing := [*misfits(root.sweep, sweep)]:
+    if differing := [*misfits(root.sweep, sweep, root.goal)]:
         advice = "give it what the store has, or write to another store"
         raise StoreMismatchError(
             "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])

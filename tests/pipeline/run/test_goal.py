@@ -102,7 +102,7 @@ def test_listed_seeds_are_all_taken_and_their_part_is_left_out_of_the_goal(tmp_p
     )  # fmt: skip
     assert "accuracy 2 % reached: at most ± 1.5" in words
     assert "2 listed seeds, not reduced by computing" in words
-    assert f"{out}: {done(out).sum()} points done, " in words
+    assert f"{out}: {done(out).sum()} of {done(out).sum()} points done, " in words
     assert done(out)[1].sum() == 1
 
 
@@ -118,7 +118,7 @@ def test_a_later_run_computes_the_plane_of_the_first_patch(small, tmp_path):
 
 def test_a_plain_run_is_refused_with_the_command_that_grows_the_store(small):
     for plain in (scene(), scene(**{"fidelity.preset": "fine", "sweep.realizations": 2})):
-        with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --accuracy 2%"):
+        with pytest.raises(pipeline.StoreMismatchError, match="irg run SCENE --accuracy 3%"):
             pipeline.run_sweep(plain, small, workers=1)
     with pytest.raises(InputError, match=r"store's numerical choices \(standard\) is up to"):
         run(scene(), small, 0.012)
