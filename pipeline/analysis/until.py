@@ -23,7 +23,7 @@ from pipeline.scene.kinds import UnfitError
 from pipeline.scene.scenefile import run_point
 from pipeline.scene.uncertain import AFTER, NumericEntry, numeric_entry
 from pipeline.sweep.severity import worst_rises
-from tribo import InputError, TriboError
+from tribo import InputError, TriboError, WarningKind
 
 _MOST_ROWS = 8
 _PLACES, _HALVINGS = 16, 10
@@ -83,11 +83,11 @@ class Until:
         if "critical temperature" not in names and self.judge.evidence.results:
             notes.append(f"no critical temperature gives {self.wanted}, as the tests move with it")
         for path in dict.fromkeys((*slopes, *entries)):
-            if change := self._entry(path, slopes.get(path)):
+            change = self._entry(path, slopes.get(path))
+            if isinstance(change, Change):
                 found.append(change)
             else:
-                within = f"within a factor of {MOST_FACTOR:g}"
-                notes.append(f"no change of {path} {within} gives {self.wanted}")
+                notes.append(change)
         return sorted(found, key=lambda one: one.cost)[:_MOST_ROWS], notes
 
     @property
@@ -137,42 +137,51 @@ class Until:
     def _gives_at(self, name: str, value: float) -> bool:
         return self._gives(self.judge, **{name: value})
 
-    def _entry(self, path: str, slope: float | None) -> Change | None:
-        """The value of an entry that gives the verdict, verified by simulation; None without."""
+    def _entry(self, path: str, slope: float | None) -> Change | str:
+        """The value of an entry that gives the verdict, as simulated; or why none does."""
         try:
             entry = numeric_entry(path, self.judge.source.sweep.entries)
         except UnfitError as problem:
             raise InputError(f"--entries: {path} {problem}") from None
         if path in AFTER:
             raise InputError(f"--entries: {path} is a condition, tried in any case; leave it out")
-        shift, base = self._shift, self._log_rise(path, entry, 1.0)
-        slope = slope or (self._log_rise(path, entry, math.exp(_STEP)) - base) / _STEP
+        shift, (base, known) = self._shift, self._simulated(path, entry, 1.0)
+        slope = slope or (self._simulated(path, entry, math.exp(_STEP))[0] - base) / _STEP
         way = shift / slope if shift and slope else math.inf
         for _ in range(_MOST_POINTS):
             if not abs(way) <= math.log(MOST_FACTOR):
-                return None
+                break
             value = _rounded(entry.values[0], entry.values[0] * math.exp(way))
             way = math.log(value / entry.values[0])
-            moved = self._log_rise(path, entry, math.exp(way)) - base
+            rise, warnings = self._simulated(path, entry, math.exp(way))
+            moved = rise - base
             if self._gives_with(moved):
-                ends = entry.values[0], value
-                return _change(path, ends, entry.unit, "simulated there", abs(way))
+                change = _change(
+                    path, (entry.values[0], value), entry.unit, "simulated there", abs(way)
+                )
+                new = [words for kind, words in warnings.items() if kind not in known]
+                if new:  # its numerical error is another one
+                    return f"{path} {change.after} may not give {self.wanted}: {new[0]}"
+                return change
             way *= 1.05 * shift / moved if moved * shift > 0 else math.inf
-        return None
+        return f"no change of {path} within a factor of {MOST_FACTOR:g} gives {self.wanted}"
 
-    def _log_rise(self, path: str, entry: NumericEntry, factor: float) -> float:
-        """ln(rise) at the place on the first surface, simulated with an entry times a factor."""
+    def _simulated(
+        self, path: str, entry: NumericEntry, factor: float
+    ) -> tuple[float, dict[WarningKind, str]]:
+        """ln(rise) and warnings at the place, on the first surface with an entry times a factor."""
         sweep = self.judge.source.sweep._alone()
         sweep = replace(sweep, tests=(), inputs=())
         try:
             changed = sweep.changed(path, entry.scaled(factor)) if factor != 1 else sweep
-            columns = run_point(changed, self.load, self.velocity).columns
+            point = run_point(changed, self.load, self.velocity)
         except TriboError as error:
             raise InputError(
                 f"{path} cannot be changed by a factor of {factor:.3g}: {error}"
             ) from error
         own = replace(self.judge.conditions, corrections=changed.conditions.corrections)
-        return math.log(float(worst_rises(columns, np.array([self.load]), own)))
+        rise = float(worst_rises(point.columns, np.array([self.load]), own))
+        return math.log(rise), {one.kind: str(one) for one in point.warnings}
 
     @functools.cached_property
     def _shift(self) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -153,6 +154,25 @@ def test_a_change_of_an_entry_is_verified_by_a_simulation(store, capsys):
     # Without tests mild is y + e below −0.163; here the input widens that.
     assert math.log(cold / 120.0) < -0.163 < math.log(own / 120.0)
     assert float(value) < 90.0
+
+
+def test_a_changed_entry_whose_point_carries_a_new_warning_is_not_promised(tmp_path, capsys):
+    changes = {
+        "without": ["measured"], "window.pixels": [336, 60], "sweep.loads": ["600 N"],
+        "sweep.velocities": ["1 m/s", "1.3 m/s", "1.5 m/s"],
+    }  # fmt: skip
+    sweep, path = pipeline.load_scene("first_try", overrides=changes), tmp_path / "narrow.zarr"
+    with writing(path, sweep) as store:
+        compute_here(store, points(sweep))
+    place = ["--load", "600 N", "--velocity", "1.3 m/s"]
+    assert main(["margin", str(path), *place, "--until", "mild", "--entries", "pin.radius"]) == 0
+    said = capsys.readouterr().out
+    (value,) = re.findall(r"pin.radius (\S+ mm) may not give mild: contact touches the", said)
+    changed = sweep.changed("pin.radius", value)
+    *_, state = tribo.simulate(changed.scene, 600.0, 1.3)
+    assert tribo.WarningKind.CONTACT_AT_EDGE in {
+        one.kind for one in tribo.warnings(changed.scene, state)
+    }
 
 
 def test_what_margin_cannot_seek_is_refused(store, capsys):
