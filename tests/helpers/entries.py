@@ -276,20 +276,15 @@ def rows(name, changes, velocities=None, loads=None):
 
 
 def placed_rows(*places):
-    """Numbered variants, each (load, velocity, labels, entries); the last two may be left out."""
-    units = {
-        "load": "N",
-        "velocity": "m/s",
-        "angle": "deg",
-        "flank": None,
-        "name": None,
-        "time": "1",
-    }
+    """Numbered variants, each (load, velocity), or with further labels."""
     held = [
-        Row({**labels, "load": load, "velocity": velocity}, values)
-        for load, velocity, labels, values in ((*one, {}, {})[:4] for one in places)
+        Row({**labels, "load": load, "velocity": velocity}, {})
+        for load, velocity, labels in ((*one, {})[:3] for one in places)
     ]
-    columns = (Column(name, units[name], meaning=f"{name} of the row") for name in held[0].labels)
+    units = {"load": "N", "velocity": "m/s"}
+    columns = (
+        Column(name, units.get(name, "1"), meaning=f"{name} of the row") for name in held[0].labels
+    )
     return numbered_rows(columns, held)
 
 
@@ -309,14 +304,10 @@ def _row(change):
         table, _, key = path.partition(".")
         if path in _UNITS:
             row[path] = f"{value!r} {_UNITS[path]}"
-        elif table == "roughness" and key:
-            row[f"disk.roughness.{key}"] = value
         elif table == "disk" and key:
             row[f"materials.of_disk.{key}"] = entries_of(
                 table_of(MaterialTable).keys[key].kind, value
             )
-        elif table in ("temperature", "friction"):
-            row[path] = value
         else:
             for entry, one in _entries(path, value, None).items():
                 whole = one if isinstance(one, dict) else dict.fromkeys(_KEYS.get(entry, ()))

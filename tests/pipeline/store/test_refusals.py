@@ -173,7 +173,7 @@ REFUSALS = {
     "beside": (with_another_variable, "mine, an array added by a user, would not grow with it"),
     "grown": (grown, "these points: load can only grow at its upper end; write a new store"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
-        (250.0, 1.0, {"time": 1.0}, {})))),
+        (250.0, 1.0, {"time": 1.0})))),
               "a column of the rows is called time"),
 }  # fmt: skip
 
