@@ -25,13 +25,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.likelihood import Prior
 from pipeline.analysis.results_of_tests import TestResults
 from pipeline.store.read import open_messages
-from pipeline.store.schema import (
-    ASKED,
-    COORDINATES,
-    DONE,
-    PLANE,
-    SCENE_ID,
-)
+from pipeline.store.schema import ASKED, COORDINATES, DONE, PLANE, SCENE_ID
 from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
 from pipeline.sweep.laws import StoredRule
 from pipeline.sweep.measurement import Measurement

@@ -14,12 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.place import StoreError
 from pipeline.store.read import open_tests
-from pipeline.store.schema import (
-    AT_TESTS,
-    DONE,
-    PLANE,
-    test_variable,
-)
+from pipeline.store.schema import AT_TESTS, DONE, PLANE, test_variable
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots

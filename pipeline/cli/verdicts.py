@@ -16,13 +16,7 @@ from pipeline.analysis.budget import budget_at
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import Judge, judge_of
-from pipeline.analysis.margin_frame import (
-    LONG,
-    Asked,
-    asked_of,
-    counts_in_words,
-    margin_frame,
-)
+from pipeline.analysis.margin_frame import LONG, Asked, asked_of, counts_in_words, margin_frame
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import frame_of, lines_of, notes_of, short, some_rows

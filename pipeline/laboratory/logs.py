@@ -10,13 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.laboratory.exports import Export
-from pipeline.laboratory.reading import (
-    OF_TRACE,
-    Read,
-    add_hints,
-    is_one_run,
-    read_table,
-)
+from pipeline.laboratory.reading import OF_TRACE, Read, add_hints, is_one_run, read_table
 from pipeline.laboratory.tables import vocabulary
 from pipeline.scene.choices import Choices
 from pipeline.scene.declare import table_of

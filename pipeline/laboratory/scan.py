@@ -21,12 +21,7 @@ from pipeline.laboratory.likeness import (
     roughness_toml,
 )
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
-from pipeline.laboratory.surfaces import (
-    axis_note,
-    form_words,
-    oriented,
-    read_surface,
-)
+from pipeline.laboratory.surfaces import axis_note, form_words, oriented, read_surface
 from pipeline.quantities import display, display_sides
 from pipeline.scene.units import in_si
 from pipeline.sweep.areal import ArealRoughness, areal_roughness, remove_form

@@ -17,13 +17,7 @@ from typing import Any, NamedTuple
 
 from pipeline.paths import read_file, reason_of
 from pipeline.scene.declare import table_of
-from pipeline.scene.faults import (
-    Fault,
-    Faults,
-    SceneFileError,
-    did_you_mean,
-    quoted,
-)
+from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
 from pipeline.scene.format import SceneFile
 from pipeline.scene.shipped import name_of, scene_path, shipped_scenes
 from pipeline.sweep.limits import MOST_BYTES_OF_TEXT

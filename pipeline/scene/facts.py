@@ -89,10 +89,9 @@ def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
     tracks = {"pin": corrections.pin_track, "disk": corrections.track}
     width, plane = 0.0, parts.declared.sweep
     if any(tracks.values()):
+        # Of smooth bodies, since to describe a surface is slow.
         expected = expect_contacts(parts.case.scene, plane.loads, plane.velocities)
-        width = float(
-            expected["contact_width"].max()
-        )  # of smooth bodies: to describe a surface is slow
+        width = float(expected["contact_width"].max())
     for name, track in tracks.items():
         if track and track.length < _FEWEST_WIDTHS * width:
             key = "diameter" if getattr(parts.declared, name).diameter else "track_length"

@@ -20,13 +20,7 @@ from zarr.storage import MemoryStore, StorePath
 
 from pipeline.store.folder import FolderStore
 from pipeline.store.place import ROOT
-from pipeline.store.schema import (
-    COMPRESSION,
-    Variable,
-    attributes_of,
-    is_of_points,
-    path_of,
-)
+from pipeline.store.schema import COMPRESSION, Variable, attributes_of, is_of_points, path_of
 
 if TYPE_CHECKING:
     from zarr.abc.buffer import Buffer

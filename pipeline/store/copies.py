@@ -10,15 +10,7 @@ import xarray as xr
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.store.place import ROOT, Folder, StoreError, StorePlace, damaged, io_errors
 from pipeline.store.progress import FailedPoint, Summary, is_wanted
-from pipeline.store.schema import (
-    ABOUT,
-    DONE,
-    FAILED,
-    INPUTS,
-    PENDING,
-    PLANE,
-    split_arrays,
-)
+from pipeline.store.schema import ABOUT, DONE, FAILED, INPUTS, PENDING, PLANE, split_arrays
 from pipeline.store.verify import Verification
 from pipeline.sweep.model import Sweep
 from tribo.types import Mask

@@ -17,9 +17,7 @@ import numpy as np
 from pipeline.scene.stored_text import file_contents
 from pipeline.store.arrays import Document, array_documents
 from pipeline.store.layout import Axes, grown_axes, made_coordinates
-from pipeline.store.place import (
-    ROOT,
-)
+from pipeline.store.place import ROOT
 from pipeline.store.schema import (
     ABOUT,
     AT_END,
@@ -36,11 +34,7 @@ from pipeline.store.schema import (
 )
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
-from pipeline.sweep.points_of_tests import (
-    TEST_POINT,
-    Slot,
-    sweep_of_tests,
-)
+from pipeline.sweep.points_of_tests import TEST_POINT, Slot, sweep_of_tests
 from pipeline.sweep.variants import Variant
 
 CONSOLIDATED = "consolidated_metadata"

@@ -37,10 +37,7 @@ from pipeline.store.schema import (
     split_arrays,
 )
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.points_of_tests import (
-    NO_TEST,
-    Slot,
-)
+from pipeline.sweep.points_of_tests import NO_TEST, Slot
 from tribo.loading.ramp import MOST_STEPS
 from tribo.types import Array
 

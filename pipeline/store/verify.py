@@ -17,13 +17,7 @@ from pipeline.store.checksum import checksum
 from pipeline.store.files import THREADS
 from pipeline.store.layout import Slices, blocks, parts_of, slices_of
 from pipeline.store.lock import locked
-from pipeline.store.place import (
-    Bucket,
-    DamagedError,
-    PathLike,
-    io_errors,
-    place_of,
-)
+from pipeline.store.place import Bucket, DamagedError, PathLike, io_errors, place_of
 from pipeline.store.progress import FailedPoint
 from pipeline.store.root_file import find_root, read_root, require_same_scene
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate

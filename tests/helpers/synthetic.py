@@ -8,15 +8,7 @@ import xarray as xr
 import tribo
 from pipeline import Conditions
 from pipeline.analysis.dataset import scene_sweep
-from pipeline.store.schema import (
-    COLUMNS,
-    DONE,
-    FAILED,
-    MADE,
-    PENDING,
-    TEST_STEP,
-    test_variable,
-)
+from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, test_variable
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
 from tests.helpers.scenes import STEEL

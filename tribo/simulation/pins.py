@@ -13,12 +13,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from tribo.analytic import (
-    HertzContact,
-    hertz_contact,
-    worn_line_width,
-    worn_point_width,
-)
+from tribo.analytic import HertzContact, hertz_contact, worn_line_width, worn_point_width
 from tribo.errors import require_positive
 from tribo.material import Material, minimum_line_film, minimum_point_film
 from tribo.numerics import Grid

@@ -18,25 +18,11 @@ from tribo.inverse import specific_wear_rate
 from tribo.types import Array
 
 from .labels import label_ends
-from .publication import (
-    RIG_HEATING,
-    ROOM_CELSIUS,
-    SPECIFIC_WEAR_RATE,
-    TABLE_4,
-    TABLE_6,
-)
+from .publication import RIG_HEATING, ROOM_CELSIUS, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
 from .report import Report, agree, line, mean, spread, texts
 from .rig import rig_heating
 from .study import Study
-from .transitions import (
-    Tested,
-    celsius_of,
-    end_of,
-    ensemble,
-    label_of,
-    oil_a,
-    white_oil,
-)
+from .transitions import Tested, celsius_of, end_of, ensemble, label_of, oil_a, white_oil
 
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # duration of the whole test [s], which is not published
 _CHOSEN = 2  # index of the duration that is shown

@@ -12,14 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline import Sweep
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    house_style,
-)
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.scene.written import with_fidelity
 from tribo import ConvergenceError, Fidelity, simulate, warnings

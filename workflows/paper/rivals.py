@@ -13,14 +13,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline import Conditions, Sweep
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    house_style,
-)
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from tribo import Cylinder, lubrication_regime
 from tribo.types import Array

@@ -12,14 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline import Sweep
-from pipeline.figures.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    house_style,
-)
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.scene.declare import table_of
 from pipeline.scene.format import RandomSurface

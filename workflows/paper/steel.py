@@ -12,13 +12,7 @@ from matplotlib.figure import Figure
 
 from pipeline import Sweep, vary
 from pipeline.cli.output import run_line
-from pipeline.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    VERMILION,
-    house_style,
-)
+from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import known_critical_temperature
 from tribo.simulation import contacts, heated

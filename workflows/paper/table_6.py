@@ -17,15 +17,7 @@ from tribo.types import Array
 from .publication import ROOM_CELSIUS, TABLE_4, TABLE_6
 from .report import Report, agree, line, mean, texts
 from .study import Study
-from .transitions import (
-    HIGHEST,
-    SPREAD,
-    celsius_of,
-    draw_beside,
-    ensemble,
-    label_of,
-    oil_a,
-)
+from .transitions import HIGHEST, SPREAD, celsius_of, draw_beside, ensemble, label_of, oil_a
 
 _LIKE = 0.15  # relative difference of rises that are called alike
 _DECISIVE = 3.0  # ratio of misfits above which the worse reading is rejected

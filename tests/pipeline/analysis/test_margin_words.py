@@ -4,9 +4,7 @@ import pytest
 
 import pipeline
 from pipeline.analysis.margin import percent
-from pipeline.analysis.margin_frame import (
-    LONG,
-)
+from pipeline.analysis.margin_frame import LONG
 from pipeline.analysis.rise_error import RiseError
 from tests.helpers import synthetic
 

@@ -12,14 +12,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.points import run_point
-from tests.helpers.stores import (
-    assert_is_as_computed,
-    commit,
-    fail,
-    killed_after,
-    opened,
-    record,
-)
+from tests.helpers.stores import assert_is_as_computed, commit, fail, killed_after, opened, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 

@@ -9,13 +9,7 @@ from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point
-from tribo import (
-    PRESETS,
-    QUANTILES,
-    Fidelity,
-    Grid,
-    Ramp,
-)
+from tribo import PRESETS, QUANTILES, Fidelity, Grid, Ramp
 from tribo.simulation import Trunks, contacts
 
 SWEEP = changed(

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import last, small_scene
-from tribo import (
-    MeasuredRoughness,
-    measures,
-    simulate,
-)
+from tribo import MeasuredRoughness, measures, simulate
 
 
 def test_every_state_carries_its_load_and_the_time_of_the_ramp():
