@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -169,8 +170,13 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     Contact fields, and data of a store, are read only when used. Time, load and distance of each
     step, which a store has only once, are repeated for every point.
     """
-    if not isinstance(source, xr.Dataset):
+    if isinstance(source, str | os.PathLike):
         return _per_point(open_sweep(source))
+    if not isinstance(source, xr.Dataset):
+        raise InputError(
+            f"a sweep cannot be a {type(source).__name__}; give a dataset of pipeline.open_sweep, "
+            "or the path of a store"
+        )
     axes = [str(dim) for dim in source.dims if dim in source.coords and dim not in source.indexes]
     for dim in axes:  # interp drops indexes beside a coordinate that is no number
         source = source.set_xindex(dim)

@@ -125,7 +125,8 @@ def _with_both_axes(ds: xr.Dataset) -> xr.Dataset:
 
 def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
     """Variable `name` of a dataset; `InputError` if it has lost an axis, or its numbers."""
-    given, axes = ds.variables[name], {*ds["status"].dims, *_INNER}
+    given = ds.variables[name]
+    axes = ({*ds["status"].dims} - {*_INNER}) | {*VARIABLES[name].dims}
     wanted = {*VARIABLES[name].dims} & {*ds.dims}
     for words, dims in (("lost its axis", wanted - {*given.dims}), ("also", {*given.dims} - axes)):
         if dims:
@@ -133,6 +134,8 @@ def _checked(ds: xr.Dataset, name: str) -> xr.Variable:
                 f"{name} of the dataset has {words} {min(map(str, dims))}; take it as "
                 "pipeline.open_sweep gives it"
             )
+    if given.dtype.kind == "c":
+        raise InputError(f"{name} of the dataset is complex; take its real part")
     if given.dtype.kind == "O" and name != "message":
         try:
             return given.astype(float)

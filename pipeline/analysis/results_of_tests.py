@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.place import StoreError
 from pipeline.store.read import open_tests
-from pipeline.store.schema import AT_TESTS, DONE, PLANE, test_variable
+from pipeline.store.schema import AT_TESTS, DONE, MADE, PLANE, STEPPED, TEST_STEP, test_variable
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots
@@ -22,6 +22,7 @@ from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.stations import load_that_counts
 from tribo.types import Array
 
+_INNER = (TEST_STEP, "bulk_ratio", "cooler_share")
 ABSENT = -1
 """Status of the point of a test that the dataset does not have."""
 
@@ -81,8 +82,9 @@ def read_test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
     if test_variable("status") in found.variables:
         own = {test_variable(name): name for name in AT_TESTS}
         held = {own[str(k)]: one for k, one in found.variables.items() if k in own}
-    if any(one.dims[:1] != (TEST_POINT,) for one in held.values()):  # changed by the user
+    if any({*one.dims} - {TEST_POINT, *_INNER} for one in held.values()):  # changed by the user
         held = {}
+    held = {name: _with_axes(name, one) for name, one in held.items()}
     rows = dict[tuple[Any, ...], list[int]]()
     if held:
         keys = (held[name].values.tolist() for name in (SCENE_HASH, "load", "velocity"))
@@ -112,6 +114,13 @@ def read_test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
         columns={name: taken(name, math.nan) for name in columns if name not in PLANE},
         shares=np.array(found["cooler_share"].values) if held else np.empty(0),
     )
+
+
+def _with_axes(name: str, one: Any) -> Any:
+    """Variable of tests with its axes in order, also those of one value that a user took off."""
+    is_stepped = name in STEPPED or name in MADE
+    inner = (dim for dim in _INNER if dim in one.dims or (dim == TEST_STEP and is_stepped))
+    return one.set_dims((TEST_POINT, *inner))
 
 
 def _stored_tests(ds: xr.Dataset, slots: Sequence[Slot]) -> xr.Dataset:

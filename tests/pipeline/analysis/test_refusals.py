@@ -142,6 +142,11 @@ REFUSALS = {
     "lost axis": (lambda: pipeline.boundary(
                       plane().assign(status=plane()["status"].isel(load=0, drop=True))),
                   "status of the dataset has lost its axis load"),
+    "complex": (lambda: pipeline.boundary(
+                    plane().assign(rise_quantile=plane()["rise_quantile"] + 1j)),
+                "rise_quantile of the dataset is complex; take its real part"),
+    "no dataset": (lambda: pipeline.boundary(plane()["status"]),
+                   "a sweep cannot be a DataArray; give a dataset of pipeline.open_sweep"),
     "text": (lambda: pipeline.boundary(
                       plane().assign(rise_quantile=plane()["rise_quantile"].astype(object)
                                      .where(False, "x"))), "rise_quantile of the dataset is no n"),
@@ -185,7 +190,7 @@ REFUSALS = {
 ELSEWHERE = {
     "margin_frame.margin InputError": "test_at.py",
     "until._entry InputError": "test_budget.py",
-    "until._log_rise InputError": "tells an error of a simulation, which nothing here provokes",
+    "until._simulated InputError": "tells an error of a simulation, which nothing here provokes",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

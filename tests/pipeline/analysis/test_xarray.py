@@ -78,6 +78,7 @@ KEEPS = {
     "step": lambda ds: ds.sel(step=0),
     "step, dropped": lambda ds: ds.sel(step=0, drop=True),
     "last steps": lambda ds: ds.isel(step=slice(-2, None)),
+    "squeeze": lambda ds: ds.squeeze(),
     "transpose": lambda ds: ds.transpose("step", "velocity", "load", ...),
     "reindex": lambda ds: ds.reindex(velocity=ds["velocity"].values[::-1]),
     "reindex_like": lambda ds: ds.reindex_like(ds),
@@ -193,6 +194,7 @@ BREAKS = {
         "rise_quantile of the dataset has lost its axis cooler_share"),
     "text": (lambda ds: ds.assign(rise_quantile=ds["rise_quantile"].astype(str).astype(object)
                                   .where(False, "x")), "rise_quantile of the dataset is no number"),
+    "broadcast": (lambda ds: ds.broadcast_like(ds), "status of the dataset has also"),
     "more": (lambda ds: ds.assign(rise_quantile=ds["rise_quantile"].expand_dims(k=2)),
              "rise_quantile of the dataset has also k"),
 }  # fmt: skip

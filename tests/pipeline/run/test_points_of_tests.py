@@ -191,6 +191,8 @@ TAKEN = {
     "joined": lambda ds, path: xr.concat([ds.isel(velocity=[k]) for k in (0, 1)], "velocity"),
     "interpolated": lambda ds, path: ds.interp(load=[400.0]),
     "where": lambda ds, path: ds.where(ds["velocity"] > 0),
+    "squeezed": lambda ds, path: ds.squeeze(),
+    "transposed": lambda ds, path: ds.transpose(),
     "several frictions": lambda ds, path: pipeline.at(ds, friction=[0.1, 0.2]),
 }
 
