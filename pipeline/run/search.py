@@ -171,6 +171,9 @@ class Search:
         for load in self._searched:
             if not np.isfinite(self.critical[load]):
                 continue
+            if self._specimen.is_alone[load]:
+                found[load] = 2  # or its own points do not count
+                continue
             count = int(np.isfinite(self._rises[:, load]).any(axis=1).sum())
             surface, between = self.errors[SURFACE, load], self._between(load)
             bound = math.sqrt(max(self.goal.left**2 - between**2, 0.0))
@@ -200,12 +203,13 @@ class Search:
         shares = [patches_share(n, *kind) for n in (self.goal.patches, counts)]
         sure = np.where(counts < self.goal.patches, _UNSURE, 1.0)
         parts[SURFACE] *= shares[0] / shares[1] / sure if self.goal.counts_surface else 0.0
-        whole = np.sqrt(np.square(parts).sum(axis=0))[np.isfinite(self.critical[self._searched])]
-        if not whole.size:
+        counts_own = np.isfinite(self.critical) & ~self._specimen.is_alone
+        (known,) = np.nonzero(counts_own[self._searched])
+        if not known.size:
             return 0.0, 0
-        crossed = np.flatnonzero(np.isfinite(self.critical[self._searched]))
+        whole = np.sqrt(np.square(parts[:, known]).sum(axis=0))
         worst = int(np.argmax(whole))
-        return float(whole[worst]), self._searched[int(crossed[worst])]
+        return float(whole[worst]), self._searched[int(known[worst])]
 
     def _between(self, load: int) -> float:
         """Error by points left out at a load, and at those beside that are interpolated from it."""

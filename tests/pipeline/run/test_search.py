@@ -182,3 +182,17 @@ def test_one_load_and_two():
         assert np.isfinite(search.critical).sum() == sum(
             bool(len(specimen.crossings(load)[0])) for load in specimen.loads
         )
+
+
+def test_a_goal_within_reach_is_not_refused_where_a_load_has_just_begun():
+    begun = 0
+    for seed in range(4):
+        specimen = Specimen(seed, loads=12)
+        search = specimen.search(0.012, promised=0.008)
+        while batch := search.ask():
+            if search.is_first_patch_done:
+                begun += (search.asked.sum(axis=(0, 2)) > 0).sum() > 5
+                assert search.best()[0] <= search.goal.accuracy
+            deviations = np.full(len(batch), specimen.scatter)
+            search.tell(batch, np.array([specimen.rise(place) for place in batch]), deviations)
+    assert begun > 4
