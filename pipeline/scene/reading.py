@@ -193,7 +193,7 @@ def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Co
     values = {name: entry_at(scene, path) for name, path in PATHS.items()} | _bulks_of(scene)
     values["criterion"] = criterion_of(rule or values["criterion"], values.pop("share"))
     values["corrections"] = corrections_of(scene, made.pin, made.disk, made.motion)
-    # A store of an earlier version may lack an entry.
+    # Of a scene without [model], the rise beside it has its default.
     known = {name: one for name, one in values.items() if one is not None}
     return Conditions(**known).under(made.loading)
 
