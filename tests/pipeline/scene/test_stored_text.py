@@ -24,6 +24,7 @@ from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import rows
 from tests.helpers.scenes import SCENE, STEEL
+from tests.helpers.stores import places
 
 
 def back(sweep):
@@ -43,14 +44,6 @@ def test_a_shipped_scene_comes_back_equal(name):
 
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
 SCANNED = tribo.MeasuredRoughness(1e-7 * np.random.default_rng(0).standard_normal((32, 16)))
-
-
-def places(data, path=()):
-    """Paths of all values within plain data."""
-    yield path
-    if isinstance(data, dict | list):
-        for key, inner in data.items() if isinstance(data, dict) else enumerate(data):
-            yield from places(inner, (*path, key))
 
 
 FORGED = st.sampled_from(

@@ -15,7 +15,7 @@ from pipeline.store.place import ROOT
 from pipeline.store.root import Root
 from pipeline.store.schema import path_of
 from tests.helpers import tiny
-from tests.helpers.stores import commit, contents
+from tests.helpers.stores import commit, contents, places
 
 SWEEP = tiny.full()
 JSON = st.recursive(
@@ -28,14 +28,6 @@ JSON = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
     max_leaves=5,
 )
-
-
-def places(value, path=()):
-    """Yield the paths of all values in a nested document, the whole one included."""
-    yield path
-    if isinstance(value, dict | list):
-        for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-            yield from places(inner, (*path, key))
 
 
 def edited(text, path, new):
