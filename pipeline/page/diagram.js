@@ -44,15 +44,16 @@ function drawDiagram() {
 function drawnBoundary(frame) {
   if (!isJudged()) return [];
   const [x, y] = [content.fine.velocity.map(frame.x), content.fine.load.map(frame.y)];
-  const shades = regions().map(([look, ...grids]) => svg("path", { class: look, d: contour(x, y, grids) }));
-  const line = (/** @type {string} */ name, /** @type {number[][]} */ grid) =>
-    svg("path", { class: name, d: contour(x, y, [grid], true) });
+  const line = (/** @type {string} */ look, /** @type {number[][]} */ grid) =>
+    [look, contour(x, y, [grid], true)];
   const frictions = (content.friction_band ?? []).map((friction) =>
     line("friction", excess({ ...chosen.conditions, friction })));
   const hasTests = content.measured.some(({ friction }) => friction !== null);
-  const tested = !hasTests ? [] : ["tested-band", "tested-line", "tested-band"].map((name, k) =>
-    line(name, excess(chosen.conditions, (place) => levelAt(place, k))));
-  return [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions))];
+  const tested = !hasTests ? [] : ["tested-band", "tested-line", "tested-band"].map((look, k) =>
+    line(look, excess(chosen.conditions, (place) => levelAt(place, k))));
+  const shades = regions().map(([look, ...grids]) => [look, contour(x, y, grids)]);
+  const shapes = [...shades, ...frictions, ...tested, line("boundary", excess(chosen.conditions))];
+  return shapes.filter(([, d]) => d).map(([look, d]) => svg("path", { class: look, d }));
 }
 
 /** Regions where the next run is mild, severe or not decided: CSS class, and grids that are positive there.

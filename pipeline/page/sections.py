@@ -102,6 +102,9 @@ def _plain(line: str) -> str:
 
 def _answer(data: Results) -> Iterator[str]:
     """Yield sentences on the criterion of severe wear and a further run, then warnings."""
+    if data.conditions.critical_temperature is None:
+        yield "not known: the scene has no critical temperature"
+        return
     yield judged_by((one.conditions for one in data.scenes), data.told_tests)
     if data.kind is Layout.PLACES:
         yield counts_in_words(margin(data))

@@ -14,7 +14,7 @@ function table(heads, rows, words = 0) {
 
 /** Outcome along an axis in words. @param {AxisName} axis @param {number} at on the other axis */
 function outcomeText(axis, at) {
-  return content.outcomes[axis][turnAt(axis, at, chosen.conditions).outcome];
+  return isJudged() ? content.outcomes[axis][turnAt(axis, at, chosen.conditions).outcome] : "not known";
 }
 
 /** Critical velocities at the loads: computed, then 50, 5 and 95 % likely with tests. */

@@ -13,6 +13,7 @@ import pipeline
 from pipeline.page.content import content
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers import synthetic
+from tests.helpers.javascript import run
 
 OWN = synthetic.conditions()
 
@@ -44,7 +45,9 @@ def test_a_duty_that_cannot_be_judged_is_named_and_the_others_are_shown(tmp_path
 def test_without_a_critical_temperature_a_page_says_what_is_not_known(tmp_path):
     ds = synthetic.sweep(conditions=replace(OWN, critical_temperature=None))
     text = text_of(ds, tmp_path)
-    assert "Not known: " in text
+    assert "Not known: the scene has no critical temperature." in text
+    told = run(ds, "return content.loads.map((load) => outcomeText('velocity', load));")
+    assert {*told} == {"not known"}
     assert "pin.radius" in text
 
 
