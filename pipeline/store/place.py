@@ -162,7 +162,10 @@ class Bucket:
     def keys(self) -> set[str]:
         """Names of all objects of the store."""
         system, above = self._opened()
-        return {name.removeprefix(above) for name in system.find(above)}
+        names = {name.removeprefix(above) for name in system.find(above)}
+        if not names and self.has(ROOT):  # by the web servers of most sites
+            raise StoreError(f"{self} does not list its files; copy the store to a folder here")
+        return names
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import threading
 import zipfile
+from contextlib import contextmanager
 
 import fsspec
 import numpy as np
@@ -384,22 +385,43 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, tmp_path):
-    right = pipeline.boundary(copy)
-    handler = functools.partial(Quiet, directory=copy.parent)
+class Unlisted(Quiet):
+    """Serves files, and lists none."""
+
+    def list_directory(self, _):
+        self.send_error(404)
+
+
+@contextmanager
+def web(handler, folder):
+    """Context manager: the address of a folder on a web server of this machine."""
+    handler = functools.partial(handler, directory=folder)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, tmp_path):
+    right = pipeline.boundary(copy)
+    with web(Quiet, copy.parent) as address:
         places = (
             shutil.make_archive(tmp_path / "content", "zip", copy),
             shutil.make_archive(tmp_path / "inside", "zip", copy.parent, copy.name),
-            f"http://127.0.0.1:{server.server_port}/{copy.name}",
+            f"{address}/{copy.name}",
         )
         for place in places:
             xr.testing.assert_identical(pipeline.boundary(place), right)
             assert verify_store(place) == verify_store(copy)
             with pytest.raises(StoreError, match="can only be read; write to a folder, or to an s"):
                 commit(place, LARGER, [ADDED])
-        server.shutdown()
+
+
+def test_a_web_server_that_lists_no_files_is_named_and_not_called_damage(copy):
+    with web(Unlisted, copy.parent) as address:
+        for ask in (pipeline.boundary, verify_store):
+            with pytest.raises(StoreError, match="does not list its files; copy the store to a f"):
+                ask(f"{address}/{copy.name}")
 
 
 def test_a_name_that_is_too_long_is_a_store_error(tmp_path):
