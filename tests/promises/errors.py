@@ -303,10 +303,12 @@ def constants(rows, places):
 
 
 def fine_apart(row):
-    """Relative differences of rises by `fine` from those by `reference`, at some points."""
+    """Relative differences of `fine` from `reference`, at some points without a warning of it."""
     names = ("loads", 2), ("velocities", 3)
     at = np.ix_(*(np.isin(row[f"all_{name}"], row[name][1::step]) for name, step in names))
-    return (np.array(row["fine"][USUAL])[at] / np.array(row["reference"][USUAL]) - 1).ravel()
+    apart = np.array(row["fine"][USUAL])[at] / np.array(row["reference"][USUAL]) - 1
+    is_clean = np.array(row["fine"]["flags"], int)[at] & ~int(WarningKind.PRESENT_HEAT) == 0
+    return apart[is_clean]
 
 
 def too_warm(row):
