@@ -113,10 +113,11 @@ def gap_bounds(x: Array, y: Array) -> Array:
     """
     widths = np.diff(x)
     least = np.full_like(widths, LEAST_BENT if len(x) > 2 else UNSEEN_BENT) * widths**2 / 8
+    rough = ROUGH_GAP * widths
     if len(x) < 3:
-        return np.asarray(np.hypot(least, ROUGH_GAP))
+        return np.asarray(np.hypot(least, rough))
     between = Curve(np.exp(x), np.exp(y))(np.exp(x[:-1] + widths / 2))
     bows = np.abs(np.log(between) - (y[:-1] + y[1:]) / 2)
     bounds = np.maximum(bows, least)
     bounds[1:-1] /= 2
-    return np.asarray(np.hypot(bounds, ROUGH_GAP))
+    return np.asarray(np.hypot(bounds, rough))
