@@ -39,7 +39,7 @@ RULES = (
     Derived("friction", ("friction_torque", "load", "track_radius"), lambda m, F, r: m / F / r),
 )  # fmt: skip
 """Rules in order of priority: a quantity is computed by its first rule whose inputs are known."""
-INGREDIENTS = {name for rule in RULES for name in rule.inputs} - {*UNITS}
+INGREDIENTS = [*dict.fromkeys(x for rule in RULES for x in rule.inputs if x not in UNITS)]
 
 
 class Patterns(NamedTuple):

@@ -364,6 +364,8 @@ ALIKE = {
     "one letter each": "t;F;v;n;T;µ;i.O.\n0;400;2;100;60;0,1;ja\n1;500;2;100;60;0,1;nein\n",
     "without units": "Kraft,Last,Drehzahl,Gleitgeschwindigkeit,Öltemperatur,Reibwert,Befund\n"
     "400,401,100,2,60,0.1,gut\n500,501,100,2,60,0.1,Fresser\n",
+    "two bodies": "Fn [N],Ball Speed [m/s],Disc Speed [m/s],Friction torque [N m],Track radius [mm]"
+    ",Result\n400,0.5,1.5,0.8,20,ok\n500,0.5,1.5,1,20,scuffed\n",
 }
 
 
