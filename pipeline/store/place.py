@@ -110,6 +110,10 @@ class Folder:
         return {path[start:].replace(os.sep, "/") for path in paths}
 
 
+# Errors of fsspec for a missing object; older versions of it raise the last for a zip file.
+_MISSING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
+
+
 @dataclass(frozen=True)
 class Bucket:
     """Place of a store: an address of an object store, such as ``s3://bucket/sweep.zarr``."""
@@ -123,7 +127,12 @@ class Bucket:
         """Read-only Zarr store of the objects."""
         from zarr.storage import FsspecStore
 
-        return FsspecStore.from_url(self.address, read_only=True, storage_options=self._options)
+        return FsspecStore.from_url(
+            self.address,
+            read_only=True,
+            allowed_exceptions=_MISSING,
+            storage_options=self._options,
+        )
 
     @property
     def is_written(self) -> bool:
@@ -146,7 +155,7 @@ class Bucket:
     def read(self, key: str) -> bytes | None:
         """Content of the object `key`; None if there is no such object."""
         system, above = self._opened()
-        with suppress(FileNotFoundError):
+        with suppress(*_MISSING):
             return bytes(system.cat_file(above + key))
         return None
 

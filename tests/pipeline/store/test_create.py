@@ -417,6 +417,16 @@ def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, 
                 commit(place, LARGER, [ADDED])
 
 
+@pytest.mark.parametrize("form", [2, 3])
+def test_a_zip_file_that_xarray_wrote_is_read_as_a_copy(copy, tmp_path, form):
+    ds = xr.open_zarr(copy, chunks=None).drop_encoding()
+    ds.to_zarr(tmp_path / "a.zarr", zarr_format=form, consolidated=False)
+    written = shutil.make_archive(tmp_path / "a", "zip", tmp_path / "a.zarr")
+    found = pipeline.boundary(written)["critical_velocity"]
+    np.testing.assert_array_equal(found, pipeline.boundary(copy)["critical_velocity"])
+    assert summary(written).done == 9
+
+
 def test_a_web_server_that_lists_no_files_is_named_and_not_called_damage(copy):
     with web(Unlisted, copy.parent) as address:
         for ask in (pipeline.boundary, verify_store):
