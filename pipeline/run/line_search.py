@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 
+from pipeline.analysis.curve import Curve
 from pipeline.analysis.left_out import gap_bounds
 from pipeline.constants import CURVATURE, FLATTEST, RISE_SLOPES, ROUGH_LINE, STEEPEST
 from tribo.types import Array, Indices, Mask
@@ -68,11 +69,9 @@ class Line:
         low, high = np.sort([ends[0].max(axis=0), ends[1].min(axis=0)], axis=0)
         middle = (low + high) / 2
         if len(x) > 1:
-            from scipy.interpolate import PchipInterpolator  # 0.2 s, which whole planes save
-
             # A monotone cubic, with the mean slope beyond the computed points.
             inner, mean = np.clip(at, x[0], x[-1]), (heat[-1] - heat[0]) / (x[-1] - x[0])
-            cubic = PchipInterpolator(x, heat)(inner) + mean * (at - inner)
+            cubic = np.log(Curve(np.exp(x), np.exp(heat))(np.exp(inner))) + mean * (at - inner)
             middle = np.clip(cubic, low, high)
             off = ROUGH_LINE + CURVATURE * _bow(x, at)
             low, high = np.maximum(low, middle - off), np.minimum(high, middle + off)
