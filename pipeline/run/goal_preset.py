@@ -23,6 +23,7 @@ from tribo.simulation import forget_contacts
 
 _WORTH = 0.8  # costs below this share of those of a faster preset choose a slower one
 _DEARER = 1.7  # least ratio of a point's times by a preset and a faster one; 1.7 to 7 as shipped
+_ROOM = 4  # patches of a new store; a chunk has as many, where it has room for them
 _NEAR = 0.1  # error of a crossing beside which heat is looked at
 
 
@@ -59,7 +60,7 @@ def begin_goal(
     words += ", in place of the scene's own [fidelity]" * (sweep.preset is None)
     report(Progress(words))
     patches = before.variants.axes.get("realization", ()) if before else ()
-    return Searches(chosen, accuracy, patches=max(len(patches), 4))
+    return Searches(chosen, accuracy, patches=max(len(patches), _ROOM))
 
 
 def goal_presets(sweep: Sweep) -> tuple[Sweep, ...]:
