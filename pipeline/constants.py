@@ -46,8 +46,8 @@ BETWEEN = 3.5
 """Bound of the interpolation error, over the root mean square error at points left out.
 
 Both errors are for the same gap, the ratio of the neighbouring loads. They grow in proportion to
-ln(gap), as the rise is rough at these distances. On 20 scenes the bound holds at 99.8 % of loads
-between those of `fine`, on 14 others at 99.5 %.
+ln(gap), as the rise is rough at these distances. On 24 scenes the bound holds at 99.8 % of loads
+between those of `fine`, on 20 others at 99.3 %.
 Found by `python -m tests.promises.errors`.
 """
 BETWEEN_LOADS = 2.5
@@ -143,8 +143,8 @@ It is 0.2 %. Judged by `python -m pytest tests/pipeline/run/test_search.py`.
 ROUGH_GAP = 0.008
 """Part of an interpolation error between velocities by roughness, over ln of their ratio.
 
-On 20 scenes the bound, with this part, holds at 96 % of velocities between those of `fine`, on 14
-others at 97 %; in gaps below 1.5 at 95 %, in wider ones at 97 to 98 %.
+On 24 scenes the bound, with this part, holds at 96 % of velocities between those of `fine`, on 20
+others at 96 %.
 Found by `python -m tests.promises.errors`.
 """
 USUAL_TOLERANCE = 0.01
