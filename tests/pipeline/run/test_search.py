@@ -188,7 +188,7 @@ def test_a_goal_within_reach_is_not_refused_where_a_load_has_just_begun():
     begun = 0
     for seed in range(4):
         specimen = Specimen(seed, loads=12)
-        search = specimen.search(0.012, promised=0.008)
+        search = specimen.search(0.013, promised=0.008)
         while batch := search.ask():
             if search.is_first_patch_done:
                 begun += (search.asked.sum(axis=(0, 2)) > 0).sum() > 5
