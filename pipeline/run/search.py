@@ -320,7 +320,7 @@ class Search:
             column = int(np.argmin(np.where(known, away, math.inf)))
             tried = self.asked[:, load].any(axis=1)
             # The number that is needed is known the better, the more there are.
-            wanted = min(needed[load], max(2 * has.sum() + 2, needed[load] // 2)) - has.sum()
+            wanted = min(needed[load], max(2 * has.sum() + 2, needed[load] // 4)) - has.sum()
             patches = np.flatnonzero(~tried)[:wanted]
             found += [Place(patch, load, column) for patch in patches.tolist()]
         return found
