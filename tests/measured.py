@@ -208,8 +208,8 @@ ROWS = {
         "1000 × 1000 heights (8 MB, of noise) adds",
         RUN,
         "python -m tests.cluster.cheap",
-        "--points 200 --scan 1000",
-        "--points 1000 --scan 1000",
+        "--points 2000 --scan 1000",
+        "--points 10000 --scan 1000",
         scan,
     ),
     "many": Row(
