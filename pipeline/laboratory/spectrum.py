@@ -26,6 +26,7 @@ _SHORTEST = 0.5  # share of the Nyquist wavenumber up to which instruments resol
 _BANDS = 6  # bands of wavelength compared
 _NEIGHBOURS = 101  # modes whose median tells the power that is usual beside a peak
 _PEAK = 30.0  # power of a peak over the usual one; in random profiles it is 16 at most
+_FLAT = 1e-200  # least power of neighbours over the fit's, above 0
 _MODES, _MODES_OF_PROFILE = 50, 10  # least number of modes in a band
 
 
@@ -140,7 +141,8 @@ def fit_profiles(lines: Array, step: float, cutoff: float | None) -> SelfAffineF
     starts = [np.array([np.log(count * step), 0.8]) for count in (5, 50)]
     best, misfit = _fit(modes, starts, [np.log([step / 3, step * len(lines)])], _MODES_OF_PROFILE)
     ratio = modes.power / modes.spectrum(best)
-    ratio /= median_filter(ratio, _NEIGHBOURS) / np.log(2)  # of exponentially distributed power
+    # Of exponentially distributed power; it is 0 where most of a profile is flat.
+    ratio /= np.maximum(median_filter(ratio, _NEIGHBOURS), _FLAT) / np.log(2)
     if ratio.max() > _PEAK:
         highest = np.where(ratio > _PEAK, modes.power, 0.0).argmax()
         period = 2 * np.pi / float(modes.wavenumber[highest])
