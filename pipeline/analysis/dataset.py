@@ -202,7 +202,7 @@ def _require_axis(ds: xr.Dataset, name: str) -> None:
     if ds[name].dtype.kind not in "fiu" or not np.isfinite(ds[name]).all():
         raise InputError(f"the dataset has a {name} that is no finite number; drop such points")
     # Not by the index's is_unique, which threads disturb in pandas.
-    if name in ds.indexes and len(np.unique(ds[name])) < ds.sizes[name]:
+    if ds[name].dims == (name,) and len(np.unique(ds[name])) < ds.sizes[name]:
         raise InputError(
             f"the dataset has a {name} twice; keep each once, such as by "
             f"ds.drop_duplicates({name!r})"
