@@ -179,7 +179,8 @@ class _Runs:
     sweep: Sweep
     presets: tuple[Sweep, ...]  # that a run with an accuracy may take
     seconds: dict[str | None, float]  # processor time of the same point, by preset
-    choosing: float  # processor time to choose the preset [s]
+    choosing: float  # processor time to find how heat must act [s]
+    timing: float  # further time of a run that times points to choose its preset [s]
     first: FirstPatch
     plane: Estimate  # of all points on one patch
 
@@ -188,14 +189,16 @@ class _Runs:
         began = time.process_time()
         report(Progress("how heat must act"))
         presets, seconds = goal_presets(sweep), dict[str | None, float]()
+        choosing = time.process_time() - began
         for one in presets:
             report(Progress(f"a timed point of preset {one.preset}"))
             seconds[one.preset] = seconds_of_point(one)
-        choosing = time.process_time() - began
+        timing = time.process_time() - began - choosing
         report(Progress(f"boundary of the first patch by preset {presets[0].preset}"))
         first = FirstPatch.of(presets[0], report)
         alone = sweep if why_fixed(sweep) else sweep._with_patches(1)
-        return cls(sweep, presets, seconds, choosing, first, estimate(alone, workers=1))
+        whole = estimate(alone, workers=1)
+        return cls(sweep, presets, seconds, choosing, timing, first, whole)
 
     @property
     def _patches(self) -> int:
@@ -207,13 +210,21 @@ class _Runs:
         """Runs with an accuracy that can be reached."""
         grows, least = not why_fixed(self.sweep), min(map(_promised, self.presets))
         most = MOST_PATCHES if grows else self._patches
+        timed = set[str | None]()
+
+        def seconds_of(one: Sweep) -> float:
+            timed.add(one.preset)
+            return self.seconds[one.preset]
+
         for accuracy in (one for one in GOALS if one > least):
-            chosen = choose_preset(self.presets, accuracy, lambda one: self.seconds[one.preset])
+            timed.clear()  # nothing is timed where a slower preset cannot pay
+            chosen = choose_preset(self.presets, accuracy, seconds_of)
             goal = Goal(accuracy, _promised(chosen), most, grows, Alone.of(chosen.scene))
             found = self.first.rehearse(goal)
             aimed = np.where(np.arange(len(found.errors)) == SURFACE, grows, 1) * found.errors
             if totals(aimed) <= accuracy:
-                yield self._choice(found, chosen.preset, self._seconds(found, chosen), accuracy)
+                seconds = self._seconds(found, chosen) + (self.timing if timed else 0.0)
+                yield self._choice(found, chosen.preset, seconds, accuracy)
 
     def planes(self) -> Iterator[Choice]:
         """Uniform planes of the scene's own numerical choices, the scene's own plane last."""
