@@ -5,7 +5,6 @@ from .analysis.budget import budget as budget
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.deciding import temperatures as temperatures
-from .analysis.difference import diff as diff
 from .analysis.inferred import infer as infer
 from .analysis.margin import Margin as Margin
 from .analysis.margin_frame import margin as margin

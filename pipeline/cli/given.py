@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,6 @@ from pipeline.scene.reference import FILES
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from pipeline.sweep.variants import dimension_of
 from tribo import Fidelity, InputError
 
 if TYPE_CHECKING:
@@ -156,14 +155,7 @@ def stored_tests_of(sweep: Sweep) -> str | None:
     return str(path) if path.is_dir() else None
 
 
-def dataset_in(
-    options: argparse.Namespace, ds: xr.Dataset | None = None, foreign: Collection[str] = ()
-) -> xr.Dataset:
-    """Dataset `ds`, by default of the command's store, under the conditions in the options.
-
-    Values of --at for dimensions in `foreign`, which only another store has, are left out.
-    """
-    ds = pipeline.open_sweep(options.store) if ds is None else ds
-    entries = {path: value for path, value in options.at if dimension_of(path) not in foreign}
+def dataset_in(options: argparse.Namespace) -> xr.Dataset:
+    """Dataset of the command's store, under the conditions in the options."""
     flags = values_in(options, "without_tests", "exact")
-    return pipeline.at(ds, **conditions_in(options), **flags, **entries)
+    return pipeline.at(options.store, **conditions_in(options), **flags, **dict(options.at))

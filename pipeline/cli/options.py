@@ -111,7 +111,6 @@ ACCURACY = value(
 STORE = value(
     "store OUT.zarr", "store that irg run has made, or the name of its scene", values.stored
 )
-OTHER_STORE = value("other OTHER.zarr", "store to compare with the first", values.stored)
 STORE_OR_FOLDER = STORE.but(
     nargs="?", default=Path("results"),
     help="store that irg run has made, or a folder of stores; default: results",

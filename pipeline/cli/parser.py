@@ -58,12 +58,6 @@ COMMANDS = (
         (o.STORE, *o.PLACE, *o.OF_MARGIN, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
     ),
     Command(
-        "diff", "stores:diff",
-        "differences between two stores: of scenes, boundaries and points",
-        "results/scene.zarr results/other.zarr",
-        (o.STORE, o.OTHER_STORE, o.AT, o.TABLE, o.CRITERION),
-    ),
-    Command(
         "vary", "studies:vary",
         "find the boundary for each value of some inputs, one input at a time",
         "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",

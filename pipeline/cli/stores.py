@@ -1,4 +1,4 @@
-"""The commands ``irg status``, ``irg verify`` and ``irg diff``."""
+"""The commands ``irg status`` and ``irg verify``."""
 
 from __future__ import annotations
 
@@ -8,17 +8,13 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
-from pipeline.analysis.dataset import entry_dims
 from pipeline.analysis.tables import frame_of, records, short
-from pipeline.cli.given import dataset_in
-from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working, wrapped
+from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
 from pipeline.store.checks import states
 from pipeline.store.place import REMEDY, ROOT, StoreError
 from pipeline.store.progress import Summary
-from pipeline.sweep.conditions import DIMENSIONS
 from pipeline.sweep.selection import error_in_words
 
-_MOST_POINTS = 10  # points printed; a file has all
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
 
@@ -108,34 +104,3 @@ def verify(options: argparse.Namespace) -> Result:
         return Result(document, text, pipeline.warned(options.store), [frame])
     text.append(REMEDY)
     return Result(document, text, frames=[frame], code=SOME_FAILED)
-
-
-def diff(options: argparse.Namespace) -> Result:
-    """Answer ``irg diff``: compare entries, boundaries and points of two stores."""
-    held = [pipeline.open_sweep(path) for path in (options.store, options.other)]
-    own = [{*entry_dims(ds), *DIMENSIONS} for ds in held]
-    stores = [dataset_in(options, ds, b - a) for ds, a, b in zip(held, own, own[::-1], strict=True)]
-    between = pipeline.diff(*stores)
-    entries, crossings, points = between.entries, between.boundary, between.points
-    changes = points["change [%]"].dropna().abs()
-    both = int((points[["state a", "state b"]] == "done").all(axis=1).sum())
-    unlike = f" (by up to {changes.max():.2g} % of the rise)" if len(changes) else ""
-    text = [
-        *(f"A {options.store}", f"B {options.other}", ""),
-        entries if len(entries) else "their scenes are equal",
-        "",
-        short(crossings)
-        if len(crossings)
-        else "no boundaries to compare: no common load, or no critical temperature",
-        "",
-        f"points: {between.alike} alike, {both} different{unlike}, {len(points) - both} done in "
-        "only one store",
-    ]
-    if len(points):
-        rise = "rise: highest temperature rise in the contact at the point's end, at friction 1"
-        text += [short(points.head(_MOST_POINTS)), rise]
-    if len(points) > _MOST_POINTS:
-        text.append(f"{len(points) - _MOST_POINTS} more points; -o TABLE.csv writes all")
-    for name, ds in zip("AB", stores, strict=True):
-        text += wrapped(f"{name}: {line}" for line in pipeline.warned(ds).lines())
-    return Result(text=text, frames=[entries, crossings, points])

@@ -128,14 +128,12 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     assert table["distance [K]"].to_list() == [one["distance [K]"], other["distance [K]"]]
 
 
-def test_figures_and_pages_show_each_value_or_ask_for_one(swept, alone, folder, irg):
+def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     (legend,) = pipeline.plot(pipeline.at(swept, friction=0.12), "diagram").legends
     assert [text.get_text() for text in legend.get_texts()][:2] == list(RADII)
     assert "friction 0.12, bulk 25" in legend.get_title().get_text()
-    for words in (("plot", "--kind", "temperature"), ("diff", swept)):
-        said = irg(words[0], swept, *words[1:], code=2)
-        assert 'take one of each: --at "pin_radius=..."' in said
-    irg("diff", swept, alone, "--at", "pin.radius=2 mm")
+    said = irg("plot", swept, "--kind", "temperature", code=2)
+    assert 'take one of each: --at "pin_radius=..."' in said
     with pytest.raises(InputError, match="the sweep has no realization 1"):
         pipeline.run_point(load(folder, OVER + "\nrealizations = 2"), 600.0, 1.5, realization=1)
     irg("explore", swept, "-o", folder / "p.html")

@@ -166,7 +166,6 @@ def test_answers_come_from_a_store_that_has_the_name_alone(folder, laws, irg):
     assert end["wear_volume"].item() == tribo.measures(sweep.scene, state)["wear_volume"]
     assert "critical" in irg("boundary", "own.zarr")
     assert "severe wear is" in irg("margin", "own.zarr", *PLACE)
-    assert irg("diff", "own.zarr", "own.zarr")
     with pytest.raises(tribo.InputError, match="laws:Fading is a Python object"):
         stored.wear.over(0.0, 1.0, 5e8, 1.0)
     with pytest.raises(tribo.InputError, match="laws:Blunt is a Python object"):

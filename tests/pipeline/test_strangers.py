@@ -142,7 +142,6 @@ READING = [
     ["margin", "--points", "duty.csv"],
     ["plot", "-o", "out.png"],
     ["explore", "-o", "out.html"],
-    ["diff", "small.zarr"],
 ]
 
 

@@ -161,8 +161,6 @@ REFUSALS = {
     "shares": (lambda: pipeline.temperatures(plane().isel(cooler_share=[0])),
                "the dataset has 1 of 30 shares"),
     "no plane": (lambda: pipeline.boundary(places()), "so there is no plane"),
-    "pins": (lambda: pipeline.diff(pins(), plane()), "the sweep has several values of pin"),
-    "places": (lambda: pipeline.diff(places(), plane()), "so there is no plane of them"),
     "renamed": (lambda: pipeline.boundary(plane().rename(load="F")), "the dataset has no load;"),
     "emptied": (lambda: pipeline.boundary(plane().isel(velocity=[])), "has no velocity left"),
     "no number": (lambda: pipeline.boundary(plane().assign_coords(load=[*range(11), float("nan")])),
