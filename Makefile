@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference notebooks docs test lowest javascript slow promises crash cluster many measured bench bench-peers release clean
+.PHONY: help diagram gallery reference notebooks docs test lowest slow promises crash cluster many measured bench bench-peers release clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -47,11 +47,6 @@ test: .venv/test      ## style, types, import rules, the test suite; prints the 
 	PYTHONDONTWRITEBYTECODE= OMP_NUM_THREADS=1 \
 	    $(BIN)/python -m pytest --numprocesses 3 --dist loadfile --no-loadscope-reorder --durations=25
 	$(BIN)/python -m tests.house
-
-javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
-	mkdir -p .venv/javascript
-	cp tests/pipeline/page/javascript/package.json .venv/javascript
-	npm install --silent --no-audit --no-fund --prefix .venv/javascript
 
 lowest:               ## install the lowest versions that are declared, and run the test suite
 	test -x .venv-lowest/bin/python || $(PYTHON) -m venv .venv-lowest

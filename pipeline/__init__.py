@@ -23,7 +23,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`, `budget`,
   `warned`, `vary`, `infer`
 - accuracy: `trade`
-- figures: `plot`, `explore`
+- figures: `plot`
 - quantities: `surface_statistics`, `to_si`
 - errors: `SceneFileError`, `StoreError`, `StoreMismatchError`, `ExecutionError`
 
@@ -31,25 +31,6 @@ They are listed in ``__init__.pyi``. Each is loaded when it is first used, so th
 the package costs next to nothing.
 """
 
-from importlib import import_module
-from typing import Any
-
 import lazy_loader
 
-from pipeline import extras
-
-_named, _, _names = lazy_loader.attach_stub(__name__, __file__)
-__all__ = [name for name in _names if name not in extras.absent()]
-
-
-def __dir__() -> list[str]:
-    return [*__all__]
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name of `pipeline`, or an optional part, when it is first used."""
-    if name in extras.absent():
-        raise AttributeError(f"{__name__} has no {name}: the folder of that extra is not there")
-    if name in extras.present() and name not in __all__:
-        return import_module(f"{__name__}.{name}")
-    return _named(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -12,7 +12,6 @@ from .analysis.reading import results as results
 from .analysis.warned_points import warned as warned
 from .figures.plot import plot as plot
 from .laboratory.scan import surface_statistics as surface_statistics
-from .page.explore import explore as explore
 from .run.sweep import run_sweep as run_sweep
 from .run.work import ExecutionError as ExecutionError
 from .scene.faults import SceneFileError as SceneFileError

@@ -8,7 +8,6 @@ import pandas as pd
 import xarray as xr
 
 import pipeline  # each function is imported on first use
-from pipeline import extras
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from pipeline.analysis.margin_frame import Points
     from pipeline.analysis.warned_points import Warned
     from pipeline.figures.plot import Kind, PlotOptions
-    from pipeline.page.explore import Page
 
 
 @xr.register_dataset_accessor("irg")  # type: ignore[no-untyped-call]
@@ -35,7 +33,7 @@ class Answers:
     >>> import pipeline
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> ds.irg
-    ds.irg: at, boundary, budget, end_of_point, explore, margin, plot, temperatures, warned
+    ds.irg: at, boundary, budget, end_of_point, margin, plot, temperatures, warned
     >>> ds.irg.at(friction=0.12).irg.margin("400 N", "1.4 m/s").verdict
     'not decided'
     """
@@ -44,7 +42,7 @@ class Answers:
         self._ds = ds
 
     def __dir__(self) -> list[str]:
-        return [name for name in vars(Answers) if not name.startswith("_") and name not in _ABSENT]
+        return [name for name in vars(Answers) if not name.startswith("_")]
 
     def __repr__(self) -> str:
         return f"ds.irg: {', '.join(sorted(self.__dir__()))}"
@@ -97,10 +95,3 @@ class Answers:
     ) -> Figure | Path:
         """Draw a figure; see `pipeline.plot`."""
         return pipeline.plot(self._ds, kind, out, **options)
-
-    def explore(self, out: str | Path, **options: Any) -> Page:
-        """Write a page with sliders; see `pipeline.explore`."""
-        return pipeline.explore(self._ds, out, **options)
-
-
-_ABSENT = extras.absent()

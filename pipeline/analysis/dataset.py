@@ -276,7 +276,7 @@ def require_kind(kind: Layout, *kinds: Layout) -> None:
 
 _NO_PLANE = {
     Layout.PLACES: "each row of the sweep has its own load and velocity, so there is no plane of "
-    "them; irg margin and explore answer row by row",
+    "them; irg margin answers row by row",
 }
 
 

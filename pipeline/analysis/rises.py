@@ -200,10 +200,6 @@ class Rises:
         """
         return self._turns(axis, places, np.array(self.limit), self._is_certain)
 
-    def turns_by_limit(self, axis: str, places: Array, limits: Array) -> Turns:
-        """As `turns`, for m limits [K] at once (k, m), but each line ends where its points do."""
-        return self._turns(axis, places, limits, self._is_within)
-
     def _turns(
         self, axis: str, places: Array, limits: Array, reaches: Callable[[Array], Mask]
     ) -> Turns:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import itertools
 import json
 import math
@@ -94,21 +93,6 @@ def _broken(text: str, width: int) -> list[str]:
     if len(text) <= width:  # the wrapping is slow
         return [text] * bool(text)
     return textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False)
-
-
-def html_of(frame: pd.DataFrame) -> str:
-    """The frame as an HTML table; each cell names its column, for screens without room."""
-    heads = [html.escape(str(head)) for head in frame.columns]
-    top = "".join(f'<th scope="col">{head}</th>' for head in heads)
-    rows = [
-        "".join(
-            f'<td data-head="{head}">{html.escape(cell)}</td>'
-            for head, cell in zip(heads, row, strict=True)
-        )
-        for row in _cells(frame, "–")
-    ]
-    body = "".join(f"<tr>{cells}</tr>" for cells in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def write_frames(frames: Sequence[pd.DataFrame], out: Path) -> Path:

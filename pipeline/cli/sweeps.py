@@ -89,9 +89,9 @@ def _going_on(options: argparse.Namespace, out: Path | str, goal: float) -> str:
 def _ending(judged: xr.Dataset, store: str) -> list[str]:
     """The boundary of a sweep that was run, and the commands that go on from its `store`."""
     if scene_sweep(judged).conditions.critical_temperature is None:
-        return [f"next: irg explore {store}"]
+        return [f"next: irg plot {store} --kind temperature"]
     if sweep_kind(judged) is Layout.PLACES:
-        return [f"next: irg margin {store}, irg explore {store}"]
+        return [f"next: irg margin {store}"]
     found = list[str]()
     if not entry_dims(judged):  # one scene; irg boundary has a table of several
         with suppress(InputError):  # as where too few points are done; irg boundary says why

@@ -74,16 +74,6 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
     return None if isinstance(rough, UnknownHeights) else _facts(rough, sweep.scene.pixels)
 
 
-def surface_words(sweep: Sweep) -> str | None:
-    """Describe the disk's surface, and how a scan was prepared; None for a smooth surface."""
-    if isinstance(unknown := sweep.scene.roughness, UnknownHeights):
-        return str(unknown)
-    facts = surface_facts(sweep)
-    noted = [note for note in sweep.notes if note.grade == "note"]
-    done = [note.text for note in noted if note.place.startswith("disk.roughness")]
-    return None if facts is None else "; ".join([facts.words, *done])
-
-
 @functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
 def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
     if rough is None:

@@ -1,7 +1,5 @@
 """What a reader of a verdict must know is said by every door, each line once."""
 
-import re
-
 import pandas as pd
 import pytest
 
@@ -33,13 +31,6 @@ def doors(irg, store, tmp_path):
             yield lines, record["notes"].split(" | "), text
         for cell in pd.read_csv(out)["notes"]:
             yield lines, cell.split(" | "), text
-    html = irg("explore", store, "-o", tmp_path / "page.html") and (tmp_path / "page.html")
-    # The page's inputs list all entries of the scene, also its caveat.
-    text = html.read_text(encoding="utf-8").split("<h2>Inputs")[0].replace("&#x27;", "'")
-    listed = re.search(r'id="caveats">(.*?)</ul>', text, re.DOTALL)[1]
-    # A reader of the page may not have the command.
-    plain = [re.sub(r" \(irg help [a-z-]+\)", "", line) for line in lines]
-    yield plain, re.findall("<li>(.*?)</li>", listed), text
 
 
 def test_every_door_says_the_same_caveats_each_once(irg, store, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline import Conditions
-from tests.helpers import javascript, tiny
+from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.helpers.sweeps import with_fields
 from tests.pipeline.conftest import commit_all
@@ -32,24 +32,6 @@ def store(tmp_path_factory):
     store = tmp_path_factory.mktemp("corrected") / "tiny.zarr"
     commit_all(store, tiny.full(conditions=CONDITIONS))
     return store
-
-
-def test_all_answers_rest_on_the_same_corrected_rise(store):
-    conditions = replace(CONDITIONS, corrections=ALL)
-    sweep = tiny.full(conditions=conditions)
-    plain = pipeline.open_sweep(store)
-    ds = with_fields(plain, conditions=conditions)
-    crossings = pipeline.boundary(ds)
-    changed = np.abs(crossings["critical_velocity"] - pipeline.boundary(plain)["critical_velocity"])
-    assert (changed > 1e-3).any()
-    page = javascript.run(ds, "return criticalVelocities().map(([computed]) => computed);")
-    np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=5e-3)
-    point = pipeline.run_point(sweep, 600.0, 1.0).verdict(conditions)
-    margin = pipeline.margin(ds, 600.0, 1.0)
-    assert margin.deciding_temperature == pytest.approx(point.deciding_temperature, rel=1e-12)
-    temperature = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)
-    assert temperature.dropna("step")[-1].item() == pytest.approx(point.max_temperature)
-    crossings.to_netcdf(store.parent / "boundary.nc")
 
 
 def test_the_map_of_a_point_is_as_hot_as_its_corrected_temperature(store):

@@ -12,11 +12,9 @@ import tribo
 from pipeline.analysis.judge import judge_of
 from pipeline.cli import main
 from tests.helpers import page_sweeps, synthetic
-from tests.helpers.javascript import run
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
 from tests.pipeline.figures.test_planes import surfaces
-from tests.pipeline.page.test_model import MARGINS
 
 SAME = {"rel": 1e-9, "abs": 1e-12}  # all answers use one field and differ by rounding only
 HEADS = "load [N]", "velocity [m/s]"
@@ -109,25 +107,6 @@ def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
         assert judge.verdicts(load, velocity).tolist() == [verdict], (load, velocity)
 
 
-@pytest.mark.parametrize("name", STORES)
-def test_the_page_judges_its_nodes_as_their_margins_are(name):
-    ds, verdicts = STORES[name](), set()
-    near = [[float(load), float(velocity)] for load, velocity in places(ds, 60)]
-    (told,) = run(ds, MARGINS, [{"conditions": {}, "places": near}])
-    loads, velocities = np.transpose([page["place"] for page in told])
-    frame = pipeline.margin(ds, {"load": loads, "velocity": velocities})
-    for page, row in zip(told, frame.to_dict("records"), strict=True):
-        verdicts.add(page["verdict"])
-        assert {page["verdict"], row["verdict"]} != {"mild", "severe"}
-        assert page["verdict"] == "not decided" or row["verdict"] != "not known"
-        if row["verdict"] == "not known":
-            continue
-        state, hot = page["state"], row["deciding temperature [°C]"] + 273.15
-        assert page["probabilities"][1] == pytest.approx(row["probability"], **ON_THE_PAGE)
-        assert page["temperature"] == pytest.approx(hot, rel=1e-6 if state == 1 else 1e-3)
-    assert verdicts & {"mild", "severe"} or name == "one column"
-
-
 @pytest.mark.parametrize("name", [name for name in STORES if name != "surfaces"])
 def test_wear_is_likelier_severe_where_it_is_hotter_than_critical(name):
     asked = np.transpose([*places(STORES[name](), 100)])
@@ -209,7 +188,6 @@ def test_a_point_and_a_row_are_as_hot_as_in_a_plane_and_never_decided_otherwise(
             verdicts.add(door["verdict"])
     assert {"mild", "severe"} <= verdicts
     store, along = plane.with_name("rows.zarr"), f"--set=sweep.along={plane.with_name('rows.csv')}"
-    assert f"next: irg margin {store}, irg explore" in irg("run", scene, along, "-o", store)
-    irg("explore", store)
+    assert f"next: irg margin {store}" in irg("run", scene, along, "-o", store)
     page = store.with_suffix(".html").read_text()
     assert re.findall("<td[^>]*>(mild|severe|not decided)</td>", page) == [*table["verdict"]]

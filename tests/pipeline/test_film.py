@@ -9,10 +9,8 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.page.content import content
 from pipeline.store.schema import test_variable as variable_at_tests
 from tests.helpers import synthetic
-from tests.helpers.javascript import run
 from tribo.simulation.film import film_excess, film_inlet
 
 SAID = "utside the model: the oil film carries more than a fifth of the load"
@@ -139,27 +137,3 @@ def test_a_test_outside_does_not_count_and_is_named(irg, monkeypatch):
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: own)
     said = " ".join(irg("boundary", "out.zarr").split())
     assert f"(transition, 200 N, 3.75 m/s) does not count: it is o{SAID}" in said
-
-
-def test_the_page_has_no_verdict_where_a_film_carries_too_much(store, tmp_path):
-    page = tmp_path / "a.html"
-    pipeline.explore(store, page)
-    assert f"o{SAID}, from 2 m/s on" in page.read_text(encoding="utf-8")
-    held = content(pipeline.results(store))
-    nodes = np.array(list(held["film"]), int).reshape(len(held["fine"]["load"]), -1)
-    for k, load in enumerate(held["fine"]["load"]):
-        for j in (0, -1):
-            here = pipeline.margin(store, load, held["fine"]["velocity"][j])
-            assert nodes[k, j] == (here.verdict == "outside")
-    assert {*nodes.ravel()} == {0, 1}
-    found = pipeline.boundary(store)
-    for axis, line in (("velocity", "load"), ("load", "velocity")):
-        words = held["outcomes"][axis]
-        told = run(
-            pipeline.results(store),
-            f"return argument.map((at) => turnAt('{axis}', at, chosen.conditions));",
-            found[line].values.tolist(),
-        )
-        outside = [SAID in text for text in found[f"words_at_{line}"].values]
-        assert [words[one["outcome"]] == words[-1] for one in told] == outside
-        assert any(outside)

@@ -136,11 +136,6 @@ def test_figures_and_pages_show_each_value_or_ask_for_one(swept, folder, irg):
     assert 'take one of each: --at "pin_radius=..."' in said
     with pytest.raises(InputError, match="the sweep has no realization 1"):
         pipeline.run_point(load(folder, OVER + "\nrealizations = 2"), 600.0, 1.5, realization=1)
-    irg("explore", swept, "-o", folder / "p.html")
-    page = (folder / "p.html").read_text()
-    assert page.count("<option") == len(RADII)
-    for number, radius in enumerate(RADII):
-        assert f'<option value="{number}">pin_radius {radius}</option>' in page
     for words in (("boundary",), ("plot", "-o", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said

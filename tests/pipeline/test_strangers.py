@@ -141,7 +141,6 @@ READING = [
     ["boundary"],
     ["margin", "--points", "duty.csv"],
     ["plot", "-o", "out.png"],
-    ["explore", "-o", "out.html"],
 ]
 
 

@@ -90,11 +90,6 @@ def test_each_answer_names_it_where_it_is_not_zero(irg, store, tmp_path):
     (tmp_path / "own.toml").write_text('extends = "first_try"\n[model]\nrise = "+6 %"\n')
     few = "--preset=standard", "--set=sweep.realizations=1", "--without-tests"
     assert LINE in irg("point", tmp_path / "own.toml", *place, *few)
-    irg("explore", store, *at, "-o", tmp_path / "page.html")
-    page = (tmp_path / "page.html").read_text(encoding="utf-8").split("<h2>Inputs")[0]
-    assert "irg help" not in page
-    assert LINE.removesuffix(" (irg help physics)") in page
-    assert "bulk 25 °C, rise +6 %" in page
     figure = pipeline.plot(pipeline.at(store, **RISE))
     texts = (text.get_text().replace("\n", " ") for text in figure.findobj(Text))
     assert any("bulk 25 °C, rise +6 %" in text for text in texts)

@@ -7,10 +7,9 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.analysis.outcomes import MILD, SEVERE
 from pipeline.sweep.condition_words import judged_by
 from pipeline.sweep.measurement import Measurement
-from tests.helpers import javascript, synthetic
+from tests.helpers import synthetic
 from tests.helpers.sweeps import with_fields
 
 FALLING = tribo.Corrections(
@@ -46,27 +45,6 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
         margin = pipeline.margin(ds, load, velocity)
         expected = temperature(FALLING, load, velocity)
         assert margin.deciding_temperature == pytest.approx(expected, abs=1e-6)
-
-
-@pytest.mark.parametrize("corrections", [FALLING, BACK], ids=("falling", "back"))
-def test_beyond_done_points_only_the_heat_goes_on_and_friction_stays_known(corrections):
-    """A part of a sweep whose heat is a power of the velocity has the margins of the whole."""
-    whole = synthetic.sweep(
-        velocities=[0.5, 1.0, 2.0, 4.5, 6.0], measured=(),
-        conditions=replace(synthetic.conditions(), corrections=corrections),
-    )  # fmt: skip
-    part = whole.where((whole["velocity"] >= 1.0) & (whole["velocity"] <= 2.0))
-    places = (600.0, 0.6), (600.0, 0.8), (500.0, 3.0), (600.0, 5.0), (600.0, 6.0)
-    nodes = javascript.run(part, BESIDE, places)
-    for (load, velocity), node in zip(places, nodes, strict=True):
-        all_of, some = (pipeline.margin(ds, load, velocity) for ds in (whole, part))
-        assert some.deciding_temperature == pytest.approx(all_of.deciding_temperature, abs=0.2)
-        assert some.probability == pytest.approx(all_of.probability, abs=0.01)
-        here = pipeline.margin(part, *node["place"])
-        assert node["temperature"] == pytest.approx(here.deciding_temperature, abs=0.2)
-        assert node["verdict"] == here.verdict
-    outcomes = {*pipeline.boundary(part)["outcome_at_load"].values.tolist()}
-    assert not {MILD, SEVERE} & outcomes  # as points are missing, none is known
 
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():

@@ -9,7 +9,7 @@ from tests.helpers import tiny
 from tests.helpers.stores import contents
 
 
-@pytest.mark.parametrize("command", ["boundary", "plot", "explore", "margin"])
+@pytest.mark.parametrize("command", ["boundary", "plot", "margin"])
 @pytest.mark.parametrize("harm", ["flipped", "missing"])
 def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys, command, harm):
     chunk = copy / "rise_quantile" / "c.0.0.0.0"
@@ -19,7 +19,7 @@ def test_every_command_that_reads_rises_names_the_damage(copy, tmp_path, capsys,
     if harm == "missing":
         chunk.unlink()
     place = ["--load", "300 N", "--velocity", "1.1 m/s"] if command == "margin" else []
-    out = ["-o", str(tmp_path / "a.html")] if command == "explore" else []
+    out = []
     out = ["-o", str(tmp_path / "a.png")] if command == "plot" else out
     assert main([command, str(copy), *place, *out]) == 2
     assert "rise_quantile cannot be read; irg verify names what is da" in capsys.readouterr().err

