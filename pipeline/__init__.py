@@ -20,7 +20,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`, `results`
-- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`, `budget`,
+- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`,
   `warned`, `vary`, `infer`
 - accuracy: `trade`
 - figures: `plot`

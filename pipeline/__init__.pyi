@@ -1,7 +1,6 @@
 from .analysis.accessor import Answers as Answers
 from .analysis.at import at as at
 from .analysis.boundary import boundary as boundary
-from .analysis.budget import budget as budget
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.deciding import temperatures as temperatures

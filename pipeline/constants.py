@@ -181,16 +181,6 @@ UNLIKELY = 0.01
 
 Judged by `python -m pytest tests/pipeline/analysis/test_tested.py`.
 """
-LITTLE_HELP = 0.05
-"""Part of the variance below which knowing an input is not advised.
-
-It is chosen. Judged by `python -m pytest tests/pipeline/analysis/test_budget.py`.
-"""
-MOST_FACTOR = 2.0
-"""Largest factor on an entry that is tried to change a verdict.
-
-It is chosen. Judged by `python -m pytest tests/pipeline/analysis/test_budget.py`.
-"""
 
 # Speed against accuracy
 

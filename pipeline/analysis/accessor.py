@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pipeline.analysis.at import ConditionKeywords
-    from pipeline.analysis.budget import Budget
     from pipeline.analysis.margin import Margin
     from pipeline.analysis.margin_frame import Points
     from pipeline.analysis.warned_points import Warned
@@ -33,7 +32,7 @@ class Answers:
     >>> import pipeline
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> ds.irg
-    ds.irg: at, boundary, budget, end_of_point, margin, plot, temperatures, warned
+    ds.irg: at, boundary, end_of_point, margin, plot, temperatures, warned
     >>> ds.irg.at(friction=0.12).irg.margin("400 N", "1.4 m/s").verdict
     'not decided'
     """
@@ -68,12 +67,6 @@ class Answers:
     def margin(self, *place: Any, **options: Any) -> Margin | pd.DataFrame:
         """Judge an operating point, or a table of them; see `pipeline.margin`."""
         return pipeline.margin(self._ds, *place, **options)
-
-    def budget(
-        self, load: float | str, velocity: float | str, **conditions: Unpack[ConditionKeywords]
-    ) -> Budget:
-        """Find what makes a verdict uncertain; see `pipeline.budget`."""
-        return pipeline.budget(self._ds, load, velocity, **conditions)
 
     def temperatures(self, **conditions: Unpack[ConditionKeywords]) -> xr.Dataset:
         """Temperatures of the contact; see `pipeline.temperatures`."""

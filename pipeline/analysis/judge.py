@@ -93,9 +93,7 @@ class Judge:
             return _judge(self.source, rises, given)
         return replace(self, rises=rises)
 
-    def chances(
-        self, loads: Places, velocities: Places, shift: float = 0.0
-    ) -> tuple[Array, Array, Array]:
+    def chances(self, loads: Places, velocities: Places) -> tuple[Array, Array, Array]:
         """Probabilities of severe wear (k,): lowest, as computed and highest by numerical error.
 
         Where the error is unknown, the lowest probability is 0 and the highest 1. `shift` is added
@@ -103,7 +101,7 @@ class Judge:
         """
         loads, velocities = places_of(loads, velocities)
         y, error = (
-            self.rises.y(loads, velocities) + (shift + self.offset),
+            self.rises.y(loads, velocities) + self.offset,
             self.errors(loads, velocities),
         )
         is_known = np.isfinite(error)

@@ -13,7 +13,7 @@ from pipeline.constants import DECIDED, LEAST_STATED
 from pipeline.quantities import display
 from pipeline.sweep.shown import shown
 
-_CHANGE = "a change of conditions or of the scene (irg margin --until mild)"
+_CHANGE = "a change of conditions or of the scene"
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
 """Caveat on an operating point where wear is mild, but severe at lower loads."""
 AT_EDGE = "the contact touches the window's edge at the points used here: give more window.pixels"

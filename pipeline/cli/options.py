@@ -229,14 +229,6 @@ OVER = several(
     "the scene", values.settings,
 )  # fmt: skip
 EXACT = flag("--exact", "take conditions that are given here as exact, without [uncertainty]")
-OF_MARGIN = (
-    flag("--budget", "print what makes the verdict uncertain, and what would help most"),
-    Option(
-        "--until", choices=("mild", "severe"),
-        help="print what would make the verdict this: other conditions, places or entries",
-    ),
-    several("--entries PATH", 'entry to try with --until, like "pin.radius"', str),
-)  # fmt: skip
 JUDGED = (AT, CONDITIONS, WITHOUT_TESTS, EXACT)
 
 OF_INFER = (

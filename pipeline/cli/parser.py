@@ -55,7 +55,7 @@ COMMANDS = (
         "margin", "verdicts:margin",
         "verdict on operating points, its probability and errors: one, a table, or rows of pairs",
         f"results/scene.zarr {_AT}",
-        (o.STORE, *o.PLACE, *o.OF_MARGIN, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
+        (o.STORE, *o.PLACE, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
     ),
     Command(
         "vary", "studies:vary",

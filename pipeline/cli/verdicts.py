@@ -12,16 +12,14 @@ import pandas as pd
 import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.boundary import ERRORS, JUDGED, boundary_frame
-from pipeline.analysis.budget import budget_at
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.dataset import Layout, require_kind
-from pipeline.analysis.judge import Judge, judge_of
+from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin_frame import LONG, Asked, asked_of, counts_in_words, margin_frame
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import frame_of, lines_of, notes_of, short, some_rows
 from pipeline.analysis.tested import test_parts, tests_frame
-from pipeline.analysis.until import Until, changes_frame
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.sweep.condition_words import judged_by
@@ -55,19 +53,6 @@ def margin(options: argparse.Namespace) -> Result:
         else:
             lines += ["", short(words.in_words(table), LONG), "", *rests]
     frames = [table.join(_details(found))]
-    if options.budget:
-        budget = budget_at(_one_judge(data, found, "--budget"), *found[0].place)
-        frames.append(budget.table)
-        lines += ["", budget.table.round(1), f"would help most: {budget.advice}", ""]
-    if options.until:
-        until = Until(_one_judge(data, found, "--until"), *found[0].place, options.until)
-        with working(f"seeking what gives {options.until}"):
-            changes, notes = until.changes(options.entries)
-        frames.append(changes_frame(changes))
-        title = f"{options.until}, if one of these changes" if changes else "nothing found"
-        lines += ["", title, *[frames[-1]] * bool(changes), *notes, ""]
-    elif options.entries:
-        raise InputError("--entries belongs to --until, which is not given; add --until mild")
     lines += words.case_lines(data)
     lines += words.missing_lines(data.missing)
     return Result(text=wrapped([*lines, *caveats]), warned=pipeline.warned(data), frames=frames)
@@ -110,17 +95,6 @@ def _few_lines(
         hidden += [counted(left, "further note", "further notes")] * bool(left)
         below = [*kept, f"{' and '.join(hidden)}: --all; -o TABLE.csv has all rows"]
     return [*above, few], below
-
-
-def _one_judge(data: Results, found: Sequence[Asked], option: str) -> Judge:
-    """Judge of the one place and scene that an option needs."""
-    if len(found) != 1:
-        raise InputError(
-            f"{option} is for one place in one scene; give --load and --velocity, and choose among "
-            "several values by --at"
-        )
-    found[0].known()
-    return judge_of(next(data.scenes)).judged_by(found[0].own)
 
 
 def place_lines(data: Results, found: Sequence[Asked]) -> list[str | pd.DataFrame]:

@@ -187,8 +187,6 @@ REFUSALS = {
 
 ELSEWHERE = {
     "margin_frame.margin InputError": "test_at.py",
-    "until._entry InputError": "test_budget.py",
-    "until._simulated InputError": "tells an error of a simulation, which nothing here provokes",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

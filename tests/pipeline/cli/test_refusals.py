@@ -22,11 +22,6 @@ def over_itself(*arguments):
     return build
 
 
-def two_points():
-    Path("duty.csv").write_text("load [N],velocity [m/s]\n250,1\n300,1\n")
-    return command("margin", "tiny.zarr", "--points", "duty.csv", "--budget")
-
-
 def nested():
     return command("check", "first_try", "--set", f"title={'[' * 20_000}")
 
@@ -85,9 +80,6 @@ REFUSALS = {
                  "leave out --preset"),
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
-    "budget of two": (two_points, "--budget is for one place in one scene; give --load and"),
-    "no until": (irg("margin", "tiny.zarr", *PLACE, "--entries", "pin.radius"),
-                 "--entries belongs to --until, which is not given; add --until mild"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
     "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
     "no tests": (irg("infer", "fig5"), "has no tests; give it a [[measured]]"),
