@@ -21,7 +21,7 @@ The public names, in the order of the page ``API.md``, which says what each is f
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`, `results`
 - answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`,
-  `warned`, `vary`, `infer`
+  `warned`, `infer`
 - accuracy: `trade`
 - figures: `plot`
 - quantities: `surface_statistics`, `to_si`

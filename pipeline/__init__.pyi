@@ -26,4 +26,3 @@ from .sweep.conditions import Conditions as Conditions
 from .sweep.model import Sweep as Sweep
 from .tradeoff.forecast import estimate as estimate
 from .tradeoff.trade import trade as trade
-from .tradeoff.vary import vary as vary

@@ -223,11 +223,6 @@ CONDITIONS = OptionGroup("conditions, instead of the scene's", (
     CRITERION,
 ))  # fmt: skip
 
-OVER = several(
-    "--over KEY=VALUE,VALUE",
-    "values of an entry, one entry at a time, such as 0.08,0.12, or -20%%,+20%% of the value in "
-    "the scene", values.settings,
-)  # fmt: skip
 EXACT = flag("--exact", "take conditions that are given here as exact, without [uncertainty]")
 JUDGED = (AT, CONDITIONS, WITHOUT_TESTS, EXACT)
 

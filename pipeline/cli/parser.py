@@ -58,12 +58,6 @@ COMMANDS = (
         (o.STORE, *o.PLACE, *o.POINTS, o.ALL, o.TABLE, *o.JUDGED),
     ),
     Command(
-        "vary", "studies:vary",
-        "find the boundary for each value of some inputs, one input at a time",
-        "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",
-        (*o.OF_SCENE, o.OVER, o.TABLE, *o.KEPT),
-    ),
-    Command(
         "point", "points:point", "simulate one point and the tests of its scene",
         f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.WITHOUT_TESTS, o.REALIZATION, o.CONDITIONS, o.TABLE),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import tomllib
 from argparse import ArgumentTypeError as Refused
 from collections.abc import Callable
@@ -14,10 +13,6 @@ from typing import Any
 from pipeline.paths import found_store, user_path
 
 # Modules that import NumPy are imported inside functions, as --help does not need them.
-
-
-_BETWEEN = re.compile(r",(?![^[\]]*\])")
-"""A comma between values, not one within a list."""
 
 
 def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
@@ -87,15 +82,6 @@ def share(text: str) -> float:
         if 0 < (value := share_of(text)) < 1:
             return value
     raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
-
-
-def settings(text: str) -> tuple[str, list[Any]]:
-    """Split ``KEY=VALUE,VALUE`` into the key and the list of values.
-
-    Values are written as in a scene file, but text needs no quotes.
-    """
-    key, values = pair(text, like="friction.coefficient=0.08,0.12")
-    return key, [setting(f"{key}={value}")[1] for value in _BETWEEN.split(values)]
 
 
 def setting(text: str) -> tuple[str, Any]:

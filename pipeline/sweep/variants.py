@@ -232,21 +232,3 @@ def numbered_rows(columns: Iterable[Column], rows: Iterable[Row]) -> Variants:
     along = (replace(one, along=VARIANT) for one in columns)
     numbered = (Row({VARIANT: k, **labels}, one) for k, (labels, one) in enumerate(rows))
     return Variants((number, *along), tuple(numbered))
-
-
-def labelled_rows(
-    name: str, changes: Mapping[Label, Mapping[str, Any]], **places: Sequence[float]
-) -> Variants:
-    """Table of variants along one dimension, called `name`: a row for each label in `changes`.
-
-    For each label, `changes` has the entries that the variant replaces. `places` may give each
-    variant its own ``load`` [N] or ``velocity`` [m/s].
-    """
-    is_text = isinstance(next(iter(changes)), str)
-    key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
-    own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)
-    rows = (
-        Row({name: label} | {one: float(values[k]) for one, values in places.items()}, change)
-        for k, (label, change) in enumerate(changes.items())
-    )
-    return Variants((key, *own), tuple(rows))

@@ -25,7 +25,7 @@ from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
 from pipeline.sweep.conditions import plain_values
 from pipeline.sweep.tables import replace_value
-from pipeline.sweep.variants import Column, Row, Variants, labelled_rows, numbered_rows
+from pipeline.sweep.variants import PLACE_UNITS, Column, Row, Variants, numbered_rows
 from tribo.simulation.pins import sizes_of
 
 _OF_SWEEP = {"name", "variants", "notes", "sources", "stations"}
@@ -314,3 +314,19 @@ def _row(change):
                 inner = {f"{entry}.{key}": part for key, part in whole.items()}
                 row |= inner or {entry: one}
     return row
+
+
+def labelled_rows(name, changes, **places):
+    """Table of variants along one dimension, called `name`: a row for each label in `changes`.
+
+    For each label, `changes` has the entries that the variant replaces. `places` may give each
+    variant its own ``load`` [N] or ``velocity`` [m/s].
+    """
+    is_text = isinstance(next(iter(changes)), str)
+    key = Column(name, None if is_text else "1", meaning=f"{name} of the scene")
+    own = (Column(one, PLACE_UNITS[one], name, meaning=f"{one} of each {name}") for one in places)
+    rows = (
+        Row({name: label} | {one: float(values[k]) for one, values in places.items()}, change)
+        for k, (label, change) in enumerate(changes.items())
+    )
+    return Variants((key, *own), tuple(rows))

@@ -325,21 +325,3 @@ def test_a_pin_and_a_surface_are_simulated_as_they_are(laws):
     assert blunt.scene.separation(None).max() < plain.scene.separation(None).max()
     thick = scene({"pin": pin}, **{"pin.parameters.radius": 4e-3})
     assert thick.scene.pin == replace(pin, radius=4e-3)
-
-
-def test_fields_of_a_law_are_entries(laws):
-    given = {"wear": laws.Fading(*RATES)}
-    several = scene(given, **POINT, **{"sweep.over": {"wear.parameters.distance": [0.5, 4.0]}})
-    commit_all("over.zarr", several)
-    ds = pipeline.open_sweep("over.zarr")
-    for distance in (0.5, 4.0):
-        taken = pipeline.at(ds, **{"wear.parameters.distance": distance})
-        alone = scene({"wear": replace(given["wear"], distance=distance)}, **POINT)
-        point = pipeline.run_point(alone, "400 N", "2 m/s")
-        end = pipeline.end_of_point(taken).sel(load=400, velocity=2)
-        assert end["wear_volume"].item() == point.columns["wear_volume"][-1]
-    over = {"wear.parameters.distance": [0.5, "+100%"], "wear.parameters.pattern": ["local"]}
-    few = {"sweep.velocities": ["1 m/s", "3 m/s"], "sweep.loads": ["400 N"]}
-    found = pipeline.vary("small.toml", over, overrides=few, laws=given, workers=1)
-    assert {*found.table["value"]} == {"", "0.5", "3", "local"}
-    assert found.table["critical velocity [m/s]"].nunique(dropna=False) == 4

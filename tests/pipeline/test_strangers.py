@@ -101,7 +101,6 @@ COMMANDS = [
     ["run", "-o", "out.zarr"],
     ["run", "-o", "out.zarr", "--accuracy", "5%"],
     ["point", *AT],
-    ["vary", "--over", "friction.coefficient=0.09"],
     ["infer"],
     ["trade"],
 ]
@@ -117,14 +116,6 @@ def test_a_scene_that_names_code_is_refused_and_runs_nothing(strangers, ran, irg
     assert "unknown" in said
     assert not ran()
     assert not (strangers / "out.zarr").exists()
-
-
-def test_a_setting_that_names_code_runs_nothing(strangers, ran, irg):
-    for setting in ("wear={law='payload:Law'}", "temperature.criterion=payload:rule"):
-        irg("check", "small.toml", "--set", setting, code=2)
-        irg("vary", "small.toml", "--over", setting, code=2)
-    irg("point", "small.toml", *AT, "--criterion", "payload:rule", code=2)
-    assert not ran()
 
 
 def test_looking_at_a_folder_of_strangers_runs_nothing(strangers, done, ran, irg):

@@ -107,18 +107,6 @@ def test_a_run_with_another_one_computes_nothing_and_is_judged_by_it(irg, tmp_pa
     np.testing.assert_allclose(after, before, rtol=1e-12)
 
 
-def test_rows_may_differ_in_it_and_share_their_points(irg):
-    scene = pipeline.load_scene(
-        "first_try", overrides=FEW | {"sweep.over": {"model.rise": ["0 %", "+6 %"]}}
-    )
-    rises = [scene.case(name).conditions.unmodelled_rise for name in scene.variants.names]
-    assert rises == [0.0, 0.06]
-    few = [f"--set={name}={value}" for name, value in FEW.items()]
-    varied = irg("vary", "first_try", *few, "--over=model.rise=+6%", "--workers=1", "--json")
-    assert {row["value"] for row in varied if row["entry"] == "model.rise"} == {"+6%"}
-    assert min(row["change [%]"] for row in varied if row["entry"] == "model.rise") < -5
-
-
 def test_a_critical_temperature_from_tests_contains_it(irg, tmp_path):
     ds = synthetic.sweep()
     plain, added = (pipeline.infer(ds, **own).temperature - 298.15 for own in ({}, RISE))

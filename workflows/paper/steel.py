@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from pipeline import Sweep, vary
-from pipeline.cli.output import run_line
+from pipeline import Sweep, boundary
 from pipeline.figures.style import BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
 from pipeline.sweep.conditions import known_critical_temperature
@@ -107,20 +105,16 @@ def _boundary(study: Study) -> dict[str, Any]:
         "sweep.loads": ["200 N", "400 N", "600 N", "750 N"],
         "sweep.velocities": {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"},
     }
-    entry = "materials.steel.thermal_conductivity"
-    scene = Path(study.scenes, "irg_transition.toml")
-    over = {entry: [f"{_HARD:g} W/(m K)"]}
-    with run_line() as progress:
-        variation = vary(
-            scene, over, study.preset, changes, workers=study.workers, progress=progress
-        )
-    table = variation.table[::-1]
-    hard, soft = (table[table["entry"] == one] for one in (entry, "unchanged"))
+    sweep = study.scene("irg_transition", changes)
+    found = {
+        K: boundary(study.sweep(_conducting(sweep, K), f"steel_{K:g}")[1]) for K in (_SOFT, _HARD)
+    }
+    soft, hard = (found[K]["critical_velocity"].values for K in (_SOFT, _HARD))
     return {
-        "load": hard["load [N]"].tolist(),
-        "soft": soft["critical velocity [m/s]"].tolist(),
-        "hard": hard["critical velocity [m/s]"].tolist(),
-        "change": (hard["change [%]"] / 100).tolist(),
+        "load": found[_SOFT]["load"].values.tolist(),
+        "soft": soft.tolist(),
+        "hard": hard.tolist(),
+        "change": (hard / soft - 1).tolist(),
     }
 
 

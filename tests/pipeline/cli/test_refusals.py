@@ -81,7 +81,6 @@ REFUSALS = {
     "accuracy set": (irg("run", "first_try", "--accuracy", "2%", "--set", "increments=9"),
                      "leave out --set increments"),
     "plot": (irg("plot", "tiny.zarr", "--kind", "ramp", "--log"), "ramp has no option 'log'"),
-    "vary": (irg("vary", "first_try"), "nothing to vary; give --over"),
     "no tests": (irg("infer", "fig5"), "has no tests; give it a [[measured]]"),
     "none to show": (irg("boundary", "tiny.zarr", "--by", "test"), "the scene has no tests; give"),
     "ignored": (irg("infer", "first_try", "--duration", "9 s"),

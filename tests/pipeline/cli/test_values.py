@@ -5,7 +5,6 @@ import re
 import pipeline
 import tribo
 from pipeline.cli.options import CRITERION, PRESET
-from pipeline.cli.values import settings
 from tests.helpers import synthetic
 
 
@@ -34,9 +33,3 @@ def test_a_value_that_a_store_is_judged_at_has_its_unit(irg, monkeypatch):
     assert "is given twice" in irg(
         "boundary", "out.zarr", "--at=friction.coefficient=0.1", "--friction=0.12", code=2
     )
-
-
-def test_values_to_vary_may_be_lists():
-    key, sizes = settings('window.pixel_size=["0.8 um", "0.9 um"],["1.6 um", "1.8 um"]')
-    assert (key, sizes) == ("window.pixel_size", [["0.8 um", "0.9 um"], ["1.6 um", "1.8 um"]])
-    assert settings("friction.coefficient=0.08,0.12")[1] == [0.08, 0.12]

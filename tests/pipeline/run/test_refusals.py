@@ -7,9 +7,8 @@ from distributed import Client
 
 import pipeline
 from pipeline.run.cluster import client_of
-from pipeline.sweep.variants import labelled_rows
 from tests.helpers import tiny
-from tests.helpers.entries import changed
+from tests.helpers.entries import changed, labelled_rows
 from tests.helpers.refusals import refusal_tests
 
 SWEEP = tiny.sweep()
