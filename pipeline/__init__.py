@@ -12,15 +12,14 @@ From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
 
 Arguments: a scene is a path, the name of a shipped scene, or what `load_scene` returned; a store is
 a path, or what `open_sweep` returned; a quantity is a number in SI, or text with a unit such as
-``"400 N"``. The end of each point is at step 0, which `end_of_point` takes. A
-dataset of a sweep has these answers as ``ds.irg``: ``ds.irg.at(friction=0.12).irg.boundary()``.
+``"400 N"``. The end of each point is at step 0, which `end_of_point` takes.
 
 The public names, in the order of the page ``API.md``, which says what each is for:
 
 - scenes: `new_scene`, `load_scene`, `Sweep`
 - simulation: `run_point`, `estimate`, `run_sweep`, `summary`, `verify_store`
 - dataset: `open_sweep`, `end_of_point`, `results`
-- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`, `Answers`,
+- answers: `at`, `boundary`, `Conditions`, `temperatures`, `margin`, `Margin`,
   `warned`, `infer`
 - accuracy: `trade`
 - figures: `plot`

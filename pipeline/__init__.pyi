@@ -1,4 +1,3 @@
-from .analysis.accessor import Answers as Answers
 from .analysis.at import at as at
 from .analysis.boundary import boundary as boundary
 from .analysis.dataset import end_of_point as end_of_point

@@ -47,8 +47,7 @@ pipeline.boundary(Path("a.zarr"))
 pipeline.temperatures(ds)
 pipeline.margin(ds, "400 N", 1.5).verdict
 pipeline.margin("a.zarr", {"load": ["400 N"], "velocity": [2.0]})["verdict"]
-answers: pipeline.Answers = ds.irg
-answers.margin("400 N", 1.5, friction=0.12).probability
+pipeline.margin(ds, "400 N", 1.5, friction=0.12).probability
 pipeline.plot(ds, "ramp", load="400 N", out="a.png")
 """
 SLIPS = """
@@ -62,8 +61,6 @@ pipeline.plot(ds, "diagramm")
 pipeline.plot(ds, "ramp", lod="400 N")
 pipeline.load_scene("first_try", preset="drat")
 pipeline.run_sweep("first_try", "a.zarr", workers="4")
-answers: pipeline.Answers = ds.irg
-answers.margin("400 N", 1.5)[0]
 """
 
 

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis import accessor as accessor  # ds.irg
 from pipeline.analysis.scenes import require_one_sweep
 from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep

@@ -20,7 +20,6 @@ from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import Evidence, evidence_of
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from pipeline.sweep.inputs import RISE
-from pipeline.sweep.shown import shown
 from tribo import InputError
 
 _USUAL = 120.0  # K above the bulk, where the search begins without a critical temperature
@@ -88,7 +87,6 @@ def weigh(data: Results, conditions: Conditions, effects: Effects) -> Weighed:
     return Weighed(found, evidence, effects, way, sides)
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class KnownInput:
     """An uncertain input before and after the tests, in words."""
@@ -100,7 +98,6 @@ class KnownInput:
     spread: float  #: Its standard deviation after the tests, in standard deviations before.
 
 
-@shown
 @dataclass(frozen=True, eq=False)
 class Inferred:
     """What tests say of the critical temperature, and of other uncertain inputs.

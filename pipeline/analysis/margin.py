@@ -11,7 +11,6 @@ from pipeline.analysis.judge import NOT_DECIDED
 from pipeline.analysis.rise_error import RiseError
 from pipeline.constants import DECIDED, LEAST_STATED
 from pipeline.quantities import display
-from pipeline.sweep.shown import shown
 
 _CHANGE = "a change of conditions or of the scene"
 PASSED = "wear is severe at lower loads at this velocity, through which a ramp passes"
@@ -20,7 +19,6 @@ AT_EDGE = "the contact touches the window's edge at the points used here: give m
 """Caveat on an operating point whose temperature comes from contacts wider than the window."""
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Margin:
     """The verdict on an operating point, and its distances from severe wear.

@@ -21,14 +21,12 @@ from pipeline.constants import APART_FOR_EXPONENT
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.remarks import remarks
 from pipeline.sweep.severity import MELTS, MOLTEN
-from pipeline.sweep.shown import shown
 from tribo import CRITERIA, Criterion, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation.point_warnings import SLOW
 from tribo.types import Array, Indices, Mask
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Warned:
     """Counts of points that carry a warning, by kind."""

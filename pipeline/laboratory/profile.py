@@ -22,7 +22,6 @@ from pipeline.laboratory.likeness import (
 )
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_profiles, profile_spectrum
 from pipeline.quantities import display
-from pipeline.sweep.shown import shown
 from tribo import Grid, InputError
 from tribo.surface import self_affine
 from tribo.types import Array
@@ -40,7 +39,6 @@ _ROUNDING = 1e-9  # share of the heights; a smaller deviation from their line is
 _WINDOW = 512  # pixels of a side of these surfaces
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class ProfileStatistics:
     """Roughness of one or more profiles by ISO 21920-2; means over the profiles."""

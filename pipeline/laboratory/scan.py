@@ -25,7 +25,6 @@ from pipeline.laboratory.surfaces import axis_note, form_words, oriented, read_s
 from pipeline.quantities import display, display_sides
 from pipeline.scene.units import in_si
 from pipeline.sweep.areal import ArealRoughness, areal_roughness, remove_form
-from pipeline.sweep.shown import shown
 from tribo import Grid, InputError
 from tribo.surface import self_affine
 from tribo.types import Array
@@ -37,7 +36,6 @@ _HIGHEST = 1.0  # height [m] above which the unit must be wrong
 _COMPARED = {"Rq": "rq", "Sal": "sal", "Str": "aspect"}
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class SurfaceStatistics:
     """Roughness of a scan, after removal of its form, from measured heights only."""

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from pipeline.quantities import display
-from pipeline.sweep.shown import shown
 from tribo.errors import InputError
 from tribo.types import Array
 
@@ -30,7 +29,6 @@ _FLAT = 1e-200  # least power of neighbours over the fit's, above 0
 _MODES, _MODES_OF_PROFILE = 50, 10  # least number of modes in a band
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class SelfAffineFit:
     """Parameters of a self-affine surface fitted to heights.

@@ -32,14 +32,12 @@ from pipeline.store.versions import in_words, package_versions
 from pipeline.store.write import Store, Writer, opened
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, tasks
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, duration, silent
 from pipeline.sweep.task_queue import TaskQueue
 from tribo import InputError
 from tribo.errors import require_positive
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Outcome:
     """Result of a run: how many points are done, which failed, and how long it took."""

@@ -11,7 +11,6 @@ from pipeline.store.lock import holder_of
 from pipeline.store.schema import ASKED, DONE, FAILED, LEFT_OUT, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.shown import shown
 from pipeline.sweep.variants import Variant
 
 
@@ -32,7 +31,6 @@ class FailedPoint:
         return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.message}"
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Summary:
     """Progress of a sweep: number of points by state, failed points, and the writing process."""

@@ -23,14 +23,12 @@ from pipeline.store.root_file import find_root, read_root, require_same_scene
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
 from pipeline.store.write import Index, Store
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 
 _FLAGS = ("status", "asked")
 _OF_FAILED = {*RECORDS} - {*_FLAGS, "steps"}  # variables that a failed point has, too
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Verification:
     """Result of checking a whole store: the number of intact points, and what is damaged."""

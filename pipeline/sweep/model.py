@@ -16,7 +16,6 @@ from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_place
 from pipeline.sweep.laws import MissingSurface, is_user_law, law_record
 from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.remarks import FromLibrary, Remark
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.tables import entry_at, replace_value, replace_values
 from pipeline.sweep.variants import SEED, Row, Variant, Variants, surfaces
@@ -44,8 +43,7 @@ def variant_words(variant: Variant) -> list[str]:
     ]
 
 
-@shown
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Sweep:
     """Scenes, loads and velocities to simulate, and how to judge the results.
 
@@ -102,6 +100,9 @@ class Sweep:
 
     def __hash__(self) -> int:
         return hash(self._meaning)
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.title} ({len(self._rows)} rows)"
 
     @cached_property
     def _meaning(self) -> str:
@@ -255,10 +256,6 @@ class Sweep:
         variants = self.variants.without_surfaces * surfaces(range(first, first + count))
         made: Self = self.source.read_again(self, written, variants)
         return made
-
-    def description(self) -> tuple[str, dict[str, Any]]:
-        """Title, and a dictionary of the entries and the number of variants, for printing."""
-        return f"{self.name}: {self.title}", {**self.entries, "rows": str(len(self._rows))}
 
     def judge(self, changes: Mapping[str, Any]) -> Self:
         """The sweep with the conditions of all cases replaced as by `changed_conditions`.

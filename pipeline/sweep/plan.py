@@ -19,7 +19,6 @@ import numpy as np
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import verdict
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.stations import Stations, load_that_counts
 from pipeline.sweep.variants import Row, Variant
@@ -49,7 +48,6 @@ _NO_FILM: Mapping[str, Any] = {"film_inlet": math.nan, "film_pressure": math.nan
 _NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
-@shown
 @dataclass(frozen=True, slots=True, eq=False)
 class PointResult:
     """Temperatures, wear and warnings that were computed at one load and velocity."""

@@ -17,7 +17,6 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, choose_stations, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stations import Stations
 from pipeline.sweep.task_queue import makespan
 from tribo import Scene, Stages, State
@@ -37,7 +36,6 @@ _MOST_PIXELS = 2e7  # largest surface that is generated for a forecast
 _PATIENCE = 1.0  # [s] of processor time after which no further step is timed
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """Forecast of a sweep's cost: numbers of points, steps and tasks, time [s], disk space [B]."""

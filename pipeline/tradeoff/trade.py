@@ -28,7 +28,6 @@ from pipeline.run.search import MOST_PATCHES, Goal
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.shown import shown
 from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.tradeoff.forecast import Estimate, estimate
 from pipeline.tradeoff.rehearsal import FirstPatch, Rehearsed
@@ -43,7 +42,6 @@ _HEADS = (
 )  # fmt: skip
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Choice:
     """What a run would compute, its cost, and the error of the boundary that it would reach."""
@@ -64,7 +62,6 @@ class Choice:
         return math.hypot(*self.errors)
 
 
-@shown
 @dataclass(frozen=True, slots=True)
 class Trade:
     """Processor time and error of the boundary of a scene, by the accuracy that is asked for."""

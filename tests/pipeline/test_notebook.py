@@ -1,46 +1,20 @@
 """Scenes, points and figures as a notebook shows them."""
 
 import re
-from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-
-import numpy as np
 
 from pipeline.run.sweep import Outcome
 from pipeline.run.tally import shown_progress
 from pipeline.store.progress import FailedPoint
 from pipeline.sweep.stages import Progress, silent
-from tests.helpers import tiny
-from tribo import MeasuredRoughness
 
 ROOT = Path(__file__).parents[2]
-
-
-def test_a_scene_shows_itself_in_a_few_lines():
-    heights = np.zeros((32, 16))
-    for scene in (tiny.sweep(), tiny.sweep(roughness=MeasuredRoughness(heights))):
-        lines = repr(scene).splitlines()
-        assert lines[0] == "tiny: A tiny sweep"
-        assert len(lines) < 16
-        assert max(map(len, lines)) < 100
-        assert any(line.startswith("  window") and "pixels: 32, 16" in line for line in lines)
 
 
 def outcome():
     failed = tuple(FailedPoint(100.0 + k, 1.0, "no contact <here>") for k in range(500))
     return Outcome(600, 100, 0, failed, 3.0)
-
-
-def test_every_answer_that_the_page_of_functions_lists_has_a_table():
-    page = (ROOT / "workflows" / "API.md").read_text(encoding="utf-8")
-    listed = re.findall(r"autoclass:: (pipeline\.\S+)", page)
-    assert len(listed) > 12
-    for path in listed:
-        module, _, name = path.rpartition(".")
-        # `Progress` is printed as one line of many; `Results` is input of the answers.
-        if name not in ("Progress", "Results"):
-            assert hasattr(getattr(import_module(module), name), "_repr_html_"), path
 
 
 def test_a_notebook_shows_one_line_of_progress(monkeypatch):
