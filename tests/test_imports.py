@@ -2,9 +2,7 @@
 
 import ast
 import inspect
-import pydoc
 import re
-import rlcompleter
 import sys
 import textwrap
 from pathlib import Path
@@ -62,16 +60,6 @@ def test_help_on_tribo_has_all_public_names_and_an_example_that_runs():
     assert set(re.findall(r"`(\w+)`", listed)) == public
     exec(textwrap.dedent(text.partition("::")[2]), names := {})
     assert isinstance(names["oil"], tribo.Conditions)
-
-
-def test_help_and_completion_offer_the_public_names_in_the_order_of_the_page():
-    text = pydoc.render_doc(pipeline, renderer=pydoc.plaintext)
-    listed = re.findall(r"`(\w+)`(?!`)", text[text.index("The public names") :])
-    assert listed[: len(pipeline.__all__)] == list(
-        dict.fromkeys(re.findall(r"`pipeline\.(\w+)`", API.split("## `pipeline`")[0]))
-    )
-    completer = rlcompleter.Completer({"pipeline": pipeline})
-    assert completer.complete("pipeline.open_s", 0).startswith("pipeline.open_sweep")
 
 
 def test_a_scene_loads_only_the_readers_of_what_it_names():

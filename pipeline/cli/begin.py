@@ -12,8 +12,6 @@ import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, parse
 from pipeline.scene.faults import did_you_mean
-from pipeline.scene.new import SCHEMA_FILE, schema_text
-from pipeline.scene.schema import scene_schema
 from pipeline.scene.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
 from tribo import InputError
 
@@ -23,15 +21,11 @@ def new(options: argparse.Namespace) -> Result:
     if options.list:
         titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
         return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
-    if options.schema:
-        return Result(scene_schema(), [schema_text().removesuffix("\n")])
     if options.file is None:
         raise InputError("no file is named; give a file to write, such as: irg new scene.toml")
-    scene, *others = pipeline.new_scene(options.file, options.like, options.full)
-    copies = [file for file in others if file.name != SCHEMA_FILE]
-    told = f"; editors that know TOML check it by {SCHEMA_FILE}" if others != copies else ""
+    scene, *copies = pipeline.new_scene(options.file, options.like)
     text = [
-        f"{scene} is written" + "".join(f", {copy} copied" for copy in copies) + told,
+        f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
         f"its meaning and cost: irg check {scene}",
         f"its points: irg run {scene}",
     ]

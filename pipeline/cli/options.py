@@ -144,9 +144,7 @@ OF_NEW = (
     OptionGroup("", (
         value("file FILE.toml", "file to write", user_path, nargs="?"),
         LIST.but(help="list the shipped scenes"),
-        flag("--schema", "print a JSON Schema of scenes, by which editors complete and check them"),
     )),
-    flag("--full", "add every other entry as a comment, with its meaning"),
     value("--from NAME", "shipped scene to begin with; see --list", dest="like"),
 )  # fmt: skip
 

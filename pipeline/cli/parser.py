@@ -16,16 +16,14 @@ from typing import Any, NoReturn
 
 from pipeline import extras
 from pipeline.cli import options as o
-from pipeline.cli import values
 from pipeline.cli.options import Command
-from pipeline.paths import user_path
 
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
     Command(
         "new", "begin:new",
-        "write a scene to start from; --full has every entry",
+        "write a scene to start from",
         "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
@@ -120,21 +118,6 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-class _Completion(argparse.Action):
-    """Action of --completion: print the script by which a shell completes commands, and exit."""
-
-    def __call__(self, parser: Any, namespace: Any, shell: Any, option: Any = None) -> None:
-        import shtab
-
-        whole = whole_parser()
-        parsers = next(one.choices for one in whole._actions if isinstance(one.choices, dict))
-        for action in (one for added in parsers.values() for one in added._actions):
-            if action.type in (user_path, values.store, values.stored, values.table):
-                action.complete = shtab.FILE
-        print(shtab.complete(whole, shell))
-        parser.exit()
-
-
 _BEGIN = """Begin with:
   irg new scene.toml
   irg check scene.toml
@@ -145,21 +128,14 @@ What a command takes:
   irg COMMAND --help"""
 
 
-def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
-    """Parser of all commands, with the options of command `name` only; of all if None."""
+def whole_parser(name: str) -> argparse.ArgumentParser:
+    """Parser of all commands, with the options of command `name` only."""
     parser = _Parser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
         epilog=_BEGIN,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    parser.add_argument(
-        "--completion",
-        action=_Completion,
-        choices=("bash", "zsh", "tcsh"),
-        metavar="SHELL",
-        help="print a script for bash, zsh or tcsh, which completes commands and options",
-    )
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND", title="commands")
     for command in commands():
@@ -170,7 +146,7 @@ def whole_parser(name: str | None = None) -> argparse.ArgumentParser:
             epilog=f"example:\n  irg {command.name} {command.example}",
         )
         added.set_defaults(command=command.function, parser=added)
-        if name in (None, command.name):
+        if name == command.name:
             _add_options(added, (*o.OF_ALL, *command.takes))
     return parser
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated as A
 
 from pipeline.scene.choices import TableFile
-from pipeline.scene.declare import ByPath, Declared, Example
+from pipeline.scene.declare import ByPath, Declared
 from pipeline.scene.kinds import OneOf
 from pipeline.sweep.measurement import OUTCOMES
 from pipeline.sweep.tables import Entries
@@ -16,13 +16,11 @@ class LogTable(Declared):
     file: A[str | TableFile,
         "Log with a row for each test, CSV or Excel, with columns such as `load [N]`; relative to "
         "the folder of the scene. Or a table that also says how to read it, such as `{ path = "
-        '"log.csv", decimal = "," }`. `irg tests LOG` prints these lines.', Example("log.csv")]
+        '"log.csv", decimal = "," }`. `irg tests LOG` prints these lines.']
     words: A[dict[str, str] | None, ByPath(OneOf(OUTCOMES), "words of the log"),
-        'Outcome that a word of the log means; "" is that of an empty cell.',
-        Example({"Fresser": "severe"})] = None
+        'Outcome that a word of the log means; "" is that of an empty cell.'] = None
     form: A[str | None,
-        "Export of a machine, if it is not recognized; `irg tests --help` lists them.",
-        Example("rtec")] = None
+        "Export of a machine, if it is not recognized; `irg tests --help` lists them."] = None
 # fmt: on
 
 FORMS = (LogTable,)

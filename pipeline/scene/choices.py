@@ -10,7 +10,7 @@ from typing import Any
 
 from pipeline import extras
 from pipeline.paths import user_path
-from pipeline.scene.declare import ByPath, Declared, Example
+from pipeline.scene.declare import ByPath, Declared
 from pipeline.scene.faults import did_you_mean, quoted
 from pipeline.scene.kinds import OneOf, Scalar, Text
 from pipeline.scene.lines import Lines, read_lines
@@ -26,17 +26,13 @@ class Choices(Declared):
     """What a user says of the file of a table."""
 
     columns: A[dict[str, str] | None, ByPath(Text(), "quantities"),
-        "Heading of the column of a quantity, if it is not recognised, and its unit.",
-        Example({"load": "Kraft [N]"})] = None
+        "Heading of the column of a quantity, if it is not recognised, and its unit."] = None
     given: A[dict[str, Any] | None, ByPath(Scalar(), "quantities"),
-        "Quantities that the file does not say, the same in each row.",
-        Example({"track_radius": "20 mm"})] = None
+        "Quantities that the file does not say, the same in each row."] = None
     where: A[dict[str, Any] | None, ByPath(Scalar(), "headings or quantities"),
-        "Rows to take: those with this value in a column, such as the name of one oil.",
-        Example({"oil": "FVA 3"})] = None
+        "Rows to take: those with this value in a column, such as the name of one oil."] = None
     skip: A[dict[str, Any] | None, ByPath(Scalar(), "headings or quantities"),
-        "Rows to leave out: those with this value in a column, such as an aborted run.",
-        Example({"outcome": "aborted"})] = None
+        "Rows to leave out: those with this value in a column, such as an aborted run."] = None
     decimal: A[str | None, OneOf((".", ",")),
         "Decimal mark; by default as its numbers show."] = None
     sheet: A[str | None,

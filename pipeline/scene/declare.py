@@ -65,18 +65,11 @@ class StoreOnly(NamedTuple):
     """Annotation of an entry that only a store may have, not a scene file."""
 
 
-class Example(NamedTuple):
-    """Annotation of an entry: its example value in a new scene file, if the kind has no example."""
-
-    value: Any
-
-
 class Entry(NamedTuple):
     """A key of a table: kind and meaning of its value, and its default if it may be left out."""
 
     kind: Kind
     meaning: str = ""
-    example: Any = None
     default: Any = None
     is_needed: bool = False
     is_store_only: bool = False  # in no scene file
@@ -93,7 +86,6 @@ def table_of(table: type[Any]) -> Table:
         keys[one.name.rstrip("_")] = Entry(
             kind_of(hint),
             meaning=next((note for note in notes if isinstance(note, str)), ""),
-            example=next((note.value for note in notes if isinstance(note, Example)), None),
             default=None if is_needed else one.default,
             is_needed=is_needed,
             is_store_only=any(isinstance(note, StoreOnly) for note in notes),

@@ -13,7 +13,6 @@ from pipeline.scene.declare import (
     Declared,
     Each,
     Either,
-    Example,
     List,
     Range,
     Sorted,
@@ -61,8 +60,7 @@ def one_or_two(kind: Kind) -> Either:
 # fmt: off
 class MaterialTable(Declared):
     like: A[str | None,
-        "A material of the library, whose values hold where none is given here.",
-        Example("AISI 52100")] = None
+        "A material of the library, whose values hold where none is given here."] = None
     elastic_modulus: A[float, Quantity("210 GPa", usual=(1, 1200)), "Young's modulus."]
     poisson_ratio: A[float, Number(above=-1, at_most=0.5), "Poisson's ratio."]
     hardness: A[float, Quantity("6.6 GPa", usual=(0.01, 100)),
@@ -108,8 +106,7 @@ class RandomSurface(Declared):
 class MeasuredSurfaceTable(Declared):
     file: A[str,
         "File, relative to the scene's folder, of heights with x from column to column: .npy, "
-        "text, or the format of an instrument (extra `surfaces`).",
-        Example("surface.npy")]
+        "text, or the format of an instrument (extra `surfaces`)."]
     height_unit: A[float | None, UnitText("a unit of length", "um"),
         "Unit of the heights; needed if the file has none, as .npy, and overrides a wrong "
         "one."] = None
@@ -164,8 +161,7 @@ class StagesTable(Declared):
     stages: A[Any, Either(List(Each((LOAD, HELD))), table_of(EvenStages)),
         "Loads that one specimen passes in turn, each held: even ones, up to the highest load of "
         'the sweep, or a list such as `[["100 N", "60 s"], ["250 N", "300 s"]]`. The loads of the '
-        "sweep are such stages. The window is widened to 1.25 times the worn pin at the end.",
-        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})]
+        "sweep are such stages. The window is widened to 1.25 times the worn pin at the end."]
     rate: A[float, Quantity("150 N/s"), "Rate at which the load grows to each stage."]
     reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
 
@@ -173,7 +169,7 @@ class Record(Declared):
     file: A[str | TableFile,
         "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
         'folder of the scene. Or a table that also says how to read it, such as `{ path = '
-        '"load.csv", columns = { load = "Fn [N]" }, decimal = "," }`.', Example("load.csv")]
+        '"load.csv", columns = { load = "Fn [N]" }, decimal = "," }`.']
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
     content: A[str | None, StoreOnly()] = None
@@ -201,18 +197,15 @@ class Archard(Declared):
 
 class OilTable(Declared):
     like: A[str | None,
-        "An oil of the library, whose values hold where none is given here.",
-        Example("medicinal white oil")] = None
+        "An oil of the library, whose values hold where none is given here."] = None
     temperatures: A[tuple[float, float], List(TEMPERATURE, length=2),
-        "Two temperatures at which the viscosity is known, rising.",
-        Example(["40 degC", "100 degC"])] = (313.15, 373.15)
+        "Two temperatures at which the viscosity is known, rising."] = (313.15, 373.15)
     kinematic_viscosity: A[tuple[float, float] | None,
         List(Quantity("32 mm^2/s", usual=(0.5, 1e5)), length=2),
-        "Kinematic viscosity at these temperatures; give this or the dynamic one.",
-        Example(["95 mm^2/s", "10.7 mm^2/s"])] = None
+        "Kinematic viscosity at these temperatures; give this or the dynamic one."] = None
     dynamic_viscosity: A[tuple[float, float] | None,
         List(Quantity("28 mPa s", usual=(0.4, 1e5)), length=2),
-        "Dynamic viscosity at these temperatures.", Example(["83 mPa s", "8.9 mPa s"])] = None
+        "Dynamic viscosity at these temperatures."] = None
     density: A[float | None, Quantity("866 kg/m^3", usual=(500, 2000)),
         "Density; needed with a kinematic viscosity."] = None
     pressure_viscosity_coefficient: A[Any,
@@ -252,14 +245,13 @@ class Temperature(Declared):
 class Model(Declared):
     bias: A[float, Spread(at_least=0, below=1),
         "How far the model may be off for all specimens of a system together, as a part of the "
-        f"rise: the scale of Student's t with 4 degrees. {LATER}", Example("± 5 %")] = 0.05
+        f"rise: the scale of Student's t with 4 degrees. {LATER}"] = 0.05
     scatter: A[float, Spread(at_least=1e-3, below=1),
         "How far specimens scatter about that, as a part of the rise. It weighs as much as four "
-        f"tests. {LATER}", Example("± 5.5 %")] = 0.055
+        f"tests. {LATER}"] = 0.055
     rise: A[float, Share(above=-1, usual=(0, 0.5)),
         "What you know to act beside the model, as a part of the rise by friction, such as a pin's "
-        f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}",
-        Example("+6 %")] = 0.0
+        f"holder or a film: \"+6 %\" multiplies this rise by 1.06. {LATER}"] = 0.0
 
 class SweepTable(Declared):
     loads: A[tuple[float, ...],
@@ -272,8 +264,7 @@ class SweepTable(Declared):
         "Random surfaces: their number, counted from the seed on, or a list of seeds."] = None
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
-        "plane is computed for each combination of values.",
-        Example({"pin.radius": ["1 mm", "2 mm"]})] = None
+        "plane is computed for each combination of values."] = None
     along: A[Any, Either(
             Text(), List(ByPath(Scalar(), "paths of other entries")), table_of(TableFile)),
         "Rows, each with its own load and velocity: a CSV file, or a list of tables, such as "
@@ -288,10 +279,9 @@ class SweepTable(Declared):
 class SceneFile(Declared):
     extends: A[str | None,
         "Another scene, whose entries hold where this file gives none: a shipped name, or a path "
-        "relative to this file.", Example("other.toml")] = None
+        "relative to this file."] = None
     without: A[tuple[str, ...] | None, List(Text(), distinct=True),
-        'Paths of entries not to take from the other scene, such as ["wear", "friction.band"].',
-        Example(["wear", "friction.band"])] = None
+        'Paths of entries not to take from it, such as ["wear", "friction.band"].'] = None
     title: A[str | None, "Title of figures and summaries; by default the name of the file."] = None
     caveat: A[str | None,
         "What a reader of each verdict must know of this scene, in a line."] = None
@@ -324,8 +314,7 @@ class SceneFile(Declared):
         ByPath(Text(), "paths of entries that are not known exactly"),
         'Standard uncertainties of entries: "20 %", "factor 2", of temperatures "8 K". '
         '`"temperature.critical" = "from tests"` finds the critical temperature from the tests '
-        "alone; the scene's own is where the search begins.",
-        Example({"materials.steel.thermal_conductivity": "20 %"})] = None
+        "alone; the scene's own is where the search begins."] = None
     fidelity: A[Any, table_of(FidelityTable),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None

@@ -6,7 +6,7 @@ from typing import Annotated as A
 from typing import Any
 
 from pipeline import extras
-from pipeline.scene.declare import Changes, Declared, Each, Either, Example, List, table_of
+from pipeline.scene.declare import Changes, Declared, Each, Either, List, table_of
 from pipeline.scene.kinds import (
     BULK,
     DURATION,
@@ -57,8 +57,7 @@ class TestTable(Declared):
     with_: A[dict[str, Any] | None, Changes(),
         "Other entries of the scene that differ in this test, by their paths, such as "
         '`{ "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }`. The test is simulated with them. '
-        "The critical temperature, its criterion, `[oil]` and `[model]` are those of the scene.",
-        Example({"pin.radius": "3 mm"})] = None
+        "Critical temperature, criterion, `[oil]` and `[model]` are those of the scene."] = None
     number: A[str | int | None, NAME,
         "Number or name of the test in answers; by default its place in the file or log."] = None
     oil: A[str | int | None, NAME,
@@ -67,7 +66,7 @@ class TestTable(Declared):
 class TransitionTable(TestTable):
     step: A[str | None, OneQuantity((Quantity("0.25 m/s"), Quantity("50 N"))),
         "Step of velocity or of load by which the transition was reached: wear was still mild one "
-        "step before.", Example("0.25 m/s")] = None
+        "step before."] = None
 
 class _RunTable(TestTable):
     run: A[str | int | None, NAME,
@@ -75,8 +74,7 @@ class _RunTable(TestTable):
         "one."] = None
     stages: A[Any, Either(List(Each((LEVEL, HELD))), table_of(EvenLevels)),
         "Stages that the specimen passed, of load or of velocity, written as in `[loading]`; by "
-        "default those of `[loading]`, whose rate leads from stage to stage.",
-        Example({"first": "100 N", "step": "100 N", "hold": "60 s"})] = None
+        "default those of `[loading]`, whose rate leads from stage to stage."] = None
 
 class Test(_RunTable):
     outcome: A[str, OneOf(OUTCOMES), "Outcome at the end of the hold."]
@@ -87,8 +85,7 @@ class StagedRunTable(_RunTable):
     velocity: A[float | None, VELOCITY, "Sliding velocity."] = None  # type: ignore[assignment]
     mild_up_to: A[Any, Scalar(),
         "Highest mild stage of a run, instead of the outcome: a load if `velocity` is given, a "
-        "velocity if `load` is; give it alone if no stage was severe.", Example("400 N")] = None
+        "velocity if `load` is; give it alone if no stage was severe."] = None
     severe_at: A[Any, Scalar(),
-        "Severe stage of a run; give it alone if it was the first stage.",
-        Example("450 N")] = None
+        "Severe stage of a run; give it alone if it was the first stage."] = None
 # fmt: on

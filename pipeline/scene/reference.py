@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pipeline.scene.declare import Either, Entry, List, Range, Table, Tables, table_of
 from pipeline.scene.format import SceneFile
-from pipeline.scene.kinds import Flag, Kind, Number, OneOf, Quantity, UnitText, Whole
+from pipeline.scene.kinds import Kind, Number, Quantity
 from pipeline.sweep.variants import dimension_of
 
 
@@ -136,56 +135,5 @@ def number_at(path: str) -> Quantity | Number:
     return (entry and number_in(entry.kind)) or Number()
 
 
-Listed = dict[str, str]
-"""Header of the first list of tables that has a key, by key."""
-
-
-def new_keys(section: Section, listed: Listed) -> tuple[dict[str, tuple[Entry, str]], str]:
-    """Keys of a list of tables, such as ``[[tested]]``, that are in no earlier list of tables.
-
-    Returns these keys, as `Section.keys` does, and the header of an earlier list that has the other
-    keys, or "" if all keys are new. A section that is not a list of tables keeps all its keys.
-    `listed` maps each key to the header of the first list that has it, and gets the new keys.
-    """
-    keys = section.keys()
-    if "." in section.path or not section.is_list:
-        return keys, ""
-    own = {key: entry for key, entry in keys.items() if key not in listed}
-    like = next((listed[key] for key in keys if key in listed), "")
-    listed |= dict.fromkeys(own, section.header)
-    return own, like
-
-
 FILES = ("disk.roughness.file", "loading.file")
 """Entries that name a file beside the scene."""
-
-
-def plain_text(meaning: str) -> str:
-    """Meaning of an entry without the marks of Markdown."""
-    return re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", meaning).replace("`", "")
-
-
-def example(entry: Entry, default: Any) -> Any:
-    """Value of an entry to show in a new file: its example, its default, or any allowed value."""
-    return _allowed(entry.kind, default) if entry.example is None else entry.example
-
-
-def _allowed(kind: Kind, default: Any) -> Any:
-    match kind:
-        case Quantity() | UnitText():
-            return kind.example
-        case List():
-            return [_allowed(kind.of, None)] * (kind.length or 1)
-        case Either():
-            return _allowed(kind.kinds[0], default)
-        case _ if default is not None:
-            return default
-        case OneOf():
-            return kind.options[0]
-        case Flag():
-            return False
-        case Whole():
-            return int(max(kind.at_least, 0))
-        case Number():
-            return 0.1
-    return "text"

@@ -14,7 +14,7 @@ from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
 from pipeline.scene.fidelity import FidelityTable
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.reference import new_keys, number_in, sections
+from pipeline.scene.reference import number_in, sections
 from pipeline.scene.units import typeset
 from pipeline.store import schema
 from tests.helpers.campaigns import table
@@ -28,6 +28,22 @@ _VARIABLES = {
     "Variables of bodies that differ in bulk temperature": schema.BULK_COLUMNS | schema.BULK_FIELDS,
     "Fields at the end of each point": schema.FIELDS,
 }
+
+
+def new_keys(section, listed):
+    """Keys of a list of tables, such as ``[[tested]]``, that are in no earlier list of tables.
+
+    Returns these keys, as `Section.keys` does, and the header of an earlier list that has the other
+    keys, or "" if all keys are new. A section that is not a list of tables keeps all its keys.
+    `listed` maps each key to the header of the first list that has it, and gets the new keys.
+    """
+    keys = section.keys()
+    if "." in section.path or not section.is_list:
+        return keys, ""
+    own = {key: entry for key, entry in keys.items() if key not in listed}
+    like = next((listed[key] for key in keys if key in listed), "")
+    listed |= dict.fromkeys(own, section.header)
+    return own, like
 
 
 def scene():
