@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import secrets
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any, TypedDict
@@ -17,7 +16,6 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    RULES,
     Origin,
     dataset_of,
     entry_dims,
@@ -37,9 +35,8 @@ from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import DIMENSIONS, FIELDS, PATHS, UNITS, Bulk, CriterionName
-from pipeline.sweep.laws import name_of
 from pipeline.sweep.variants import dimension_of
-from tribo import InputError, Rule
+from tribo import InputError
 from tribo.types import Array
 
 COLDEST_OIL, HOTTEST_OIL = (in_si("temperature.bulk", end, "1 K") for end in OIL_WORKS)
@@ -55,7 +52,7 @@ class ConditionKeywords(TypedDict, total=False):
     bulk_temperature: Bulk | Sequence[float | str]
     critical_temperature: float | str | Sequence[float | str]
     share: float | str | Sequence[float | str]
-    criterion: CriterionName | Rule
+    criterion: CriterionName
     without_tests: bool
     exact: bool
 
@@ -70,7 +67,7 @@ def at(
     bulk_temperature: Bulk | Sequence[float | str] | None = None,
     critical_temperature: float | str | Sequence[float | str] | None = None,
     share: float | str | Sequence[float | str] | None = None,
-    criterion: str | Rule | None = None,
+    criterion: str | None = None,
     without_tests: Any = False,
     exact: Any = False,
     **entries: Any,
@@ -96,7 +93,7 @@ def at(
     share : float or str, optional
         Wear is severe if more than this share of the contact is above the critical temperature,
         such as 0.1 or ``"10%"``. 0 is Blok's criterion: wear is severe if the maximum is above.
-    criterion : str or tribo.Rule, optional
+    criterion : str, optional
         Contact temperature that is compared with the critical temperature: ``"highest"``,
         ``"mean"``, or ``"share"``, the temperature that `share` of the contact exceeds. In Python
         also a rule of your own, like those in `tribo.CRITERIA`.
@@ -231,10 +228,6 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     if not values:
         return ds
     attributes, values = dict(ds.attrs), dict(values)
-    if isinstance(rule := values.get(PATHS["criterion"]), Rule):
-        attributes["rule"] = secrets.token_hex(8)  # a key that no store can contain
-        RULES[attributes["rule"]] = rule
-        values[PATHS["criterion"]] = name_of(rule)
     both = judged_values(ds) | values
     if PATHS["share"] in values and PATHS["criterion"] not in values:
         both.pop(PATHS["criterion"], None)  # a share alone makes "share" the criterion

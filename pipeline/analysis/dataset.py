@@ -31,13 +31,9 @@ from pipeline.store.schema import (
     split_arrays,
 )
 from pipeline.sweep.conditions import PATHS, UNITS, changes_of
-from pipeline.sweep.laws import name_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.variants import VARIANT, Label, Variant, Variants, dimension_of
-from tribo import InputError, Rule
-
-RULES: dict[str, Rule] = {}
-"""The user's own criteria from `pipeline.at`, by the value of the attribute ``rule``."""
+from tribo import InputError
 
 
 @dataclass(frozen=True)
@@ -46,7 +42,6 @@ class Origin:
 
     text: str
     digests: str
-    rule: str  # key in `RULES`
     arrays: Any = field(compare=False)
 
     @classmethod
@@ -60,7 +55,7 @@ class Origin:
             )
         data = ds.variables.get(INPUTS)
         digests = "" if data is None else str(data.attrs["digests"])
-        return cls(str(ds.attrs["scene"]), digests, str(ds.attrs.get("rule", "")), data)
+        return cls(str(ds.attrs["scene"]), digests, data)
 
 
 @functools.lru_cache(maxsize=64)
@@ -81,9 +76,6 @@ def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
         return parse_sweep(origin.text, held)
     sweep = judged_sweep(origin, "{}")
     given = {name: values[path] for name, path in PATHS.items() if path in values}
-    rule = RULES.get(origin.rule)
-    if rule and name_of(rule) == given.get("criterion"):
-        given["criterion"] = rule
     return sweep.judge(changes_of(**given))
 
 

@@ -27,7 +27,6 @@ from pipeline.analysis.results_of_tests import TestResults
 from pipeline.store.read import open_messages
 from pipeline.store.schema import ASKED, COORDINATES, DONE, PLANE, SCENE_ID
 from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
-from pipeline.sweep.laws import StoredRule
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
@@ -178,20 +177,7 @@ class Results:
     @functools.cached_property
     def conditions(self) -> Conditions:
         """Conditions to judge wear by; raises an `InputError` if the sweep lacks their data."""
-        _ = self.sweep.conditions.criterion.column  # raises if a store lacks the user's rule
         return self._require_computed(self.sweep.conditions)
-
-    @property
-    def shown_conditions(self) -> Conditions:
-        """Conditions for figures.
-
-        If the criterion is a user's rule whose code is not at hand, the highest temperature is
-        shown, without a critical temperature.
-        """
-        if not isinstance(self.sweep.conditions.criterion.rule, StoredRule):
-            return self.conditions
-        plain = changed_conditions(self.plain_conditions, {"criterion": "highest"})
-        return replace(plain, critical_temperature=None)
 
     @property
     def plain_conditions(self) -> Conditions:

@@ -109,7 +109,7 @@ def fields(
             "into another store"
         )
     data = data.take_row(realization)
-    conditions = data.shown_conditions
+    conditions = data.conditions
     point = chosen_points(data, load, velocity, conditions)[0]
     shown = _surface_fields(data, point, conditions)
     if np.isnan(shown[0]).all():

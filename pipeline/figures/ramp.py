@@ -52,7 +52,7 @@ def ramp(
     marker shows the last step; the line ends at the step before.
     """
     data = data.take_row(realization)
-    conditions = data.shown_conditions
+    conditions = data.conditions
     points = chosen_points(data, load, velocity, conditions)
     data = replace(data, columns=rises_above_colder(data.columns, conditions))
     panels = [_CONTACT, _WEAR] if show is None else [(_stored_variable(data, show),)]
@@ -160,7 +160,7 @@ def temperature(
     highest. `realization` is the seed of the surface; by default the first one.
     """
     data = data.take_row(realization)
-    conditions, velocities = data.shown_conditions, data.velocities
+    conditions, velocities = data.conditions, data.velocities
     row = (nearest_indices(data.loads, "load", load) or [-1])[0]
     load_here = float(data.loads[row])
     figure, axes = style.canvas()

@@ -12,7 +12,6 @@ import functools
 import hashlib
 import os
 import pickle
-import sys
 import threading
 import zlib
 from dataclasses import dataclass
@@ -20,13 +19,11 @@ from pathlib import Path
 from platform import python_version
 from typing import Any
 
-import cloudpickle
 import numpy as np
 import scipy
 from distributed import get_worker
 
 from pipeline.store.checksum import packed
-from pipeline.sweep.laws import code_of, is_user_law
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stations import Stations
@@ -88,12 +85,8 @@ class Work:
     with_film: bool
 
     def pickled(self) -> bytes:
-        """Pickle the work together with the code of the user's laws, which no worker has."""
-        parts = self.scene.wear, self.scene.roughness, self.scene.pin
-        names = {code_of(part).__module__ for part in parts if is_user_law(part)}
-        for name in names & sys.modules.keys():
-            cloudpickle.register_pickle_by_value(sys.modules[name])
-        return zlib.compress(cloudpickle.dumps(self), level=1)
+        """The work as bytes."""
+        return zlib.compress(pickle.dumps(self), level=1)
 
 
 @functools.lru_cache(maxsize=64)

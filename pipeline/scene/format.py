@@ -127,8 +127,7 @@ class MeasuredSurfaceTable(Declared):
 
 class Disk(Body):
     roughness: A[RandomSurface | MeasuredSurfaceTable | None,
-        "Surface of the disk, random or measured; smooth without the table. In Python also [your "
-        "own](OWN_LAWS.md)."] = None
+        "Surface of the disk, random or measured; smooth without the table."] = None
 
 class Window(Declared):
     pixels: A[tuple[int, int], List(Whole(at_least=1, at_most=100_000), length=2),
@@ -240,7 +239,7 @@ class Temperature(Declared):
         "0 if the highest temperature decides."] = 0.1
     criterion: A[str, OneOf(tuple(tribo.CRITERIA)),
         "Deciding temperature: the one exceeded on the failing share of the contact, the highest, "
-        "or the mean; in Python also [your own criterion](OWN_LAWS.md)."] = "share"
+        "or the mean."] = "share"
 
 class Model(Declared):
     bias: A[float, Spread(at_least=0, below=1),
@@ -299,8 +298,7 @@ class SceneFile(Declared):
         "Motion of both bodies: give `slide_roll_ratio` or `entrainment_velocity`. Without the "
         "table the pin is at rest."] = None
     wear: A[Any, table_of(Archard),
-        "Wear of the pin: Archard's law, or a rate by sliding distance; in Python also [your own "
-        "law](OWN_LAWS.md). Without the table there is no wear."] = None
+        "Wear of the pin by Archard's law. Without the table there is no wear."] = None
     oil: A[OilTable | None,
         "The lubricant, used only to say which transitions lie in boundary lubrication. "
         '`oil = "NAME"` takes an oil of the [library](../pipeline/scene/library.toml).'] = None

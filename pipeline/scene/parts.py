@@ -30,8 +30,8 @@ from pipeline.scene.format import (
 from pipeline.scene.format_of_tests import EvenLevels
 from pipeline.scene.names import UNITS
 from pipeline.scene.units import si_unit, to_si
-from pipeline.sweep.laws import MissingError, MissingSurface
 from pipeline.sweep.measurement import Case
+from pipeline.sweep.missing import MissingError, MissingSurface
 from pipeline.sweep.remarks import FromLibrary
 from tribo.loading.ramp import MOST_STEPS
 from tribo.loading.record import fault as record_fault

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -14,7 +14,6 @@ from pipeline.scene.facts import track_faults
 from pipeline.scene.faults import Faults
 from pipeline.scene.fidelity import complete_fidelity, fidelity_of
 from pipeline.scene.format import Bulks, MeasuredSurfaceTable, Model, SceneFile
-from pipeline.scene.laws import add_laws, take_laws
 from pipeline.scene.library import resolve_library
 from pipeline.scene.parts import (
     Contents,
@@ -46,15 +45,12 @@ class SceneReader:
     ----------
     contents : Contents
         Contents of files that were read.
-    laws : mapping
-        The user's own objects by kind, which replace entries.
     is_stored : bool
         True for entries of a store, which are complete: a missing entry has no value, not even its
         default.
     """
 
     contents: Contents = field(default_factory=Contents)
-    laws: Mapping[str, Any] = field(default_factory=dict)
     is_stored: bool = False
     parts: dict[tuple[Any, ...], Any] = field(default_factory=dict)
     first: tuple[Entries, Any] = ({}, None)  # entries without faults, and as they were read
@@ -72,7 +68,7 @@ class SceneReader:
 
         The parts are returned despite a fault that only they show, such as a too short track.
         """
-        laws, tables = take_laws(self.laws, dict(entries), faults)
+        tables: dict[str, Any] = dict(entries)
         taken: tuple[FromLibrary, ...] = ()
         if not self.is_stored:
             tables, taken = resolve_library(tables, faults)
@@ -81,11 +77,11 @@ class SceneReader:
         part, read = partial(self._part, scene, faults), (self.contents, faults)
         loading, record = part(partial(loading_of, *read), "loading", "sweep.loads") or (None, None)
         heights = partial(roughness_of, *read)
-        roughness = laws.get("surface") or part(heights, "disk.roughness", "window")
+        roughness = part(heights, "disk.roughness", "window")
         made = {
             "pixels": part(grid_of, "window", "pin"),
             "motion": part(motion_of, "motion", "pin"),
-            "wear": laws.get("wear") or part(lambda wear: tribo.Wear(**vars(wear)), "wear"),
+            "wear": part(lambda wear: tribo.Wear(**vars(wear)), "wear"),
             "loading": loading,
             "roughness": roughness,
             "fidelity": fidelity,
@@ -99,14 +95,14 @@ class SceneReader:
         digests = {"loading.content": record} if record else {}
         if isinstance(scene.disk.roughness, MeasuredSurfaceTable):
             digests["disk.roughness.content"] = roughness.digest
-        physics = _scene_of(scene, laws.get("pin"), **made)
+        physics = _scene_of(scene, **made)
         with faults.at("window.pixels"):
             physics = widen_window(physics, max(scene.sweep.velocities))
         friction, model = scene.friction, scene.model or Model()
         case = Case(
             name=(),
             scene=physics,
-            conditions=_conditions_of(scene, physics, laws.get("criterion")),
+            conditions=_conditions_of(scene, physics),
             friction_band=friction.band,
             model_bias=model.bias,
             model_scatter=model.scatter,
@@ -131,7 +127,8 @@ class SceneReader:
         full = {key: entries_of(kind.keys[key].kind, declared[key]) for key in kept}
         tables = {key: one for key, one in full.items() if one is not None}
         tables.get("sweep", {}).pop("along", None)  # the rows of variants stand for it
-        return add_laws(keep_written(tables, entries), parts.case, like.case if like else None)
+        kept_tables: dict[str, Any] = keep_written(tables, entries)
+        return kept_tables
 
     def complete_changes(
         self, given: Entries, written: Entries, parts: Parts, entries: Entries, base: Parts
@@ -174,13 +171,13 @@ class SceneReader:
         return self.parts.get(made_of)
 
 
-def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scene:
-    """Make a `tribo.Scene` of a `SceneFile` and of finished `parts`; `own_pin` replaces its pin."""
+def _scene_of(scene: Any, **parts: Any) -> tribo.Scene:
+    """Make a `tribo.Scene` of a `SceneFile` and of finished `parts`."""
     pin, friction = scene.pin, scene.friction
     kind: Any = tribo.PINS[pin.shape]
     sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
     return tribo.Scene(
-        pin=own_pin or kind(**sizes, material=material_of(scene.materials[pin.material])),
+        pin=kind(**sizes, material=material_of(scene.materials[pin.material])),
         disk=material_of(scene.materials[scene.disk.material]),
         friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
         unequal_bulks=_bulks_of(scene)["disk_temperature"] is not None,
@@ -188,10 +185,10 @@ def _scene_of(scene: Any, own_pin: tribo.Pin | None, **parts: Any) -> tribo.Scen
     )
 
 
-def _conditions_of(scene: Any, made: tribo.Scene, rule: tribo.Rule | None) -> Conditions:
-    """Make the `Conditions` of a `SceneFile`; `rule` is the user's own criterion, if any."""
+def _conditions_of(scene: Any, made: tribo.Scene) -> Conditions:
+    """Make the `Conditions` of a `SceneFile`."""
     values = {name: entry_at(scene, path) for name, path in PATHS.items()} | _bulks_of(scene)
-    values["criterion"] = criterion_of(rule or values["criterion"], values.pop("share"))
+    values["criterion"] = criterion_of(values["criterion"], values.pop("share"))
     values["corrections"] = corrections_of(scene, made.pin, made.disk, made.motion)
     # Of a scene without [model], the rise beside it has its default.
     known = {name: one for name, one in values.items() if one is not None}

@@ -22,7 +22,6 @@ from pipeline.scene.document import (
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean
 from pipeline.scene.fidelity import FidelityTable
 from pipeline.scene.format import SceneFile
-from pipeline.scene.laws import replace_by_laws
 from pipeline.scene.parts import Contents
 from pipeline.scene.reading import SceneReader
 from pipeline.scene.reference import FILES, all_keys
@@ -43,7 +42,6 @@ def load_scene(
     path: str | PathLike[str],
     preset: PresetName | None = None,
     overrides: Mapping[str, Any] | None = None,
-    laws: Mapping[str, Any] | None = None,
 ) -> Sweep:
     """Read a scene file, and the scenes that it extends.
 
@@ -59,11 +57,6 @@ def load_scene(
         Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
         file's; or fields of `tribo.Fidelity`, which are applied last. ``without`` lists entries of
         the file to leave out first.
-    laws : mapping, optional
-        Objects of your own that replace the scene's: a `tribo.WearLaw` as ``"wear"``, a
-        `tribo.Surface` as ``"surface"``, a `tribo.Rule` as ``"criterion"``, a `tribo.Pin` as
-        ``"pin"``. Entries such as ``wear.parameters.NAME`` replace fields of a wear law; see
-        ``workflows/OWN_LAWS.md``.
 
     Raises
     ------
@@ -77,18 +70,14 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    path, faults, laws = scene_path(path), Faults(), laws or {}
+    path, faults = scene_path(path), Faults()
     replaced = _path_overrides(overrides or {}, preset, faults)
-    try:
-        document = replace_by_laws(read_document(path, faults), laws)
-    except tribo.InputError as error:
-        raise SceneFileError(path, [str(error)]) from error
-    document = override_entries(document, replaced, faults)
+    document = override_entries(read_document(path, faults), replaced, faults)
     document = without_empty_tables(document, faults)
     document, extensions = _begin_extensions(document, faults)
     entries = document.entries()
     folders = {file: document.file_of(file).parent for file in FILES}
-    reader = SceneReader(Contents(folders=folders), laws)
+    reader = SceneReader(Contents(folders=folders))
     try:
         parts = reader.read_all(entries, faults)
         if parts is not None:

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-from pipeline.sweep.laws import StoredRule, name_of
 from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
-from tribo import Criterion, InputError, Rule
+from tribo import Criterion, InputError
 
 CriterionName = Literal["share", "highest", "mean"]
 Bulk = float | str | Mapping[str, float | str]
@@ -69,14 +68,11 @@ def known_critical_temperature(conditions: Conditions) -> float:
     return conditions.critical_temperature
 
 
-def criterion_of(kind: str | Rule | StoredRule, share: float) -> Criterion:
-    """Criterion of a kind, one of `tribo.CRITERIA` or a rule, for a share of the contact area."""
+def criterion_of(kind: str, share: float) -> Criterion:
+    """Criterion of a kind, one of `tribo.CRITERIA`, for a share of the contact area."""
     if isinstance(share, Iterable) or not math.isfinite(share):
         raise InputError(f"failing_share is {share!r}; it must be one finite number here")
-    if not isinstance(kind, Rule | StoredRule):
-        return Criterion(kind, share)
-    rule: Any = kind  # a `StoredRule` stands in the place of a rule
-    return Criterion(name_of(rule), share, rule)
+    return Criterion(kind, share)
 
 
 def changes_of(**given: Any) -> dict[str, Any]:
@@ -101,8 +97,6 @@ def changed_conditions(conditions: Conditions, changes: Mapping[str, Any]) -> Co
     """Conditions with some values replaced; `changes` has them by name, as `changes_of` does."""
     values, present = dict(changes), conditions.criterion
     share, kind = values.pop("share", present.share), values.pop("criterion", present.name)
-    if kind == present.name and present.rule:  # a rule is also known by its name
-        kind = present.rule
     return replace(conditions, **values, criterion=criterion_of(kind, share))
 
 

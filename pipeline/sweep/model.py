@@ -13,8 +13,8 @@ import numpy as np
 
 from pipeline.sweep.conditions import Conditions, changed_conditions
 from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_places
-from pipeline.sweep.laws import MissingSurface, is_user_law, law_record
 from pipeline.sweep.measurement import Case, Measurement
+from pipeline.sweep.missing import MissingSurface
 from pipeline.sweep.remarks import FromLibrary, Remark
 from pipeline.sweep.stations import Stations, Steps
 from pipeline.sweep.tables import entry_at, replace_value, replace_values
@@ -307,8 +307,6 @@ def _plain(value: Any) -> Any:
         return array_digest(value)
     if isinstance(value, MeasuredRoughness | MissingSurface):
         return value.digest
-    if is_user_law(value):
-        value = law_record(value)
     if is_dataclass(value):
         counted = [one.name for one in fields(value) if one.init and one.compare]
         values = [_plain(getattr(value, name)) for name in counted]

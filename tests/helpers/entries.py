@@ -19,7 +19,6 @@ from pipeline.scene.format import (
 )
 from pipeline.scene.format_of_tests import Test, TransitionTable
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.laws import add_laws
 from pipeline.scene.written import entries_of
 from pipeline.sweep.conditions import FIELDS as PATHS_OF
 from pipeline.sweep.conditions import UNITS as UNITS_OF
@@ -60,7 +59,7 @@ def changed(sweep, **values):
     for name, value in (_objects(sweep) | rest).items():
         if not _has(made, name, value):
             made = _with_object(made, name, value)
-    return replace(_with_cases(made), entries=add_laws({**made.entries}, made.base))
+    return replace(_with_cases(made), entries={**made.entries})
 
 
 def _with_cases(sweep):

@@ -10,8 +10,6 @@ from pipeline import Conditions
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.tables import writable_path, write_text
 from pipeline.store.create import writing
-from pipeline.sweep.conditions import criterion_of
-from pipeline.sweep.laws import StoredRule
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import placed_rows, rows
 from tests.helpers.refusals import refusal_tests
@@ -68,13 +66,6 @@ def margin(*place, **values):
     return lambda: pipeline.margin(synthetic.sweep(**values), *place)
 
 
-def coded():
-    """Ask for the conditions of a sweep that was judged by a criterion written in Python."""
-    criterion = criterion_of(StoredRule("laws:median", (), "0"), 0.1)
-    judged = Conditions(**synthetic.CONDITIONS, criterion=criterion)
-    return pipeline.results(with_fields(plane(), conditions=judged)).conditions
-
-
 def unmoved():
     conditions = Conditions(0.0, 298.15, 418.15)
     rolling = with_fields(plane(), motion=Motion(entrainment_velocity=2.0), conditions=conditions)
@@ -122,7 +113,6 @@ REFUSALS = {
     "bodies": (at(bulk_temperature={"pin": 300.0, "disk": 310.0}), "bodies of one bulk"),
     "label": (lambda: pipeline.at(pins(), pin="c"), "pin is c, which the sweep does not have"),
     "at": (lambda: pipeline.boundary(plane().assign_attrs(at="hotter")), "`at` is 'hotter'"),
-    "code": (coded, "the store is judged by the criterion laws:median"),
     "no end": (lambda: pipeline.boundary(plane().isel(step=[0])), "lacks step 0, the end"),
     "no heat": (unmoved, "the sweep was computed without friction"),
     "surface": (lambda: pipeline.plot(plane(), realization=3), "realization is 3; the sweep has"),

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import dataclass, make_dataclass
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -83,22 +83,6 @@ def along(rows, **others):
 def measured(shape, **others):
     np.save("surface.npy", np.zeros(shape))
     return scene((ROUGHNESS, MEASURED_SURFACE), **others)
-
-
-def own(law="", kind="wear", **overrides):
-    law = law or Fading(1e-15)
-    return lambda: load_scene("first_try", overrides=overrides, laws={kind: law})
-
-
-@dataclass(frozen=True)
-class Fading:
-    """A wear law whose rate falls with the distance slid."""
-
-    rate: float
-    pattern: str = "swept"
-
-    def over(self, begin, end, pressure, velocity):
-        return tribo.Wear(self.rate / (1 + begin + end), self.pattern)
 
 
 @dataclass
@@ -277,13 +261,6 @@ ENTRIES = {
                                    **{"sweep.realizations": 3}), "3 needs a [disk.roughness]"),
     "scan": (lambda: measured((48, 20)), "the surface has 20 × 48 heights along x and y"),
     # laws in Python
-    "no such law": (own(kind="waer"), "'waer' is unknown; give wear, surface,"),
-    "no rule": (own(kind="criterion"), "is not a tribo.Rule; give one"),
-    "law lacks": (own(kind="surface"), "has no heights; see tribo.Surface"),
-    "class": (own(Fading), "is not an object of a dataclass"),
-    "unlike": (own(Unlike({})), "write @dataclass(frozen=True), or with an array"),
-    "in place": (own(**{"wear.pattern": "local"}), "wear: laws.wear replaces this entry"),
-    "number": (own(**{"wear.parameters.pattern": 3}), "pattern: 3 does not fit; give one"),
     "track": (entry("disk.diameter", "0.5 mm", **{"disk.width": "9 mm"}), "disk.diameter: "),
     "height unit": (lambda: measured((480, 480), **{"disk.roughness.height_unit": "parsnip"}),
                     '"parsnip" is not '),
@@ -410,14 +387,6 @@ def logged():
     return forged_text(entries=entries | {"measured": [{"file": "log.csv"}]})
 
 
-def unkept():
-    law = make_dataclass(
-        "Unkept", [("part", object)], namespace={"over": None, "pattern": "swept"}, frozen=True
-    )
-    law.__module__ = __name__
-    return load_scene("first_try", laws={"wear": law(object())})
-
-
 KEPT = {
     "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
     "form": (lambda: parse_sweep('{"form": 0}', {}), "it is of form 0, and not 1"),
@@ -428,7 +397,6 @@ KEPT = {
     "log": (logged, "measured[0]: a log is read with its scene file"),
     "no array": (scanned, "are missing; open the store"),
     "exchanged": (lambda: scanned(3.0), "does not have this SHA-256"),
-    "law": (unkept, "other fields are numbers or text"),
 }
 
 REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **UNCERTAIN, **TEXTS}

@@ -1,6 +1,5 @@
 """A store keeps the entries of a sweep in full, as text that a person can read."""
 
-import dataclasses
 import json
 import math
 from dataclasses import replace
@@ -18,8 +17,6 @@ from pipeline.scene.format import RandomSurface
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.stored_text import SweepTextError, file_contents, parse_sweep, sweep_text
 from pipeline.store.create import writing
-from pipeline.sweep.laws import LawError
-from pipeline.sweep.model import digest
 from pipeline.sweep.variants import surfaces
 from tests.helpers import synthetic, tiny
 from tests.helpers.entries import rows
@@ -70,30 +67,6 @@ def test_a_forged_text_is_an_error_or_another_sweep(data):
     except SweepTextError:
         return
     assert repr(sweep)
-
-
-@dataclasses.dataclass(frozen=True)
-class Fading:
-    """A law of the user's own."""
-
-    distance: float
-    pattern: str = "swept"
-
-    def over(self, begin, end, pressure, velocity):
-        return tribo.Wear(1e-15 / (1 + end / self.distance), self.pattern)
-
-
-def test_a_law_comes_back_as_its_name_and_hash_and_never_runs():
-    sweeps = [pipeline.load_scene("first_try", laws={"wear": Fading(d)}) for d in (2.0, 3.0)]
-    entries = sweeps[0].entries["wear"]
-    assert entries["law"].endswith(":Fading")
-    assert entries["parameters"]["distance"] == 2.0
-    again = back(sweeps[0]).scene
-    assert again.wears_by_law
-    assert again.contact_pattern == "swept"
-    assert digest(again) == digest(sweeps[0].scene) != digest(sweeps[1].scene)
-    with pytest.raises(LawError, match="of which a store has only the name"):
-        again.wear.over(0.0, 1.0, 5e8, 1.0)
 
 
 SWEEP = """

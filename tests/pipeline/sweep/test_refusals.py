@@ -1,17 +1,15 @@
-"""All refusals of sweeps, their conditions, variants and laws: causes, and what each says."""
+"""All refusals of sweeps, their conditions, variants: causes, and what each says."""
 
 import math
-from dataclasses import make_dataclass
 
 import numpy as np
-import pytest
 
 import tribo
 from pipeline import Conditions
 from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.conditions import bulk_entries, criterion_of, known_critical_temperature
-from pipeline.sweep.laws import Law, MissingSurface, StoredRule, law_record
 from pipeline.sweep.measurement import Measurement
+from pipeline.sweep.missing import MissingSurface
 from pipeline.sweep.severity import require_bulks
 from pipeline.sweep.variants import Column, Row, Variants, surfaces
 from tests.helpers import tiny
@@ -27,18 +25,6 @@ def conditions(**changes):
     return lambda: Conditions(**OIL | changes)
 
 
-def unsourced():
-    law = make_dataclass("Unsourced", ["rate"], namespace={"__module__": "nowhere"})
-    return law_record(law(1.0))
-
-
-def hidden():
-    with pytest.raises(AttributeError) as caught:
-        _ = STORED._hidden
-    return caught.value
-
-
-STORED = Law("laws:Law", (("distance", 1.0),), "0")
 SMOOTH = tiny.sweep(roughness=None)
 REFUSALS = {
     # conditions
@@ -72,15 +58,6 @@ REFUSALS = {
     "not beside": (lambda: MissingSurface("0", "it is not here").heights(None), "not here"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
     "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
-    # laws of a user's own
-    "stored": (lambda: STORED.over(0.0, 1.0, 5e8, 1.0), "laws:Law is a Python object"),
-    "stored heights": (lambda: STORED.heights(None), "laws:Law is a Python object"),
-    "stored pin": (lambda: STORED.profile, "laws:Law is a Python object"),
-    "builtin": (lambda: law_record(tribo.Rule("mean_rise", max, "", "")), "max> is no function"),
-    "stored rule": (lambda: criterion_of(StoredRule("laws:Law", (), "0"), 0.1).temperature,
-                    "the store is judged by the criterion laws:Law, a Python object"),
-    "hidden": (hidden, "_hidden"),
-    "no source": (unsourced, "nowhere:Unsourced has neither a file nor a source"),
 }  # fmt: skip
 
 
