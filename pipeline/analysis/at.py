@@ -54,7 +54,6 @@ class ConditionKeywords(TypedDict, total=False):
     share: float | str | Sequence[float | str]
     criterion: CriterionName
     without_tests: bool
-    exact: bool
 
 
 CONDITIONS = {*ConditionKeywords.__annotations__}
@@ -69,7 +68,6 @@ def at(
     share: float | str | Sequence[float | str] | None = None,
     criterion: str | None = None,
     without_tests: Any = False,
-    exact: Any = False,
     **entries: Any,
 ) -> xr.Dataset:
     """Judge a sweep under other conditions or values, without a new simulation.
@@ -99,8 +97,6 @@ def at(
         also a rule of your own, like those in `tribo.CRITERIA`.
     without_tests : bool, optional
         True to leave the tests of the scene out of all answers.
-    exact : bool, optional
-        True if the conditions given here are exact. Else they keep the uncertainty of the scene.
     **entries
         Values by the path of an entry or by its dimension, such as ``pin_radius`` for
         ``pin.radius``, in SI or as text with a unit. An entry with several values
@@ -143,8 +139,6 @@ def at(
         raise InputError(f"{path} is given twice, also as {_NAMES[path]}; give it once")
     if without_tests:
         ds = ds.assign_attrs(without_tests="yes")
-    if exact:
-        ds = ds.assign_attrs(exact="yes")
     ds, wanted = _select_entries(ds, wanted | entries)
     if others := [path for path in wanted if path not in _NAMES]:
         raise InputError(_needs_run(ds, others[0], wanted[others[0]]))

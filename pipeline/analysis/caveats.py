@@ -37,8 +37,7 @@ def caveats_of(data: Results) -> list[str]:
 def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     """Caveats, one line each, for results of a scene under `conditions`."""
     sweep, critical = scene.sweep, conditions.critical_temperature
-    which = "without an [uncertainty]" if sweep.inputs else "such as the steel's conductivity"
-    exact = f"inputs {which} are taken as exact (irg help model)"
+    exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
         note_on_made(scene),
         note_on_failed(scene),

@@ -9,18 +9,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.analysis.film import OUTSIDE, is_outside
-from pipeline.analysis.inferred import Weighed, weigh
-from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import rise_errors, totals
 from pipeline.analysis.rises import Places, Rises, places_of, rises_of
-from pipeline.analysis.tested import Evidence, forbidden
+from pipeline.analysis.tested import Evidence, evidence_of, forbidden
 from pipeline.constants import DECIDED
 from pipeline.sweep.conditions import Conditions, known_critical_temperature
 from tribo.types import Array, Mask
@@ -34,7 +32,7 @@ class Judge:
     """Rises and evidence of one case, under the conditions of `rises`."""
 
     rises: Rises
-    weighed: Weighed  #: The tests and uncertain inputs.
+    evidence: Evidence  #: What the tests say.
 
     @property
     def conditions(self) -> Conditions:
@@ -46,39 +44,6 @@ class Judge:
         """Results of the case."""
         return self.rises.source
 
-    @property
-    def evidence(self) -> Evidence:
-        """What the tests say."""
-        return self.weighed.evidence
-
-    @property
-    def effects(self) -> Effects:
-        """How far each uncertain input moves y."""
-        return self.weighed.effects
-
-    @property
-    def tested_conditions(self) -> Conditions:
-        """`conditions` with the critical temperature that the tests make likely."""
-        critical = self.weighed.conditions.critical_temperature
-        return replace(self.conditions, critical_temperature=critical)
-
-    @property
-    def offset(self) -> float:
-        """What is added to y where the tests make another critical temperature likely."""
-        pair = self.conditions, self.tested_conditions
-        stated, likely = (known_critical_temperature(one) for one in pair)
-        if stated == likely:
-            return 0.0
-        bulk = self.conditions.coldest_bulk_temperature
-        return math.log((stated - bulk) / (likely - bulk)) if likely > bulk else math.inf
-
-    @property
-    def open_sides(self) -> tuple[bool, bool]:
-        """Whether no place at all is mild, and none is severe."""
-        if not self.weighed.is_bounded or self.effects.waiting:
-            return True, True
-        return self.evidence.open_sides
-
     def judged_by(self, own: Mapping[str, float]) -> Judge:
         """The judge under conditions of one operating point in place of the scene's.
 
@@ -89,26 +54,21 @@ class Judge:
         if not given:
             return self
         rises = self.rises.judged_by(own)
-        if {"critical_temperature", "failing_share"} & {*given} or self.source.is_exact:
-            return _judge(self.source, rises, given)
+        if {"critical_temperature", "failing_share"} & {*given}:
+            return _judge(self.source, rises)
         return replace(self, rises=rises)
 
     def chances(self, loads: Places, velocities: Places) -> tuple[Array, Array, Array]:
         """Probabilities of severe wear (k,): lowest, as computed and highest by numerical error.
 
-        Where the error is unknown, the lowest probability is 0 and the highest 1. `shift` is added
-        to each y.
+        Where the error is unknown, the lowest probability is 0 and the highest 1.
         """
         loads, velocities = places_of(loads, velocities)
-        y, error = (
-            self.rises.y(loads, velocities) + self.offset,
-            self.errors(loads, velocities),
-        )
+        y, error = self.rises.y(loads, velocities), self.errors(loads, velocities)
         is_known = np.isfinite(error)
         width = np.where(is_known, np.log1p(error), 0.0)
         ends = np.stack([y - width, y, y + width])
-        a = self.effects.at(self.tested_conditions, loads, velocities)
-        low, middle, high = self.evidence.belief.probability(ends, a)
+        low, middle, high = self.evidence.belief.probability(ends)
         return np.where(is_known, low, 0.0), middle, np.where(is_known, high, 1.0)
 
     def errors(self, loads: Places, velocities: Places) -> Array:
@@ -121,7 +81,8 @@ class Judge:
         no_mild, no_severe, names = forbidden(
             self.evidence, self.source, self.conditions, loads, velocities
         )
-        return no_mild | self.open_sides[0], no_severe | self.open_sides[1], names
+        open_sides = self.evidence.open_sides
+        return no_mild | open_sides[0], no_severe | open_sides[1], names
 
     def outside(self, loads: Places, velocities: Places) -> Mask:
         """True where a film carries more of the load than the model allows (k,)."""
@@ -144,35 +105,16 @@ class Judge:
 
     @functools.cached_property
     def levels(self) -> tuple[float, float, float]:
-        """Y at `tested_conditions` at which a place is severe with 5, 50 and 95 %.
-
-        Where uncertain inputs are simulated, these hold in the middle of the plane.
-        """
-        low, middle, high = self._levels(self.effects.middle(self.tested_conditions))
+        """Y at which a place is severe with 5, 50 and 95 %."""
+        low, middle, high = map(self.evidence.belief.level, DECIDED)
         return low, middle, high
-
-    def _levels(self, a: Sequence[float]) -> list[float]:
-        return [self.evidence.belief.level(share, a) for share in DECIDED]
-
-    def levels_at(self, loads: Array, velocities: Array) -> Array:
-        """Y at `conditions` (3, k) for 5, 50 and 95 % at k places.
-
-        It is found where inputs are simulated, and linear between.
-        """
-        nodes = self.effects.nodes
-        if nodes is None:
-            levels = np.array(self.levels)[:, None] - self.offset
-            return np.repeat(levels, len(loads), axis=1)
-        a = self.effects.at(self.tested_conditions, *nodes)
-        found = np.array([self._levels(one) for one in a.tolist()]).T - self.offset
-        return np.array([self.effects.interpolate(one, loads, velocities) for one in found])
 
     def tested_velocities(self, loads: Array) -> Array:
         """Velocities with tests at k loads (3, k): first P = 5 %, first 50 %, and last 95 % [m/s].
 
         NaN where there is none up to 3 times beyond the computed velocities.
         """
-        places, begins, ends = self.rises.crossings(loads, self.levels_at)
+        places, begins, ends = self.rises.crossings(loads, self.levels)
         first, last = np.fmin.reduce(places, axis=2), np.fmax.reduce(places, axis=2)
         found = np.where(begins, math.nan, first)
         found[:, -1] = np.where(ends[:, -1], last[:, -1], math.nan)
@@ -184,11 +126,6 @@ def judge_of(data: Results, conditions: Conditions | None = None) -> Judge:
     return _judge(data, rises_of(data, conditions or data.conditions))
 
 
-def _judge(data: Results, rises: Rises, given: Sequence[str] = ()) -> Judge:
-    """Judge by rises; `given` has the names of conditions that were given for a place."""
-    judged = rises.conditions
-    _ = known_critical_temperature(judged)  # raises, as without it there is no verdict
-    weighed = weigh(data, judged, effects_of(data, judged, given))
-    if weighed.is_from_tests_alone:  # the scene's own value is no more than a start
-        rises = rises.under(weighed.conditions)
-    return Judge(rises, weighed)
+def _judge(data: Results, rises: Rises) -> Judge:
+    _ = known_critical_temperature(rises.conditions)  # raises, as without it there is no verdict
+    return Judge(rises, evidence_of(data, rises.conditions))

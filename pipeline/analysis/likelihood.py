@@ -1,21 +1,20 @@
 """What tests say of places: one likelihood, in which the result of a test is an interval.
 
-A place is severe where y + Σ aₖ zₖ + b + e > 0. y = ln(rise/limit) is computed; z are uncertain
-inputs, of standard deviation 1, and a is how far each moves y. b is the model's bias, which all
-specimens share, and e is each specimen's own. The prior of b is Student's t with 4 degrees; the
+A place is severe where y + b + e > 0. y = ln(rise/limit) is computed. b is the model's bias, which
+all specimens share, and e is each specimen's own. The prior of b is Student's t with 4 degrees; the
 scale of e has a prior that is worth 4 results. Both have the same heavy tail, so that a surprise is
 shared between them at every distance.
 
-The scales of b and e are integrated over their whole tails; z and b are found by expectation
-propagation at each pair of scales (Minka 2001). It agrees with weighted draws to 0.1 points.
+The scales of b and e are integrated over their whole tails; b is found by expectation propagation
+at each pair of scales (Minka 2001).
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr
@@ -56,7 +55,6 @@ class SpecimenResult:
     sign: int = 1
     width: float = math.inf
     own: float = 0.0  #: Standard deviation of an error of this result alone.
-    a: tuple[float, ...] = ()  #: Change of y for one standard deviation of each input.
 
     @property
     def is_transition(self) -> bool:
@@ -66,95 +64,64 @@ class SpecimenResult:
 
 @dataclass(frozen=True, eq=False)
 class Belief:
-    """Bias, scatter and inputs after the tests: a mixture over g pairs of scales.
+    """Bias and scatter after the tests: a mixture over g pairs of scales.
 
-    `weights` add up to 1. `means` (g, n + 1) and `covariances` (g, n + 1, n + 1) are those of n
-    inputs and of the bias over its scale. `bias` and `scatter` (g,) are the scales.
+    `weights` add up to 1. `mean` and `variance` (g,) are those of the bias over its scale. `bias`
+    and `scatter` (g,) are the scales.
     """
 
     weights: Array
-    means: Array
-    covariances: Array
+    mean: Array
+    variance: Array
     bias: Array
     scatter: Array
     #: Probability of each result by the others, in their order: of its outcome,
     #: or twice the smaller tail of an interval.
     expected: tuple[float, ...] = ()
 
-    def probability(self, y: Array | float, a: Sequence[float] | Array = ()) -> Array:
-        """Probability that a place is severe, at each of `y`.
-
-        `a` (n,) as in `SpecimenResult`, or (k, n) for k places along the last axis of `y`.
-        """
-        places, effects = np.asarray(y, float), np.asarray(a, float)
-        if effects.ndim < 2:
-            shift, width = self._moments(effects[None])
-            found = self._severe(places.reshape(-1, 1), shift, width).reshape(places.shape)
-            return np.where(np.isnan(places), math.nan, found)
-        each, back = np.unique(effects, axis=0, return_inverse=True)
-        columns = places.reshape(-1, places.shape[-1]).T
-        found, step = np.empty_like(columns), max(1, _AT_ONCE // len(self.weights))
-        if len(each) == 1:
-            return self.probability(places, each[0])
-        for begin in range(0, len(columns), step):
+    def probability(self, y: Array | float) -> Array:
+        """Probability that a place is severe, at each of `y`."""
+        width = np.sqrt(self.scatter**2 + self.bias**2 * self.variance)
+        places = np.asarray(y, float)
+        found, flat = np.empty(places.size), places.reshape(-1, 1)
+        step = max(1, _AT_ONCE // len(self.weights))
+        for begin in range(0, len(flat), step):
             part = slice(begin, begin + step)
-            shift, width = self._moments(each[back.ravel()[part]])
-            for k, column in enumerate(columns[part].T):
-                found[part, k] = self._severe(column[:, None], shift, width)
-        return np.where(np.isnan(places), math.nan, found.T.reshape(places.shape))
+            found[part] = ndtr((flat[part] + self.bias * self.mean) / width) @ self.weights
+        return np.where(np.isnan(places), math.nan, np.clip(found, 0.0, 1.0).reshape(places.shape))
 
-    def _moments(self, a: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation (k, g) of what is added to y at k places."""
-        n = self.means.shape[1] - 1
-        a = a if a.shape[1] else np.zeros((1, n))
-        own, bias = self.covariances[:, :-1, :-1], self.bias
-        shift = a @ self.means[:, :-1].T + bias * self.means[:, -1]
-        variance = self.scatter**2 + bias**2 * self.covariances[:, -1, -1]
-        for i in range(n):
-            along = a @ own[:, i].T + 2 * bias * self.covariances[:, i, -1]
-            variance = variance + a[:, [i]] * along
-        return shift, np.sqrt(np.broadcast_to(variance, shift.shape))
-
-    def _severe(self, y: Array, shift: Array, width: Array) -> Array:
-        """Probability of severe wear at `y` (k, 1), with moments (k, g) or (1, g)."""
-        found, step = np.empty(len(y)), max(1, _AT_ONCE // len(self.weights))
-        for begin in range(0, len(y), step):
-            part = slice(begin, begin + step)
-            own = (shift, width) if len(shift) == 1 else (shift[part], width[part])
-            found[part] = ndtr((y[part] + own[0]) / own[1]) @ self.weights
-        return np.clip(found, 0.0, 1.0)
-
-    def level(self, probability: float, a: Sequence[float] = ()) -> float:
+    def level(self, probability: float) -> float:
         """The y at which a place is severe with this probability, found by halving."""
-        low, high = -_FARTHEST, _FARTHEST
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            is_below = float(self.probability(middle, a)) < probability
-            low, high = (middle, high) if is_below else (low, middle)
-        return (low + high) / 2
+        return _halved(lambda y: float(self.probability(y)) < probability)
 
-    def inputs(self) -> tuple[Array, Array]:
-        """Mean and standard deviation (n,) of each input."""
-        means = self.means[:, :-1]
-        squares = np.diagonal(self.covariances, axis1=1, axis2=2)[:, :-1] + means**2
-        mean = self.weights @ means
-        return mean, np.sqrt(self.weights @ squares - mean**2)
+    def bias_below(self, share: float) -> float:
+        """The quantile of the bias at a share."""
+        spread = self.bias * np.sqrt(self.variance)
+        at = self.bias * self.mean
+        return _halved(lambda x: float(self.weights @ ndtr((x - at) / spread)) < share)
 
-    def moved(self, way: float, number: int = 0) -> Belief:
-        """The belief with one of its inputs counted from `way` of its standard deviations on."""
-        step = np.zeros(self.means.shape[1])
-        step[number] = way
-        return replace(self, means=self.means - step)
+    @property
+    def bias_moments(self) -> tuple[float, float]:
+        """Mean and standard deviation of the bias."""
+        at = self.bias * self.mean
+        mean = float(self.weights @ at)
+        square = float(self.weights @ (self.bias**2 * self.variance + at**2))
+        return mean, math.sqrt(max(square - mean**2, 0.0))
+
+
+def _halved(is_below: Callable[[float], bool]) -> float:
+    low, high = -_FARTHEST, _FARTHEST
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if is_below(middle) else (low, middle)
+    return (low + high) / 2
 
 
 @functools.lru_cache(maxsize=64)
-def condition(results: tuple[SpecimenResult, ...], prior: Prior, inputs: int = 0) -> Belief:
-    """Update the prior by the results of tests, one for each specimen.
-
-    `inputs` is the number of uncertain inputs, each with a prior of standard deviation 1.
-    """
+def condition(results: tuple[SpecimenResult, ...], prior: Prior) -> Belief:
+    """Update the prior by the results of tests, one for each specimen."""
     bias, scatter, log_weight = _scales(prior)
-    found = _Conditioned(results, bias, scatter, inputs)
+    found = _Conditioned(results, bias, scatter)
     log_weight = log_weight + found.log_evidence
     weight = np.exp(log_weight - log_weight.max())
     expected = found.expected(log_weight)
@@ -162,7 +129,7 @@ def condition(results: tuple[SpecimenResult, ...], prior: Prior, inputs: int = 0
     return Belief(
         weight[keep] / weight[keep].sum(),
         found.mean[keep],
-        found.cov[keep],
+        found.variance[keep],
         bias[keep],
         scatter[keep],
         expected,
@@ -187,22 +154,17 @@ def _scales(prior: Prior) -> tuple[Array, Array, Array]:
 
 
 class _Conditioned:
-    """Gaussians of inputs and bias at each pair of scales, by expectation propagation.
+    """Gaussians of the bias at each pair of scales, by expectation propagation.
 
-    Each result is replaced by a Gaussian factor of its own direction: `precision` and `shift`
-    (n, g) are its natural parameters. That of a transition is exact.
+    `mean` and `variance` (g,) are those of the bias over its scale. Each result has a Gaussian
+    factor, of which `precision` and `shift` (n, g) are the natural parameters. That of a
+    transition is exact.
     """
 
-    def __init__(
-        self, results: Sequence[SpecimenResult], bias: Array, scatter: Array, inputs: int
-    ) -> None:
+    def __init__(self, results: Sequence[SpecimenResult], bias: Array, scatter: Array) -> None:
         g, n = len(bias), len(results)
-        self.results, self.scatter = results, scatter
-        self.rows = np.empty((n, g, inputs + 1))
-        for row, result in zip(self.rows, results, strict=True):
-            row[:, :inputs], row[:, inputs] = result.a, bias
-        self.mean = np.zeros((g, inputs + 1))
-        self.cov = np.broadcast_to(np.eye(inputs + 1), (g, inputs + 1, inputs + 1)).copy()
+        self.results, self.bias, self.scatter = results, bias, scatter
+        self.mean, self.variance = np.zeros(g), np.ones(g)
         self.precision, self.shift = np.zeros((n, g)), np.zeros((n, g))
         for i, result in enumerate(results):
             if result.is_transition:
@@ -223,10 +185,8 @@ class _Conditioned:
         return self.scatter**2 + result.own**2 + width
 
     def _cavity(self, i: int) -> tuple[Array, Array, Array, Array]:
-        """Mean and variance (g,) of result i's latent shift; then those without result i."""
-        row = self.rows[i]
-        m = np.einsum("gk,gk->g", row, self.mean)
-        v = np.einsum("gk,gkl,gl->g", row, self.cov, row)
+        """Mean and variance (g,) of the bias; then those without result i."""
+        m, v = self.bias * self.mean, self.bias**2 * self.variance
         rest = np.maximum(1 - v * self.precision[i], 1e-9)
         return m, v, (m - v * self.shift[i]) / rest, v / rest
 
@@ -241,22 +201,17 @@ class _Conditioned:
         return second / rest, (first + m * second) / rest
 
     def _replace(self, i: int, precision: Array, shift: Array) -> None:
-        """Give result i another Gaussian factor, and update mean and covariance."""
-        row, change = self.rows[i], precision - self.precision[i]
-        m, v, *_ = self._cavity(i)
-        along = np.einsum("gkl,gl->gk", self.cov, row)
-        scale = 1 / (1 + change * v)
-        step = (shift - self.shift[i] - change * m) * scale
-        self.mean = self.mean + along * step[:, None]
-        self.cov = self.cov - np.einsum("gk,gl,g->gkl", along, along, change * scale)
+        """Give result i another Gaussian factor, and update mean and variance."""
+        change, (m, v, *_) = precision - self.precision[i], self._cavity(i)
+        along, scale = self.variance * self.bias, 1 / (1 + change * v)
+        self.mean = self.mean + along * (shift - self.shift[i] - change * m) * scale
+        self.variance = self.variance - along**2 * change * scale
         self.precision[i], self.shift[i] = precision, shift
 
     @property
     def log_evidence(self) -> Array:
         """Logarithm of the probability of all results at each pair of scales (g,)."""
-        inverse = np.linalg.solve(self.cov, self.mean[..., None])[..., 0]
-        total: Array = 0.5 * np.linalg.slogdet(self.cov)[1]
-        total = total + 0.5 * np.einsum("gk,gk->g", self.mean, inverse)
+        total: Array = 0.5 * (np.log(self.variance) + self.mean**2 / self.variance)
         for i in range(len(self.results)):
             m, v, m_rest, v_rest = self._cavity(i)
             total = total + self._log_share(i) + 0.5 * (m_rest**2 / v_rest + np.log(v_rest / v))

@@ -33,7 +33,7 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.condition_words import verdict_conditions
 from pipeline.sweep.conditions import known_critical_temperature
-from pipeline.sweep.inputs import Place
+from pipeline.sweep.measurement import Place
 from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
 from tribo import InputError, WarningKind
@@ -277,12 +277,8 @@ def margins_at(judge: Judge, loads: Array, velocities: Array) -> list[Margin | s
 
 def forbidding_words(judge: Judge) -> tuple[str, str]:
     """Why no place of a case is mild, and why none is severe; empty where tests allow it."""
-    no_mild, no_severe = judge.open_sides
+    no_mild, no_severe = judge.evidence.open_sides
     why = waiting_words(judge.evidence)
-    if lacking := judge.effects.waiting:
-        why = f"the uncertain {', '.join(lacking)} lacks points: irg run SCENE --retry-failed"
-    if not judge.weighed.is_bounded:
-        why = "the tests bound the critical temperature from one side only"
     return why * no_mild, why * no_severe
 
 

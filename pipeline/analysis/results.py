@@ -157,11 +157,6 @@ class Results:
         return Prior(self.stored.base.model_bias, self.stored.base.model_scatter)
 
     @property
-    def is_exact(self) -> bool:
-        """True if conditions that are given in place of the scene's have no uncertainty."""
-        return bool(self.rest.attrs.get("exact"))
-
-    @property
     def patches(self) -> int:
         """Number of random surfaces, which are patches of one specimen."""
         return self.rows.sizes.get("realization", 1)

@@ -94,7 +94,7 @@ def read_test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
     is_here = np.array(places, int) != ABSENT
 
     def least(slot: Slot) -> float:
-        return load_that_counts(sweep._own_points[slot.test].simulated.scene, slot.load)
+        return load_that_counts(sweep.tests[slot.test].simulated.scene, slot.load)
 
     def taken(name: str, usual: Any) -> Any:
         if not held:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -221,20 +221,14 @@ class Rises:
         done = np.where(is_point, nodes, math.nan)
         return turns_of(nodes, lines, limits, done, ends, self.conditions.has_friction_curve)
 
-    def crossings(
-        self, loads: Array, levels: Callable[[Array, Array], Array]
-    ) -> tuple[Array, Mask, Mask]:
+    def crossings(self, loads: Array, levels: Sequence[float]) -> tuple[Array, Mask, Mask]:
         """Velocities (k, m, n) at which y crosses m levels at k loads, ascending, then NaN.
 
-        `levels` returns them at places. Lines go on beyond the computed velocities, by a factor of
-        up to 3. Two masks (k, m) follow: True if y is above the level at the lowest velocity, and
-        at the highest.
+        Also masks (k, m): above a level at the lowest velocity, and at the highest.
         """
         nodes = self._nodes(loads, FARTHEST)
         (lines,) = self._lines(loads, nodes, np.ones((len(self.loads), len(nodes)), bool))
-        places = [axis.ravel() for axis in np.meshgrid(loads, nodes, indexing="ij")]
-        shifts = levels(*places).reshape(-1, *lines.shape)
-        curves = [Curve(nodes, lines / np.exp(shift)) for shift in shifts]
+        curves = [Curve(nodes, lines / math.exp(level)) for level in levels]
         rows = np.arange(len(loads))
         found = [curve.crossings(np.array(self.limit), rows) for curve in curves]
         most = max(one.shape[-1] for one in found)

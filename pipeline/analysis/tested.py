@@ -6,14 +6,13 @@ import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from pipeline.analysis.dataset import Layout
 from pipeline.analysis.film import OUTSIDE_WORDS, is_test_outside
-from pipeline.analysis.inputs import Effects, effects_of
 from pipeline.analysis.likelihood import Belief, SpecimenResult, condition
 from pipeline.analysis.results import Results
 from pipeline.analysis.results_of_tests import ABSENT, TestResults
@@ -115,44 +114,30 @@ def _signed(percent: float) -> str:
     return f"{percent:+.0f}" if abs(percent) >= 10 else f"{percent:+.2g}"
 
 
-def evidence_of(
-    data: Results, oil: Conditions, effects: Effects | None = None, way: float = 0.0
-) -> Evidence:
-    """Compare the tests of a scene with the model.
-
-    Critical temperature, criterion and `[model] rise` are those of `oil`; friction and bulk
-    temperature are each test's own. The critical temperature is `way` of its standard deviations
-    from its value before the tests.
-    """
-    effects = effects_of(data, oil) if effects is None else effects
+def evidence_of(data: Results, oil: Conditions) -> Evidence:
+    """Compare the tests of a scene with the model, under one oil's conditions."""
     rows = tuple(_rows(data, oil)) if data.takes_tests else ()
     grouped = dict[str, list[ComparedTest]]()
     for row in rows:
         if not (row.reason or row.is_outside):
             grouped.setdefault(row.specimen, []).append(row)
     members = tuple(map(tuple, grouped.values()))
-    results = tuple(_result(own, effects, way) for own in members)
-    return Evidence(rows, results, members, condition(results, data.prior, len(effects.inputs)))
+    results = tuple(map(_result, members))
+    return Evidence(rows, results, members, condition(results, data.prior))
 
 
-def _result(rows: Sequence[ComparedTest], effects: Effects, way: float) -> SpecimenResult:
-    """What one specimen says, with the inputs at their values before the tests."""
-    found = [effects.of_test(row.place, row.test, row.conditions) for row in rows if row.conditions]
-    a = tuple(np.mean(found, axis=0).tolist())
-    moved = 0.0 if effects.critical is None else a[effects.critical] * way
+def _result(rows: Sequence[ComparedTest]) -> SpecimenResult:
+    """What one specimen says."""
     severe = min((row.severe for row in rows if not math.isnan(row.severe)), default=math.nan)
     mild = max((row.mild for row in rows if not math.isnan(row.mild)), default=math.nan)
     if math.isnan(mild):
-        result = SpecimenResult(severe)
-    elif math.isnan(severe):
-        result = SpecimenResult(mild, sign=-1)
-    elif severe >= mild:
-        result = SpecimenResult(severe, width=severe - mild)
-    else:  # the specimen contradicts itself, which counts as a transition
-        result = SpecimenResult(
-            (severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3)
-        )
-    return replace(result, y=result.y - moved, a=a)
+        return SpecimenResult(severe)
+    if math.isnan(severe):
+        return SpecimenResult(mild, sign=-1)
+    if severe >= mild:
+        return SpecimenResult(severe, width=severe - mild)
+    # The specimen contradicts itself, which counts as a transition.
+    return SpecimenResult((severe + mild) / 2, width=0.0, own=(mild - severe) / 2 / math.sqrt(3))
 
 
 def _rows(data: Results, oil: Conditions) -> Iterator[ComparedTest]:

@@ -159,9 +159,6 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
         widest = max((test.simulated.scene for test in sweep.tests), key=_pixels)
         if wider := _wider(sweep.scene.pixels.shape, widest):
             yield "", f"stages of tests have wider windows, up to {wider}"
-    if cost.inputs:
-        simulated = ", ".join(one.path for one in sweep.inputs if one.is_simulated)
-        yield "inputs", f"{cost.inputs} points for the uncertain {simulated}"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
     disk = f"about {display(size, 'MB', '.0f')}" if size >= 1e6 else "less than 1 MB"
     yield "time", f"roughly {duration(cost.seconds)} on {workers}, if idle; {disk} of disk"

@@ -157,5 +157,5 @@ def stored_tests_of(sweep: Sweep) -> str | None:
 
 def dataset_in(options: argparse.Namespace) -> xr.Dataset:
     """Dataset of the command's store, under the conditions in the options."""
-    flags = values_in(options, "without_tests", "exact")
+    flags = values_in(options, "without_tests")
     return pipeline.at(options.store, **conditions_in(options), **flags, **dict(options.at))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, astuple, replace
 
 import pipeline
-from pipeline.analysis.inferred import Inferred, inputs_frame
+from pipeline.analysis.inferred import Inferred
 from pipeline.analysis.tables import TABLES, frame_of, records, short, writable_path
 from pipeline.analysis.tested import tests_frame
 from pipeline.cli.given import flags_of, one_scene_in, stored_tests_of, values_in
@@ -63,14 +63,13 @@ def _inferred_result(found: Inferred, beside: Sequence[str]) -> Result:
         f"{said}, from {count}",
         "",
         short(frame, ["notes"]),
-        *(["", inputs_frame(found.inputs)] if found.inputs else []),
         *(f"{row.name} {row.reason}" for row in found.evidence.waiting),
         *found.evidence.misfits,
         *beside,
     ]
     names = "temperature", "spread", "own_spread", "at_least", "at_most"
     document = {name: getattr(found, name) for name in names}
-    document |= {"inputs": [*map(asdict, found.inputs)], "tests": records([frame])}
+    document |= {"tests": records([frame])}
     return Result(document, wrapped(text), frames=[frame])
 
 

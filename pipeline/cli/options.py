@@ -221,8 +221,7 @@ CONDITIONS = OptionGroup("conditions, instead of the scene's", (
     CRITERION,
 ))  # fmt: skip
 
-EXACT = flag("--exact", "take conditions that are given here as exact, without [uncertainty]")
-JUDGED = (AT, CONDITIONS, WITHOUT_TESTS, EXACT)
+JUDGED = (AT, CONDITIONS, WITHOUT_TESTS)
 
 OF_INFER = (
     *OF_SCENE, CRITERION, *KEPT,

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from pipeline.analysis.warned_points import Warned
     from pipeline.store.progress import Summary
-    from pipeline.sweep.model import Sweep
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
@@ -102,13 +101,9 @@ def counted(number: int, one: str, several: str) -> str:
     return f"{number} {one if number == 1 else several}"
 
 
-def counted_tests(state: Summary | None, sweep: Sweep) -> list[str]:
+def counted_tests(state: Summary | None) -> list[str]:
     """Line on points beside the plane, such as "tests: 4 of 4 points done"; none without any."""
-    if state is None:
-        return []
-    are_simulated = any(one.is_simulated for one in sweep.inputs)
-    kinds = ["tests"] * bool(sweep.tests) + ["uncertain inputs"] * are_simulated
-    return [f"{' and '.join(kinds)}: {state.done} of {state.total} points done"]
+    return [f"tests: {state.done} of {state.total} points done"] if state else []
 
 
 def tell(*messages: str | Progress) -> None:

@@ -20,7 +20,7 @@ from pipeline.run.here import compute_here, computed_dataset
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
-from pipeline.sweep.inputs import Place
+from pipeline.sweep.measurement import Place
 from pipeline.sweep.model import Point
 from tribo import InputError
 
@@ -43,10 +43,10 @@ def point(options: argparse.Namespace) -> Result:
         velocities=velocities,
         tests=() if options.without_tests else sweep.tests,
     )
-    source = stored_tests_of(sweep) if places._own_points else None
-    count = len(velocities) + sum(len(one.places) for one in places._own_points)
+    source = stored_tests_of(sweep) if places.tests else None
+    count = len(velocities) + sum(len(one.places) for one in places.tests)
     if source is None and count > _MANY:
-        tell(f"{count} points are simulated, with those of tests and uncertain inputs")
+        tell(f"{count} points are simulated, with those of tests")
     with working("simulating") as progress, writing(None, places) as store:
         wanted = [Point(load, each) for each in (velocity, velocities[0], velocities[2])]
         compute_here(store, wanted, source, progress)

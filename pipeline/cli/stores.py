@@ -30,7 +30,7 @@ def status(options: argparse.Namespace) -> Result:
     text = [state.title, f"{state.total} points: {_counts(state)}"]
     earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
     text += [earlier] * bool(state.earlier)
-    text += counted_tests(state.tests, sweep)
+    text += counted_tests(state.tests)
     text += [f"running: {state.running}"] * bool(state.running)
     failed = *state.failed, *(state.tests.failed if state.tests else ())
     text += [error_in_words(sweep), *(f"failed: {point}" for point in failed)]

@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> Result:
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
         f"in {outcome.wall_time:.1f} s",
-        *output.counted_tests(outcome.tests, stored),
+        *output.counted_tests(outcome.tests),
         *(f"failed: {point}" for point in failed),
     ]
     told = list[Reached]()

@@ -26,8 +26,8 @@ from pipeline.scene.over import labels_of, with_rows
 from pipeline.scene.sheet import Sheet, Written
 from pipeline.scene.units import as_entry
 from pipeline.sweep.conditions import FIELDS
-from pipeline.sweep.inputs import Place
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
+from pipeline.sweep.measurement import Place
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.tables import CURVE, entry_at, flat
 from pipeline.sweep.tables import FRICTION as COEFFICIENT

@@ -49,7 +49,6 @@ from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
 
 SEED = Whole(at_least=0)
 LATER = "Acts after the simulation."
-FROM_TESTS = "from tests"
 
 
 def one_or_two(kind: Kind) -> Either:
@@ -308,11 +307,6 @@ class SceneFile(Declared):
     temperature: A[Temperature,
         "Temperatures that decide whether wear is severe. They act after the simulation."]
     model: A[Model | None, "What the model leaves out, and its error."] = None
-    uncertainty: A[dict[str, str] | None,
-        ByPath(Text(), "paths of entries that are not known exactly"),
-        'Standard uncertainties of entries: "20 %", "factor 2", of temperatures "8 K". '
-        '`"temperature.critical" = "from tests"` finds the critical temperature from the tests '
-        "alone; the scene's own is where the search begins."] = None
     fidelity: A[Any, table_of(FidelityTable),
         'Numerical choices: a preset, and choices that replace its own. Without the table the '
         'preset is "standard".'] = None

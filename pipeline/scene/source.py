@@ -13,7 +13,6 @@ from pipeline.scene.doubts import doubts_of_all
 from pipeline.scene.faults import Faults
 from pipeline.scene.parts import Parts
 from pipeline.scene.reading import SceneReader
-from pipeline.scene.uncertain import uncertain_inputs
 from pipeline.sweep.measurement import Case
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.remarks import FromLibrary, Remark
@@ -72,7 +71,6 @@ def read_sweep(
     entries = source.reader.complete(source.written, parts)
     test_reader = TestReader(source.reader, source.written, entries, parts)
     tests = test_reader.tests(base, found)
-    inputs = tuple(uncertain_inputs(test_reader, base, tests, found))
     if faults is None and found:
         raise InputError(f"{found[0].key}: {found[0].problem}")
     return Sweep(
@@ -87,7 +85,6 @@ def read_sweep(
         fields=declared.sweep.fields,
         steps=declared.sweep.steps,
         tests=tests,
-        inputs=inputs,
         notes=notes,
         sources=sources,
         stations=stations,

@@ -11,7 +11,7 @@ from pipeline.quantities import DIMENSIONS, ZERO, display
 from pipeline.quantities import UNITS as VARIABLE_UNITS
 from pipeline.scene.declare import ByPath, Each, Either, List, Table, Tables, attribute_of, table_of
 from pipeline.scene.fidelity import FidelityTable, complete_fidelity
-from pipeline.scene.kinds import Kind, Quantity, Text
+from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.units import si_unit, to_si, typeset
 from pipeline.sweep.conditions import PATHS
 from pipeline.sweep.model import Sweep
@@ -45,8 +45,6 @@ def entries_of(kind: Kind, value: Any) -> Any:
             return [*map(entries_of, kinds, value)]
         case Tables(of):
             return {key: entries_of(of, one) for key, one in value.items()}
-        case ByPath(Text()):  # [uncertainty]
-            return dict(value)
         case ByPath():  # such tables are stored as rows, or as the user wrote them
             return None
         case Quantity():

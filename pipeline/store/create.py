@@ -106,7 +106,7 @@ def open_grown(
 def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
     """Layout of the points of tests in a store with the tests of a sweep."""
     old = before.layout if before else None
-    if not sweep._own_points:
+    if not sweep.tests:
         return old and old._replace(slots=grown_slots(old.slots, sweep))
     judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
     steps = most_steps(sweep, slots, judges_hold)

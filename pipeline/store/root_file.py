@@ -172,7 +172,7 @@ def _fit_axes(root: Root) -> bool:
     """True if the axes are those of the variables; names of axes become names of files."""
     names, dims = root.variables.keys(), root.variables["status"].dims
     needed = {dim for one in root.variables.values() for dim in one.dims} - {DIM}
-    numbers = range(NO_TEST, len(root.sweep._own_points))
+    numbers = range(NO_TEST, len(root.sweep.tests))
     if root.layout and not all(slot.test in numbers for slot in root.layout.slots):
         return False
     return needed <= root.axes.keys() <= names and root.block.keys() == root.field_block.keys() == {

@@ -12,6 +12,8 @@ from tribo import InputError, Oil, Scene
 
 OUTCOMES = ("mild", "severe")
 """Outcomes of a test; a transition has none."""
+Place = tuple[float, float]
+"""Load [N] and velocity [m/s]."""
 TEST = "test"
 """Dimension that numbers the tests of a scene in the names of their cases."""
 

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions, changed_conditions
-from pipeline.sweep.inputs import Input, InputPoints, input_points, spread_places
 from pipeline.sweep.measurement import Case, Measurement
 from pipeline.sweep.missing import MissingSurface
 from pipeline.sweep.remarks import FromLibrary, Remark
@@ -86,7 +85,6 @@ class Sweep:
     fields: bool  # True to store fields of the contact
     steps: Steps | None  # to store; None for the default
     tests: tuple[Measurement, ...]
-    inputs: tuple[Input, ...] = ()
     notes: Sequence[Remark] = ()  # assumptions made on reading the scene
     sources: tuple[FromLibrary, ...] = ()
     stations: Stations | None = None  # times whose results an existing store has
@@ -109,7 +107,7 @@ class Sweep:
         labels = self.variants.columns, [row.labels for row in self._rows]
         plane = self.loads, self.velocities, self.fields, self.steps
         words = self.title, self.caveat
-        return digest(((self.base, *self.cases), plane, words, self.tests, self.inputs, labels))
+        return digest(((self.base, *self.cases), plane, words, self.tests, labels))
 
     @cached_property
     def doubts(self) -> tuple[Remark, ...]:
@@ -146,12 +144,6 @@ class Sweep:
     def _measured(self) -> tuple[Measurement, ...]:
         """Tests that measured a transition from mild to severe wear."""
         return tuple(test for test in self.tests if not test.outcome)
-
-    @cached_property
-    def _own_points(self) -> tuple[Measurement | InputPoints, ...]:
-        """What has points beside the plane: the tests, then the uncertain inputs."""
-        places = spread_places(self.loads, self.velocities)
-        return (*self.tests, *input_points(self.inputs, self.base, places, self.tests))
 
     @property
     def _rows(self) -> tuple[Row, ...]:
@@ -192,7 +184,7 @@ class Sweep:
         for case in self.cases:
             parts = [of_part(getattr(case.scene, one.name)) for one in fields(case.scene)]
             rest = [getattr(case, one.name) for one in fields(case)]
-            whole = digest((*parts, rest[2:], self.tests, self.inputs))  # without name and scene
+            whole = digest((*parts, rest[2:], self.tests))  # without name and scene
             ids.append(int.from_bytes(bytes.fromhex(whole[:8]), signed=True))
         return ids
 

@@ -1,4 +1,4 @@
-"""Points of the tests and uncertain inputs of a scene: a sweep of their own."""
+"""Points of the tests of a scene: a sweep of their own."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Slot(NamedTuple):
     scene_hash: str
     load: float  # [N]
     velocity: float  # [m/s]
-    test: int  # number of the test in the scene, from 0; uncertain inputs follow
+    test: int  # number of the test in the scene, from 0
 
     @property
     def is_wanted(self) -> bool:
@@ -36,10 +36,10 @@ class Slot(NamedTuple):
 
 
 def wanted_slots(sweep: Sweep) -> list[Slot]:
-    """The points of a scene's tests and uncertain inputs, in the order of `Sweep.own_points`."""
+    """The points of a scene's tests, in their order."""
     return [
         Slot(sweep._hash_scene(one.simulated.scene), *place, number)
-        for number, one in enumerate(sweep._own_points)
+        for number, one in enumerate(sweep.tests)
         for place in one.places
     ]
 
@@ -76,9 +76,7 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
         ),
     )
     rows = tuple(Row({TEST_POINT: k, **slot._asdict()}, {}) for k, slot in enumerate(slots))
-    cases = (
-        sweep._own_points[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots
-    )
+    cases = (sweep.tests[slot.test].simulated if slot.is_wanted else sweep.base for slot in slots)
     return replace(
         sweep,
         cases=tuple(replace(case, name=((TEST_POINT, k),)) for k, case in enumerate(cases)),
@@ -87,14 +85,13 @@ def sweep_of_tests(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> Sw
         velocities=tuple(sorted({slot.velocity for slot in slots})),
         fields=False,
         tests=(),
-        inputs=(),
         stations=Stations("end", judges_hold),
     )
 
 
 def judges_holds(sweep: Sweep) -> bool:
     """True if the holds of tests are judged at each step, since a body gets warmer in them."""
-    kept = (one.simulated.conditions.corrections for one in sweep._own_points)
+    kept = (one.simulated.conditions.corrections for one in sweep.tests)
     return any(corrections.keeps_heat for corrections in kept if corrections)
 
 
@@ -102,7 +99,7 @@ def most_steps(sweep: Sweep, slots: Sequence[Slot], judges_hold: bool) -> int:
     """Room for the stored steps of the points of tests, also if they are held."""
     stations = Stations("end", judges_hold)
     places = {
-        (sweep._own_points[slot.test].simulated.scene, slot.load, slot.velocity)
+        (sweep.tests[slot.test].simulated.scene, slot.load, slot.velocity)
         for slot in slots
         if slot.is_wanted
     }

@@ -42,7 +42,6 @@ class Estimate:
 
     points: int  #: Points of the diagram.
     tests: int  #: Points of the scene's tests, which are computed first.
-    inputs: int  #: Points of its uncertain inputs, which follow them.
     steps: int  #: Contacts to solve for these points.
     temperatures: int  #: Heat partitions to solve for these points.
     tasks: int  #: Parallel tasks; points that share a contact are one. More workers would be idle.
@@ -99,8 +98,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
         wall += makespan(own, min(workers, len(own)), of_own)[0]
     return Estimate(
         points=points,
-        tests=sum(slot.test < len(sweep.tests) for slot in slots),
-        inputs=sum(slot.test >= len(sweep.tests) for slot in slots),
+        tests=len(slots),
         steps=steps,
         temperatures=temperatures,
         tasks=len(every),

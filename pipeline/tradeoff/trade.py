@@ -253,7 +253,7 @@ class _Runs:
         """Processor time of a run with an accuracy [s]."""
         ratio = self.seconds[chosen.preset] / self.seconds[self.presets[0].preset]
         times = ratio * self.first.seconds + _SECONDS_OF_A_POINT
-        own = self.plane.tests + self.plane.inputs
+        own = self.plane.tests
         points = len(self.sweep._given) * found.points @ times + own * times[-1]
         return float(_SECONDS_TO_START + self.choosing + points)
 

@@ -171,7 +171,7 @@ def with_tests(ds, rise=rise, status=DONE, moved=None):
     hot = np.array(
         [rise(F, V, np.array(QUANTILES)) for F, V in zip(loads, velocities, strict=True)]
     )
-    paths = [getattr(stored._own_points[slot.test], "path", "") for slot in slots]
+    paths = [getattr(stored.tests[slot.test], "path", "") for slot in slots]
     hot = hot * np.array([(moved or {}).get(path, 1.0) for path in paths])[:, None]
     hot = np.where(is_done[:, None], hot, np.nan)[:, None]
     found[test_variable("rise_quantile")] = (TEST_POINT, TEST_STEP, "cooler_share"), hot

@@ -184,21 +184,15 @@ def _by_length(critical: float, tests: Sequence[_Place], place: _Place) -> _Pred
 def _by_tests(critical: float, tests: Sequence[_Place], place: _Place) -> _Predicted:
     """Predict a transition, with the critical temperature from the `tests`, as ``irg infer``."""
     (length,), bulk = place.curves, min(test.bulk for test in tests)
-    prior = at = math.log(critical - bulk)
+    found = critical
     for _ in range(_MOST_STEPS):
-        found, way = bulk + math.exp(at), at - prior
-
-        def effect(test: _Place, found: float = found) -> float:
-            return -(found - bulk) / (found - test.bulk)
-
-        own = [(test.y(found, length) - effect(test) * way, effect(test)) for test in tests]
-        tested = tuple(SpecimenResult(y, width=0.0, a=(a,)) for y, a in own)
-        belief = condition(tested, Prior(), 1)
-        step = prior + float(belief.inputs()[0][0]) - at
-        at += step
+        tested = tuple(SpecimenResult(test.y(found, length), width=0.0) for test in tests)
+        belief = condition(tested, Prior(bias=1.0))  # as in `infer`
+        step = -belief.bias_moments[0]
+        found = bulk + (found - bulk) * math.exp(step)
         if abs(step) < _SETTLED:
             break
-    level = belief.moved(way).level(0.5, (effect(place),))
+    level = belief.level(0.5)
     return _predicted(place, level, found, length, constant=found - 273.15)
 
 

@@ -121,16 +121,6 @@ def test_each_result_is_expected_as_by_the_others_alone():
     assert found[2] == pytest.approx(2 * min(severe, 1 - severe), abs=0.02)
 
 
-def test_an_input_that_all_places_share_is_learned_from_a_transition():
-    a = (-1.0,)
-    belief = condition((SpecimenResult(0.4, width=0.0, a=a),), Prior(), inputs=1)
-    mean, spread = belief.inputs()
-    assert mean[0] == pytest.approx(0.4, abs=0.01)
-    assert 0.05 < spread[0] < 0.13
-    assert belief.probability(0.4, a) == pytest.approx(0.5, abs=0.01)
-    assert belief.probability(0.8, a) > 0.95
-
-
 def test_a_prior_of_no_bias_leaves_the_scatter():
     found = condition((), Prior(bias=0.0, scatter=0.1)).probability(PLACES)
     assert found == pytest.approx(t.cdf(PLACES / 0.1, 4), abs=0.002)

@@ -87,19 +87,6 @@ def test_stages_of_velocity_are_refused_beside_the_whole_history(load):
         load(RAMP, test, change=("increments = 10", 'increments = 10\nheat_model = "history"'))
 
 
-def test_an_uncertain_input_has_the_stages_and_the_window_of_the_test(load):
-    test = (
-        'velocity = "2 m/s"\nstages = [["100 N", "90 s"], ["300 N", "90 s"]]\nsevere_at = "300 N"'
-    )
-    known = ("[sweep]", '[uncertainty]\n"wear.specific_wear_rate" = "30 %"\n[sweep]')
-    sweep = load(RAMP, test, change=known)
-    (one,), (own,) = sweep.inputs, sweep.tests
-    case = one.tests[0]
-    assert case.scene.loading == own.simulated.scene.loading
-    assert case.scene.pixels == own.simulated.scene.pixels != sweep.scene.pixels
-    assert case.scene.wear.specific_wear_rate > own.simulated.scene.wear.specific_wear_rate
-
-
 def test_a_store_of_a_ramp_does_not_take_stages(load):
     stored = parse_sweep(sweep_text(load(RAMP)), {})
     words = "; ".join(misfits(stored, load(EVEN)))
