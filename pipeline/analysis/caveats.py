@@ -7,7 +7,6 @@ import math
 from dataclasses import replace
 
 from pipeline.analysis.dataset import Layout
-from pipeline.analysis.reading import note_on_made
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
@@ -39,7 +38,6 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
     sweep, critical = scene.sweep, conditions.critical_temperature
     exact = "inputs such as the steel's conductivity are taken as exact (irg help model)"
     lines = [
-        note_on_made(scene),
         note_on_failed(scene),
         sweep.caveat,
         *doubt_lines(sweep, answered=True),

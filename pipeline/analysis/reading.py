@@ -17,7 +17,6 @@ import xarray as xr
 
 from pipeline.analysis.columns import Columns
 from pipeline.analysis.dataset import (
-    Layout,
     Origin,
     dataset_of,
     entry_dims,
@@ -32,15 +31,13 @@ from pipeline.store.place import PathLike
 from pipeline.store.schema import FILM, MADE, PLANE, SAMPLING, STEPPED, VARIABLES
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
-from tribo.types import Array, Mask
+from tribo.types import Array
 
 _INNER = ("step", "bulk_ratio", "cooler_share")
 _MARKS = ("status", "warning_flags", "asked", "message")
 _RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 ResultsLike = xr.Dataset | PathLike | Results
 """A dataset, the path of a store, or results that were read from either."""
-_SAME = 1e-6  # relative difference above that of numbers in single precision, 2e-7
-_BALANCE = ("mean_pressure", "contact_fraction", "normal_load")
 
 
 def results(ds: ResultsLike) -> Results:
@@ -154,30 +151,3 @@ def _values(name: str, given: xr.Variable, sizes: Mapping[str, int]) -> Array:
             values = values.round(6)
     own: Any = xr.Variable(given.dims, values)
     return np.asarray(own.set_dims({**sizes, **inner}).values)
-
-
-def made_points(data: Results) -> Mask:
-    """Mask of the points of one scene that were not computed, by surface, load and velocity."""
-    made = np.zeros(data.columns["status"].shape, bool)
-    if data.kind is Layout.PLANE:
-        for name, values in zip(PLANE, (data.loads, data.velocities), strict=True):
-            own = np.array(data.sweep.loads if name == "load" else data.sweep.velocities)
-            place = np.searchsorted(own, values)
-            beside = own[np.clip([place - 1, place], 0, len(own) - 1)]
-            near = (np.abs(values - beside) <= _SAME * np.abs(beside)).any(axis=0)
-            made |= ~near[:, None] if name == "load" else ~near
-    if data.store is None and all(name in data.variables for name in _BALANCE):
-        # The pressure at the end of a computed point carries the load on it.
-        pressure, fraction, load = (data.values(name)[..., -1] for name in _BALANCE)
-        grid, pin = data.sweep.scene.grid, data.sweep.scene.pin
-        carried = pressure * fraction * np.prod(grid.size) * pin.patches(grid)
-        made |= ~(np.abs(carried - load) <= _SAME * load)
-    return made & data.done
-
-
-def note_on_made(data: Results) -> str:
-    """How many points of one scene were not computed, in words; empty if all of them were."""
-    count, total = int(made_points(data).sum()), int(data.done.sum())
-    if not count:
-        return ""
-    return f"{count} of {total} points were made by xarray from the values of computed ones"

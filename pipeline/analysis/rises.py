@@ -22,7 +22,6 @@ from pipeline.analysis.curve import Curve, filled, neighbours, slots
 from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.outcomes import Turns, turns_of
 from pipeline.analysis.outside import why_unknown
-from pipeline.analysis.reading import made_points
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
@@ -59,8 +58,8 @@ class Rises:
     `plane` has the rises per unit friction coefficient, without the effect of velocity on friction;
     NaN where a point is not done. `surface` bounds the relative errors of these rises due to the
     choice of patches. `flags` are sums of `WarningKind` codes, `durations` the times of loading
-    [s], `is_left_out` is True for points that a search of the boundary did not need, and `is_made`
-    for those that were not computed, but made from others, all (n_load, n_velocity).
+    [s], and `is_left_out` is True for points that a search of the boundary did not need, all
+    (n_load, n_velocity).
     """
 
     loads: Array
@@ -70,7 +69,6 @@ class Rises:
     flags: Indices
     durations: Array
     is_left_out: Mask
-    is_made: Mask
     conditions: Conditions
     promised: float | None  # relative error of critical velocities due to the preset
     ends: Mapping[str, tuple[float, float]]  # range of loads [N] and velocities [m/s] of the sweep
@@ -131,8 +129,7 @@ class Rises:
     def is_done(self, loads: Array, velocities: Array) -> Mask:
         """Mask (k,) of k pairs of load and velocity: True for computed points."""
         at_load, at_velocity = loads[:, None] == self.loads, velocities[:, None] == self.velocities
-        is_computed = self._is_done & ~self.is_made
-        return np.asarray(((at_load @ is_computed) & at_velocity).any(axis=1))
+        return np.asarray(((at_load @ self._is_done) & at_velocity).any(axis=1))
 
     def rise(self, loads: Places, velocities: Places) -> Array:
         """Rises at k pairs of load and velocity (k,) [K], with the effect of velocity on friction.
@@ -336,7 +333,6 @@ def rises_of(whole: Results, conditions: Conditions | None = None) -> Rises:
         flags=np.bitwise_or.reduce(flags[counts], axis=0),
         durations=times[counts].max(axis=0),
         is_left_out=left_out[0] | specimen.is_alone[:, None],
-        is_made=np.asarray(made_points(scene).reshape(shape).any(axis=0)),
         conditions=conditions,
         promised=velocity_error(scene.sweep),
         ends=ends,

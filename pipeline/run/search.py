@@ -138,7 +138,6 @@ class Search:
             flags=self._flags,
             durations=self._durations,
             is_left_out=~self.asked[0] | self._specimen.is_alone[:, None],
-            is_made=np.zeros_like(self.asked[0]),
             conditions=self.conditions,
             promised=self.goal.promised,
             ends={name: (float(x[0]), float(x[-1])) for name, x in ends.items()},

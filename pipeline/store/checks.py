@@ -1,8 +1,7 @@
-"""What users ask of a store, or of a copy of one: its progress, and its damage."""
+"""What users ask of a store, its progress, and its damage."""
 
 from __future__ import annotations
 
-from pipeline.store.copies import open_copy, summary_of_copy, sweep_of_copy, verify_copy
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.progress import Summary, summary_of
 from pipeline.store.root_file import read_root
@@ -36,17 +35,13 @@ def summary(path: PathLike) -> Summary:
 
 
 def states(path: PathLike) -> tuple[Summary, Sweep]:
-    """Progress of a store or a copy, and its sweep."""
-    if (copy := open_copy(place_of(path))) is not None:
-        return summary_of_copy(copy), sweep_of_copy(copy)
+    """Progress of a store, and its sweep."""
     store = opened(path)
     return summary_of(store), store.sweep
 
 
 def verify_store(path: PathLike, progress: Report | None = None) -> Verification:
     """Check a whole store for damage; nothing is written.
-
-    Of a copy by xarray, which has no checksums, all data are read.
 
     Parameters
     ----------
@@ -67,7 +62,6 @@ def verify_store(path: PathLike, progress: Report | None = None) -> Verification
     >>> verification.done, verification.damaged, verification.is_clean
     (24, (), True)
     """
-    if (copy := open_copy(place := place_of(path))) is not None:
-        return verify_copy(place, copy)
+    place = place_of(path)
     store = Store(place, read_root(place), is_damaged=True)
     return verified(store, progress or silent)

@@ -15,11 +15,10 @@ from __future__ import annotations
 
 import errno
 import os
-import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.paths import read_file, user_path
@@ -219,7 +218,7 @@ StorePlace = Folder | Bucket | Memory
 def place_of(path: PathLike | None) -> StorePlace:
     """`Folder` or `Bucket` of a store, from its path or address; `Memory` without one.
 
-    An address ``file://PATH`` is a folder, and a zip file of a store an address to read.
+    An address ``file://PATH`` is a folder.
 
     Raises a `StoreError` for the root of a file system.
     """
@@ -231,21 +230,7 @@ def place_of(path: PathLike | None) -> StorePlace:
     folder = Path(os.path.realpath(user_path(address).absolute()))
     if not folder.name:
         raise StoreError(f"{folder} cannot be a store; give a folder below it")
-    group = _group_in_zip(folder)
-    return Folder(folder) if group is None else Bucket(f"zip://{group}::{folder}")
-
-
-def _group_in_zip(path: Path) -> str | None:
-    """Path of a zip file's only Zarr group at the top, "" for several; None without one."""
-    names: list[PurePosixPath] = []
-    with suppress(OSError, zipfile.BadZipFile):  # such as a name that is too long
-        if path.is_file():  # a FIFO is none
-            with zipfile.ZipFile(path) as archive:
-                names = [*map(PurePosixPath, archive.namelist())]
-    groups = [name.parent for name in names if name.name in (ROOT, ".zgroup")]
-    top = min((len(group.parts) for group in groups), default=0)
-    found = {group.as_posix().strip(".") for group in groups if len(group.parts) == top}
-    return found.pop() if len(found) == 1 else "" if found else None
+    return Folder(folder)
 
 
 @contextmanager

@@ -9,7 +9,6 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.copies import open_copy
 from pipeline.store.layout import blocks
 from pipeline.store.place import (
     Memory,
@@ -45,9 +44,6 @@ def open_store(path: PathLike) -> xr.Dataset:
     `StoreError` if there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
-    if (copy := open_copy(place)) is not None:
-        words = [name for name, values in copy.coords.items() if values.dtype.kind == "T"]
-        return copy.assign_coords({name: copy[name].astype(object) for name in words})
     return xr.open_dataset(str(place), engine=_Backend, chunks=None)
 
 

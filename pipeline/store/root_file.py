@@ -41,7 +41,6 @@ from pipeline.sweep.points_of_tests import NO_TEST, Slot
 from tribo.loading.ramp import MOST_STEPS
 from tribo.types import Array
 
-_COPY = "a copy by xarray, which can be read, but not resumed"
 _ELSEWHERE = "restore it from a backup, or run the scene into another store"
 
 
@@ -74,15 +73,11 @@ def _what_it_is(place: StorePlace, keys: set[str]) -> str:
         suffix = PurePath(str(place)).suffix
         if suffix == ".toml":
             return "it is a scene; compute it by irg run, and give the store that this makes"
-        if suffix == ".nc":
-            return f"it is a file .nc: if xarray wrote it of a store, {_COPY}"
         return "it is no folder; give the folder that irg run has made"
     if f"{ABOUT}/{ROOT}" in keys:
         return f"it has lost its {ROOT}; {_ELSEWHERE}"
     if inner := sorted(key for key in keys if key.endswith(f"/{ABOUT}/{ROOT}")):
         return f"it is a folder of stores; give one of them, such as {inner[0].split('/')[0]}"
-    if keys & {".zgroup", ".zarray"}:
-        return f"it is Zarr of format 2: if xarray wrote it of a store, {_COPY}"
     return "it is a folder with other files; give the folder that irg run has made, or a new one"
 
 
@@ -105,7 +100,7 @@ def _parse(place: StorePlace, content: bytes) -> Root:
         if ABOUT not in metadata and "scene" not in document["attributes"]:
             fault = "that of another program; give a store that irg run has made"
         if "scene" in document["attributes"] and ABOUT not in metadata:
-            fault = f"that of {_COPY}"
+            fault = "that of a copy by xarray, which is no store"
         found = metadata[ABOUT]["attributes"]
         version = found["format"]
         is_own = version == FORMAT and found["digest"] == digest_of(found)

@@ -37,7 +37,6 @@ class Verification:
     damaged: tuple[FailedPoint, ...]  #: Points that are damaged.
     shared: tuple[str, ...]  #: Damaged coordinates and files, which several points share.
     tests: Verification | None = None  #: Result for the points of tests, if there are any.
-    has_checksums: bool = True  #: False for a copy by xarray, whose data are read, not compared.
 
     @property
     def is_clean(self) -> bool:

@@ -1,6 +1,5 @@
 """The same places, asked of every door: each gives the same verdict, temperature and chance."""
 
-import json
 import re
 
 import numpy as np
@@ -8,9 +7,6 @@ import pandas as pd
 import pytest
 
 import pipeline
-import tribo
-from pipeline.analysis.judge import judge_of
-from pipeline.cli import main
 from tests.helpers import page_sweeps, synthetic
 from tests.helpers.scenes import MEASURED, SCENE
 from tests.pipeline.conftest import commit_all
@@ -76,35 +72,6 @@ def places(ds, count):
 def asked_of_a_place(ds, load, velocity):
     here = pipeline.margin(ds, float(load), float(velocity))
     return here.verdict, here.deciding_temperature - 273.15, here.probability
-
-
-@pytest.mark.parametrize("name", STORES)
-def test_every_door_gives_a_place_the_same_verdict(name, tmp_path, capsys):
-    ds = STORES[name]()
-    asked = [*places(ds, 6)]
-    table = dict(zip(HEADS, np.transpose(asked), strict=True))
-    frame = pipeline.margin(ds, table)
-    held = pipeline.results(ds)
-    judge = judge_of(held)
-    pd.DataFrame(table).to_csv(tmp_path / "duty.csv", index=False)
-    ds.to_netcdf(tmp_path / "copy.nc")
-    options = [f"{tmp_path}/copy.nc", f"--points={tmp_path}/duty.csv", "--json"]
-    assert main(["margin", *options]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    for number, (load, velocity) in enumerate(asked):
-        row = frame.iloc[number]
-        if row["verdict"] == "not known":
-            assert printed[number]["verdict"] == "not known"
-            with pytest.raises(tribo.InputError):
-                asked_of_a_place(held, load, velocity)
-            continue
-        verdict, temperature, chance = asked_of_a_place(held, load, velocity)
-        assert (verdict, printed[number]["verdict"]) == (row["verdict"],) * 2, (load, velocity)
-        assert temperature == pytest.approx(row["deciding temperature [°C]"], **SAME)
-        assert printed[number]["deciding temperature [°C]"] == pytest.approx(temperature, **SAME)
-        assert chance == pytest.approx(row["probability"], **SAME)
-        assert printed[number]["probability"] == pytest.approx(row["probability"], **SAME)
-        assert judge.verdicts(load, velocity).tolist() == [verdict], (load, velocity)
 
 
 @pytest.mark.parametrize("name", [name for name in STORES if name != "surfaces"])

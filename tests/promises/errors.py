@@ -181,7 +181,6 @@ def plane_of(row, preset, name):
         | np.array(slow) * int(WarningKind.SLOW_RISE),
         durations=durations,
         is_left_out=np.zeros(rises.shape, bool),
-        is_made=np.zeros(rises.shape, bool),
         conditions=Conditions(1.0, 300.0, criterion=CRITERIA[name]),
         promised=preset_bound(preset, CRITERIA[name]),
         ends={},

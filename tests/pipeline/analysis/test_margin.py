@@ -186,20 +186,6 @@ def test_what_is_continued_tells_its_error():
     assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0  # true errors over stated ones
 
 
-def test_a_mild_place_whose_ramp_passes_through_severe_wear_says_so(tmp_path, irg):
-    def rise(load, velocity, quantile=1.0):
-        return synthetic.falling(velocity, load / 250, quantile)  # severe from 275 to 600 N
-
-    ds = synthetic.sweep(rise=rise, measured=())
-    for load, is_said in ((210.0, False), (740.0, True)):
-        here = pipeline.margin(ds, load, 2.0)
-        assert here.verdict == "mild"
-        assert here.caveats[0].startswith("wear is severe at lower loads") == is_said
-    ds.drop_vars("message").to_netcdf(tmp_path / "a.nc")
-    said = irg("margin", tmp_path / "a.nc", "--load=740 N", "--velocity=2 m/s")
-    assert "warning: wear is severe at lower loads" in said
-
-
 def test_the_caveat_of_a_scene_stands_beside_each_verdict():
     ds = synthetic.sweep(caveat="Not validated: no test of this steel.")
     told = pipeline.margin(ds, 400.0, 2.0).caveats

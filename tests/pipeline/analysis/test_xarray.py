@@ -152,25 +152,6 @@ MAKES = {
 }
 
 
-@pytest.mark.parametrize("name", MAKES)
-def test_points_that_an_operation_makes_are_answered_and_told_to_be_none_of_the_scene(name, opened):
-    own, answers = crossings(opened["open_sweep"]), []
-    for way in WAYS:
-        with np.errstate(all="ignore"):
-            made = MAKES[name](opened[way])
-        boundary = pipeline.boundary(made)
-        assert "points were made by xarray" in str(boundary["load"].attrs | boundary.attrs)
-        there = made["rise_quantile"].isel(step=-1, cooler_share=0)
-        known = there.load().where(there.notnull(), drop=True)
-        place = float(known["load"][-1]), float(known["velocity"][-1])
-        assert not pipeline.margin(made, *place).is_computed, way
-        answers.append(crossings(made))
-    for answer in answers[1:]:
-        np.testing.assert_array_equal(answer, answers[0])
-    if name == "interp velocity":
-        np.testing.assert_allclose(answers[0], own, rtol=0.05)
-
-
 BREAKS = {
     "no status": (lambda ds: ds.drop_vars("status"), "no status"),
     "no quantiles": (lambda ds: ds.drop_vars("rise_quantile"), "no rise_quantile"),

@@ -9,7 +9,6 @@ import stat
 import subprocess
 import sys
 import threading
-import zipfile
 from contextlib import contextmanager
 
 import fsspec
@@ -417,16 +416,6 @@ def test_a_zip_file_of_a_store_and_a_web_address_are_read_as_the_store_is(copy, 
                 commit(place, LARGER, [ADDED])
 
 
-@pytest.mark.parametrize("form", [2, 3])
-def test_a_zip_file_that_xarray_wrote_is_read_as_a_copy(copy, tmp_path, form):
-    ds = xr.open_zarr(copy, chunks=None).drop_encoding()
-    ds.to_zarr(tmp_path / "a.zarr", zarr_format=form, consolidated=False)
-    written = shutil.make_archive(tmp_path / "a", "zip", tmp_path / "a.zarr")
-    found = pipeline.boundary(written)["critical_velocity"]
-    np.testing.assert_array_equal(found, pipeline.boundary(copy)["critical_velocity"])
-    assert summary(written).done == 9
-
-
 def test_a_web_server_that_lists_no_files_is_named_and_not_called_damage(copy):
     with web(Unlisted, copy.parent) as address:
         for ask in (pipeline.boundary, verify_store):
@@ -447,28 +436,3 @@ def test_a_store_without_its_fields_answers_and_a_lost_status_is_told(copy):
     for ask in (pipeline.boundary, summary):
         with pytest.raises(StoreError, match="status cannot be read; irg verify names"):
             ask(copy)
-
-
-def test_what_lies_at_a_path_is_named_as_what_it_is(copy, tmp_path, irg):
-    (tmp_path / "a.toml").write_text("")
-    xr.Dataset({"a": 1.0}).to_netcdf(tmp_path / "a.nc")
-    os.mkfifo(tmp_path / "fifo")
-    shutil.make_archive(tmp_path / "stores", "zip", copy.parent, copy.name)
-    with zipfile.ZipFile(tmp_path / "stores.zip", "a") as archive:
-        archive.write(copy / "zarr.json", "second.zarr/zarr.json")
-    other, old = tmp_path / "other.zarr", tmp_path / "old.zarr"
-    zarr.open_group(other, mode="w")
-    zarr.open_group(old, mode="w", zarr_format=2)
-    said = {
-        tmp_path / "a.toml": "it is a scene; compute it by irg run",
-        copy.parent: "it is a folder of stores; give one of them, such as tiny.zarr",
-        tmp_path / "stores.zip": "it is a folder of stores; give one of them, such as tiny.zarr",
-        tmp_path / "a.nc": "it is a file .nc: if xarray wrote it of a store, a copy by xarray",
-        tmp_path / "fifo": "it is no folder; give the folder that irg run has made",
-        other: "of another program; give a store that irg run has made",
-        old: "it is Zarr of format 2",
-    }
-    for path, words in said.items():
-        message = irg("boundary", path, code=2)
-        assert words in message
-        assert "backup" not in message
