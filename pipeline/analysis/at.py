@@ -16,17 +16,15 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import (
-    Origin,
     dataset_of,
     entry_dims,
-    judged_sweep,
     judged_values,
     name_at,
     scene_sweep,
 )
 from pipeline.analysis.reading import ResultsLike, results
 from pipeline.analysis.results import Results
-from pipeline.analysis.scenes import identify, value_text
+from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
 from pipeline.scene.faults import did_you_mean
 from pipeline.scene.kinds import OIL_WORKS, Number, Quantity, Share
@@ -228,9 +226,7 @@ def _record_values(ds: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     attributes["at"] = json.dumps(both)
     # Drop labels of conditions that are replaced.
     labels = [dimension_of(path) for path in values if path in _NAMES]
-    made = ds.drop_vars(labels, errors="ignore").assign_attrs(attributes)
-    judged = judged_sweep(Origin.of(made), attributes["at"])
-    return identify(made, judged._scene_ids, judged.variants)
+    return ds.drop_vars(labels, errors="ignore").assign_attrs(attributes)
 
 
 def _select_entries(ds: xr.Dataset, values: Mapping[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:

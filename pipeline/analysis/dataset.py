@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.scenes import require_one_sweep
 from pipeline.paths import found_store
 from pipeline.scene.stored_text import parse_sweep
 from pipeline.scene.units import to_si
@@ -175,7 +174,6 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     for name in PLANE:
         _require_axis(source, name)
     _require_known_axes(source, table)
-    require_one_sweep(source, table)
     lazy = {
         name: source[name].compute()
         for name, data in source.variables.items()

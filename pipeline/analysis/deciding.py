@@ -15,7 +15,7 @@ from pipeline.analysis.reading import results
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.store.place import PathLike
-from pipeline.store.schema import PLANE, SCENE_ID
+from pipeline.store.schema import PLANE
 from pipeline.sweep.conditions import Conditions, plain_values
 from pipeline.sweep.severity import failed_fraction, rises_above_colder
 from tribo import QUANTILES, InputError
@@ -74,8 +74,7 @@ def temperatures(ds: xr.Dataset | PathLike, **conditions: Unpack[ConditionKeywor
     held = results(ds.drop_vars("step", errors="ignore"))  # any step will do
     like = ds.isel(dict.fromkeys(held.entry_dims, 0), missing_dims="ignore")
     answers = [_temperatures(scene, like) for scene in held.scenes]
-    found = side_by_side(answers, [held.rows[name] for name in held.entry_dims])
-    return found.drop_vars(SCENE_ID, errors="ignore")  # so that it merges with any dataset
+    return side_by_side(answers, [held.rows[name] for name in held.entry_dims])
 
 
 def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:

@@ -25,7 +25,7 @@ from pipeline.analysis.dataset import (
 from pipeline.analysis.likelihood import Prior
 from pipeline.analysis.results_of_tests import TestResults
 from pipeline.store.read import open_messages
-from pipeline.store.schema import ASKED, COORDINATES, DONE, PLANE, SCENE_ID
+from pipeline.store.schema import ASKED, COORDINATES, DONE, PLANE
 from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
 from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.model import Point, Sweep
@@ -36,7 +36,7 @@ from tribo import InputError
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array, Mask
 
-_UNNAMED = (COORDINATES.keys() | {SCENE_ID}) - {VARIANT, "realization"}
+_UNNAMED = COORDINATES.keys() - {VARIANT, "realization"}
 
 
 @dataclass(frozen=True, eq=False)

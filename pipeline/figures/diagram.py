@@ -183,8 +183,7 @@ def _lines_with_tests(axes: Axes, judge: Judge, x: Array, y: Array, plane: Array
     """Draw where severe wear is 5, 50 and 95 % likely, if a test has a result."""
     if not judge.evidence.results:
         return []
-    places = [axis.ravel() for axis in np.meshgrid(y, x, indexing="ij")]
-    low, middle, high = judge.levels_at(*places).reshape(-1, *plane.shape)
+    low, middle, high = judge.levels
     legend = list[Artist]()
     look: dict[str, Any] = {"color": GREEN, "lw": style.THIN}
     edges = [

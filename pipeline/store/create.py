@@ -155,7 +155,6 @@ def _grown_root(
         sweep=kept,
         text=sweep_text(kept),
         axes=axes,
-        ids=kept._scene_ids,
         block=blocks[0],
         field_block=blocks[1],
         history=[*dict.fromkeys(lines)],

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import PLANE, SCENE_ID, Variable, is_of_points
+from pipeline.store.schema import PLANE, Variable, is_of_points
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import choose_stations
 from pipeline.sweep.points_of_tests import TEST_POINT
@@ -115,18 +115,15 @@ def points_on(
     return points_at(sweep, axes, wanted, np.nonzero(np.ones(sizes)))
 
 
-def made_coordinates(
-    sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable], ids: Sequence[int]
-) -> dict[str, Array]:
+def made_coordinates(sweep: Sweep, axes: Axes, wanted: Mapping[str, Variable]) -> dict[str, Array]:
     """Compute the coordinates that follow from the scene, and return their values by name.
 
-    They are time [s], load [N] and sliding distance [m] at each step, and the scene ids. Values are
+    They are time [s], load [N] and sliding distance [m] at each step. Values are
     NaN at unused steps before the first step of a point. `axes` has the values along each dimension
     of the store. `wanted` has the store's variables by name, with the dimensions of each result.
     `ids` are the scene ids of the sweep's variants, in the order of the table.
     """
     stations, dims = choose_stations(sweep), wanted["time"].dims
-    by_row = dict(zip(sweep.variants.names, ids, strict=True))
 
     @functools.cache
     def known(name: Variant, load: float, velocity: float | None) -> list[Any]:
@@ -146,13 +143,10 @@ def made_coordinates(
     ]
     time, normal_load, way = (along(dims, one) for one in np.moveaxis(np.array(ramps), -1, 0))
     speed: Any = xr.Variable(wanted["velocity"].dims, np.abs(axes["velocity"]))
-    rows = [dim for dim in wanted[SCENE_ID].dims if dim in sweep.variants.axes]
-    of_rows = [by_row[point.variant] for point in points_on(sweep, axes, wanted, rows)]
     made = {
         "time": time,
         "normal_load": normal_load,
         "sliding_distance": way.where(way.notnull(), speed * time) if own else speed * time,
-        SCENE_ID: along(rows, np.array(of_rows, np.int32)),
     }
     sizes = {name: {dim: len(axes[dim]) for dim in wanted[name].dims} for name in made}
     return {name: array.set_dims(sizes[name]).values for name, array in made.items()}

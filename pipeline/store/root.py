@@ -26,7 +26,6 @@ from pipeline.store.schema import (
     FORMAT,
     INPUTS,
     OF_TESTS,
-    SCENE_ID,
     Variable,
     inputs_variable,
     path_of,
@@ -44,7 +43,7 @@ GOAL = "run with --accuracy "
 """Begin of a line in the history of a store."""
 _FACTS = (
     "format", "axes", "points_per_chunk", "points_per_field_chunk", "history", "inputs", "scene",
-    "ids", "tests",
+    "tests",
 )  # fmt: skip
 """Attributes of the group ``about``, beside the hash; xarray may drop those of the root."""
 
@@ -59,7 +58,6 @@ class Group:
 
     sweep: Sweep
     axes: Axes
-    ids: list[int]  # scene ids of the sweep's variants, in the order of the table
     block: dict[str, int]  # points in a chunk along each dimension
     field_block: dict[str, int]  # the same for fields, whose points are far larger
     history: list[str]  # versions of the programs that computed, and accuracies asked for
@@ -86,7 +84,7 @@ class Group:
 
     def coordinates(self) -> dict[str, Any]:
         """Values of coordinates by name."""
-        return self.axes | made_coordinates(self.sweep, self.axes, self.variables, self.ids)
+        return self.axes | made_coordinates(self.sweep, self.axes, self.variables)
 
     @property
     def points(self) -> Sequence[Point]:
@@ -139,14 +137,10 @@ class TestGroup(Group):
         own = sweep_of_tests(sweep, layout.slots, layout.judges_hold)
         axes = grown_axes({"step": [*range(1 - layout.steps, 1)]}, own, own)
         axes = {name: values for name, values in axes.items() if name in variables_of(own)}
-        ids = [
-            int.from_bytes(bytes.fromhex(one.scene_hash[:8]), signed=True) for one in layout.slots
-        ]
         block = {TEST_POINT: _TESTS_IN_A_CHUNK}
         return cls(
             sweep=own,
             axes=axes,
-            ids=ids,
             block=block,
             field_block=block,
             history=history,
@@ -228,7 +222,6 @@ class Root(Group):
             "history": "\n".join(self.history),
             "license": "BSD-3-Clause for the program; the data are their author's",
             "scene": self.text,
-            SCENE_ID: json.dumps(self.ids),
         }
 
     @property
@@ -253,7 +246,7 @@ class Root(Group):
         """
         values = (
             FORMAT, self.axes, self.block, self.field_block, self.history, self._inputs, self.text,
-            self.ids, self.layout,
+            self.layout,
         )  # fmt: skip
         facts = dict(zip(_FACTS, values, strict=True))
         arrays = self.paths()

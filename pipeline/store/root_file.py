@@ -121,7 +121,6 @@ def _parse(place: StorePlace, content: bytes) -> Root:
                 sweep=parse_sweep(facts["scene"], _read_inputs(place, facts["inputs"])),
                 text=facts["scene"],
                 axes=facts["axes"],
-                ids=facts["ids"],
                 block=facts["points_per_chunk"],
                 field_block=facts["points_per_field_chunk"],
                 history=facts["history"],
@@ -142,9 +141,9 @@ def _are_facts(facts: Any) -> bool:
     for name in ("points_per_chunk", "points_per_field_chunk"):
         sizes += facts[name].values()
     return (
-        all(isinstance(one, list) for one in [*axes, facts["ids"], facts["history"]])
+        all(isinstance(one, list) for one in [*axes, facts["history"]])
         and all(isinstance(one, str | int | float) for labels in axes for one in labels)
-        and all(isinstance(one, int) for one in [*sizes, *facts["ids"]])
+        and all(isinstance(one, int) for one in sizes)
         and all(isinstance(one, str) for one in [facts["scene"], *facts["history"]])
         and min(sizes) > 0
         and (facts["tests"] is None or _is_layout(*facts["tests"]))

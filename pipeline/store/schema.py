@@ -65,9 +65,6 @@ MADE = {
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
 }
 """Coordinates of steps, which are computed from the scene whenever a store is read."""
-SCENE_ID = "scene_id"
-IDS = {SCENE_ID: Variable(PLANE, "1", "digest of the scene that the point is of", "int32")}
-"""Coordinate of points: the ids of their scenes, which the root has."""
 COLUMNS = {
     "own_grid": Variable(_STEP, "1", "true on the point's grid, false on its history's", "bool"),
     "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
@@ -218,14 +215,14 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
         absent |= {"x", "y", *AT_END}
     if not any(case.scene.unequal_bulks for case in sweep._given):
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    for name, variable in (VARIABLES | IDS).items():
+    for name, variable in VARIABLES.items():
         if name in absent or name in table:
             continue
         inner = tuple(dim for dim in variable.dims if dim not in placed)
         outer = _variant_dims(name, sweep) if name in MADE else front
         table[name] = variable if name in COORDINATES else variable._replace(dims=(*outer, *inner))
     columns = [name for name in placed if table[name].dims != (name,)]
-    along = [*sorted(columns), *MADE, SCENE_ID, "own_grid"]
+    along = [*sorted(columns), *MADE, "own_grid"]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
     return table

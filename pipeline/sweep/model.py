@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -175,18 +175,6 @@ class Sweep:
         for case in self.cases:
             first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
         return tuple(first.values())
-
-    @cached_property
-    def _scene_ids(self) -> list[int]:
-        """Scene id of each case: an int32 hash of all that affects simulation and verdict."""
-        of_part = lru_cache(None, typed=True)(digest)  # cases share large surfaces
-        ids = list[int]()
-        for case in self.cases:
-            parts = [of_part(getattr(case.scene, one.name)) for one in fields(case.scene)]
-            rest = [getattr(case, one.name) for one in fields(case)]
-            whole = digest((*parts, rest[2:], self.tests))  # without name and scene
-            ids.append(int.from_bytes(bytes.fromhex(whole[:8]), signed=True))
-        return ids
 
     def _alone(self, name: Variant = ()) -> Self:
         """The sweep of one case, by default of the scene itself, without variants."""

@@ -21,7 +21,7 @@ from tests.helpers.campaigns import table
 
 _HEADS = "key", "give", "default", "meaning"
 _VARIABLES = {
-    "Coordinates": schema.COORDINATES | schema.MADE | schema.IDS,
+    "Coordinates": schema.COORDINATES | schema.MADE,
     "Variables of each point": schema.RECORDS,
     "Variables at each step": schema.COLUMNS,
     "Sampling errors of each point": schema.SAMPLING,

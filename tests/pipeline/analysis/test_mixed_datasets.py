@@ -76,14 +76,3 @@ def test_rows_of_a_table_are_told_apart(parts):
     swapped = pins.assign_coords(pin=("pin", ["b", "a"]))
     with pytest.raises(InputError, match="mixes scenes"):
         crossings(swapped)
-
-
-def test_other_conditions_make_another_scene(parts):
-    low, high = parts("low", "high")
-    judged = [pipeline.at(ds, friction=0.15) for ds in (low, high)]
-    assert judged[0].attrs["scene_id"] != low.attrs["scene_id"]
-    assert (judged[0]["scene_id"] != low["scene_id"]).all()
-    assert crossings(joined(judged)).shape == (3,)
-    unlike = joined([judged[0], pipeline.at(high, friction=0.1)])
-    with pytest.raises(InputError, match="at load 600 N are of another"):
-        crossings(unlike)

@@ -43,12 +43,6 @@ def fast():
     return plane().assign_coords(velocity=velocities.assign_attrs(units="km/h"))
 
 
-def unidentified():
-    ds = made()
-    del ds.attrs["scene_id"]
-    return ds
-
-
 def pins():
     return made(variants=rows("pin", {"a": {}, "b": {"pin.radius": 6e-3}}))
 
@@ -126,9 +120,6 @@ REFUSALS = {
     "km/h": (lambda: pipeline.boundary(fast()), "velocity of the dataset is in km/h; convert it"),
     "row": (lambda: pipeline.boundary(pins().isel(pin=0, drop=True)),
             "has lost its coordinate pin"),
-    "mixed": (lambda: pipeline.boundary(joined([made(), made(loads=(700.0,), friction=0.2)])),
-              "points at load 700 N are of another scene than its attributes describe, by"),
-    "ids": (lambda: pipeline.boundary(unidentified()), "has lost its attribute scene_id"),
     "lost axis": (lambda: pipeline.boundary(
                       plane().assign(status=plane()["status"].isel(load=0, drop=True))),
                   "status of the dataset has lost its axis load"),

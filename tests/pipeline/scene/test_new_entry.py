@@ -44,7 +44,6 @@ print(json.dumps({
     "fault": fault(),
     "doubt": str(load("20 um").notes[0]),
     "is kept": parse_sweep(sweep_text(one), {}) == one != other,
-    "is another scene": one._scene_ids != other._scene_ids,
     "misfits": [*misfits(one, other)],
     "rows": [over.case(name).scene.roughness.waviness for name in over.variants.names],
 }))
@@ -85,7 +84,6 @@ def test_it_is_read_told_doubted_kept_compared_and_varied(copy):
         "fault": f'first_try: {path}: 2 has no unit; give a length above 0, such as "1 um"',
         "doubt": f"warning: {path}: 20 µm, where 0.1 to 9 µm are usual: check the number and unit",
         "is kept": True,
-        "is another scene": True,
         "misfits": [f"{path}: 2 µm in the store, 0.003 mm in the scene"],
         "rows": [2e-6, 3e-6],
     }

@@ -62,9 +62,7 @@ def test_axes_are_exact_and_attributes_say_what_was_computed(path):
         assert tuple(ds["load"].values) == sweep.loads
         assert tuple(ds["velocity"].values) == sweep.velocities
         assert ds["cooler_share"].values.tolist() == list(tribo.QUANTILES)
-    assert ds.attrs.keys() == {
-        *("Conventions", "title", "source", "history", "license", "scene", "scene_id")
-    }
+    assert ds.attrs.keys() == {*("Conventions", "title", "source", "history", "license", "scene")}
     kept = parse_sweep(ds.attrs["scene"], {})
     assert kept == sweep
     assert zarr.open_group(path)["about"].attrs["history"] == [ds.attrs["history"]]
