@@ -131,22 +131,3 @@ def _is_wide(content: bytes) -> bool:
     part = content[:200]
     odd, even = part[1::2].count(0), part[::2].count(0)
     return content[:2] in (b"\xff\xfe", b"\xfe\xff") or max(odd, even) > len(part) * 0.4
-
-
-def decoded(content: bytes) -> tuple[str, list[str]]:
-    """Decode a text as UTF-8 or UTF-16, else as Shift-JIS or Windows Latin-1 (cp1252).
-
-    Null characters are removed. Returns the text and a list of notes for the user, which names
-    Shift-JIS or Latin-1, or is empty.
-    """
-    wide = "utf-16-be" if content[:200:2].count(0) > content[1:200:2].count(0) else "utf-16-le"
-    marked = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    name = ("utf-16" if marked else wide) if _is_wide(content) else "utf-8-sig"
-    with suppress(UnicodeDecodeError):
-        return content.decode(name).replace("\0", ""), []
-    with suppress(UnicodeDecodeError):
-        text = content.decode("cp932")
-        # A lone sign may be an umlaut of cp1252 with the letter after it.
-        if re.search(r"[\u3040-\u30ff]|[\u4e00-\u9fff]{2}", text):
-            return text.replace("\0", ""), ["Shift-JIS"]
-    return content.decode("cp1252", errors="replace").replace("\0", ""), ["Latin-1"]

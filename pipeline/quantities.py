@@ -80,11 +80,6 @@ def column_heads(*names: str) -> dict[str, str]:
     return {name: name.replace("_", " ") + unit for name, unit in units.items()}
 
 
-def units_in_si(*names: str) -> dict[str, str]:
-    """SI units by name of the quantity, as written in scene files; empty for a plain number."""
-    return {name: _SI.get(UNITS[name], UNITS[name]) for name in names}
-
-
 def shown_in(value: Any, unit: str) -> Any:
     """Convert a value, or an array, from SI to a unit; unchanged if the unit is not known.
 

@@ -2,15 +2,12 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
-import tarfile
 import zipfile
 from pathlib import Path
 
 import pytest
-from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 from pipeline.cli import main
@@ -70,20 +67,6 @@ def test_the_paper_is_recomputed_from_the_wheel_as_from_the_source(
     assert main(["paper", "fig4"]) == 0
     assert capsys.readouterr().out.startswith(told)
     assert "half-width" in told
-
-
-def test_the_source_archive_holds_what_is_tracked_and_no_stray_file(tmp_path):
-    folders = ("", "tribo", "pipeline", "tests", "workflows")
-    left_out = shutil.ignore_patterns(".venv*", ".git", ".*cache", "results", "__pycache__")
-    tree = shutil.copytree(ROOT, tmp_path / "tree", ignore=left_out)
-    for folder in folders:
-        (tree / folder / "stray.dat").touch()
-    archive = next(SdistBuilder(str(tree)).build(directory=str(tmp_path)))
-    with tarfile.open(archive) as file:
-        names = {name.partition("/")[2] for name in file.getnames()}
-    assert not {name for name in names if name.endswith("stray.dat")}
-    assert names >= {"pyproject.toml", "README.md", "tests/test_wheel.py", "workflows/fig10.png"}
-    assert tracked() <= names
 
 
 def test_the_wheel_holds_all_of_both_packages(installed):

@@ -27,8 +27,8 @@ from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
 from pipeline.scene.along import OperatingPoints
 from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.names import Heading
-from pipeline.scene.units import in_si, is_unit, to_si
+from pipeline.scene.table import Column
+from pipeline.scene.units import in_si, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
 from pipeline.sweep.condition_words import verdict_conditions
@@ -345,9 +345,8 @@ def _hours(points: OperatingPoints) -> Array | None:
     """Hours of each operating point, from the only column of a duration; None without one."""
     found = list[Array]()
     for head, cells in points.others.items():
-        heading = Heading.of(head)
-        unit = "h" if heading.title.lower() in ("h", "hours", "stunden") else heading.unit
-        if unit and is_unit(unit, "1 s"):
+        unit = Column.of(head, ()).unit
+        if unit in ("s", "min", "h"):
             with suppress(ValueError):
                 one = to_si(f"1 {unit}", "1 h") / 3600
                 found.append(one * np.array([*map(float, cells)]))

@@ -14,7 +14,6 @@ import pipeline
 from pipeline.cli.output import tell
 from pipeline.paths import user_path
 from pipeline.scene.along import OperatingPoints
-from pipeline.scene.choices import Choices
 from pipeline.scene.over import notes_on_first_values
 from pipeline.scene.reference import FILES
 from pipeline.sweep.conditions import PATHS
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
 _FILES = (*FILES, "sweep.along")
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
-_OF_TABLE = ("column", "given", "where", "skip", "decimal", "sheet")
 _NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
 """Numerical choices, which an accuracy replaces."""
 PLACE = ("load", "velocity", "realization")
@@ -80,23 +78,13 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     return conditions
 
 
-def table_choices_in(options: argparse.Namespace) -> dict[str, Any]:
-    """Choices on the file of a table, as `pipeline.scene.choices.Choices` has them."""
-    pairs = {"columns": options.column} | {x: getattr(options, x) for x in _OF_TABLE[1:4]}
-    read = {name: dict(some) for name, some in pairs.items()}
-    return read | {"decimal": options.decimal, "sheet": options.sheet}
-
-
 def operating_points_in(options: argparse.Namespace) -> OperatingPoints | None:
     """Operating points from --points, or from --load and --velocity; None without these options."""
     place = values_in(options, "load", "velocity")
     if options.points is not None:
         if place:
             raise InputError(f"--points gives each load and velocity; leave out {flags_of(place)}")
-        return OperatingPoints.read(options.points, Choices(**table_choices_in(options)), "command")
-    if chosen := values_in(options, *_OF_TABLE):
-        flags = flags_of(chosen)
-        raise InputError(f"{flags} needs --points; give --points, too, or leave out {flags}")
+        return OperatingPoints.read(options.points)
     if len(place) == 1:
         (given,) = place
         lacks, such = ("velocity", "2 m/s") if given == "load" else ("load", "500 N")

@@ -116,29 +116,6 @@ STORE_OR_FOLDER = STORE.but(
     help="store that irg run has made, or a folder of stores; default: results",
 )  # fmt: skip
 
-OF_TABLE_FILE = (
-    several(
-        "--column QUANTITY=HEADING",
-        'column of a quantity that was not recognised, like "load=Kraft [N]"',
-        partial(values.pair, like='"load=Kraft [N]"'),
-    ),
-    several(
-        "--given QUANTITY=VALUE",
-        'value that the table lacks, the same in each row, like "velocity=2 m/s" or '
-        '"track_radius=20 mm"', partial(values.pair, like='"velocity=2 m/s"'),
-    ),
-    several(
-        "--where HEADING=VALUE", 'rows to take, like "oil=FVA 3"',
-        partial(values.pair, like='"oil=FVA 3"'),
-    ),
-    several(
-        "--skip HEADING=VALUE", 'rows to leave out, like "outcome=aborted"',
-        partial(values.pair, like='"outcome=aborted"'),
-    ),
-    Option("--decimal", choices=(".", ","), help="decimal mark, where numbers leave it open"),
-    value("--sheet NAME", "sheet of a workbook; default: the first with the columns needed"),
-)  # fmt: skip
-"""Options on the file of a table: its columns, rows, decimal mark and sheet."""
 TOPIC = value("topic TOPIC", "name of a page or of a command", nargs="?")
 OF_NEW = (
     OptionGroup("", (
@@ -185,7 +162,6 @@ POINTS = (
         'operating points, a row each, in columns such as "load [N]" and "velocity [m/s]", as '
         ".csv, .txt or .xlsx; further columns are passed on", user_path,
     ),
-    *OF_TABLE_FILE,
 )  # fmt: skip
 REALIZATION = value(
     "--realization SEED", "seed of the random surface in place of the sweep's own",

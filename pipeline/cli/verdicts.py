@@ -42,11 +42,10 @@ def margin(options: argparse.Namespace) -> Result:
     lines = place_lines(data, found) if is_one else []
     if not is_one:
         count = counted(len(table), "operating point", "operating points")
-        lines += [points.counted] if points and points.counted else []
         known = [one.margin for one in found if one.margin]
         lines += [f"{count}: {counts_in_words(table, points)}"]
         lines += words.condition_lines(one.conditions for one in known)
-        rests = [*(points.remarks if points else []), *notes_of(table, caveats)]
+        rests = notes_of(table, caveats)
         rests += [words.model_error_line(one.model_error for one in known)] if known else []
         if points and not options.all:
             lines, caveats = _few_lines(lines, table, [*rests, *caveats])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import tokenize
-import zipfile
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -14,18 +13,14 @@ from typing import Any
 import numpy as np
 
 from pipeline.laboratory.instruments import RawScan, read_instrument
-from pipeline.laboratory.text_scan import TEXT, read_text
-from pipeline.laboratory.workbook import unpacked_size
 from pipeline.paths import kind_of, open_regular, read_file, reason_of, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
 from pipeline.sweep.areal import remove_form
-from pipeline.sweep.limits import MOST_BYTES_OF_TEXT
 from tribo import InputError
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # largest file, unpacked
-_MOST_PACKED = 100  # most times that packing makes measured heights smaller
 _SAME = 0.01  # relative difference below which two lengths agree
 _INFINITE = 1e100  # height [m] that stands for none; squares of higher ones may overflow
 _LONE = 30.0  # distance of an outlier from all other heights, in their standard deviations
@@ -101,13 +96,13 @@ def read_raw(path: Path) -> RawScan:
             return _read_array(path)
         if kind_of(content) or content.startswith(b"PK"):
             return read_instrument(path)
-        if path.suffix.lower() in TEXT:
-            return read_text(path)
+        if path.suffix.lower() in (".txt", ".csv"):
+            return _read_text(path)
         try:  # a text of an instrument, or one with an ending of its own
             return read_instrument(path)
         except InputError:
             with suppress(InputError):
-                return read_text(path)
+                return _read_text(path)
             raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
@@ -115,21 +110,21 @@ def read_raw(path: Path) -> RawScan:
 
 def _require_size(path: Path) -> None:
     """Raise an `InputError` for a file that takes too much memory, also once it is unpacked."""
-    packed = path.stat().st_size
-    try:
-        size = unpacked_size(path) if zipfile.is_zipfile(path) else packed
-    except zipfile.BadZipFile as error:
-        raise InputError(f"{path} is a damaged archive: {error}; save it again") from error
+    size = path.stat().st_size
     if size > _MOST_BYTES:
         raise InputError(
             f"{path}: {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB are read. "
             "Crop or average the surface first"
         )
-    if size > _MOST_PACKED * packed and size > MOST_BYTES_OF_TEXT:
-        raise InputError(
-            f"{path}: unpacks to {size / 1e6:.0f} MB, {size / packed:.0f} times its size; measured "
-            f"heights are at most {_MOST_PACKED} times smaller when packed. Save them anew"
-        )
+
+
+def _read_text(path: Path) -> RawScan:
+    """Read a matrix of heights in text, a row for each y, with commas or blanks between them."""
+    try:
+        between = "," if "," in path.read_text(encoding="utf-8-sig").partition("\n")[0] else None
+        return RawScan(np.loadtxt(path, delimiter=between, ndmin=2).T)
+    except ValueError as error:
+        raise InputError(f"{path}: not a plain matrix of numbers: {error}") from error
 
 
 def _read_array(path: Path) -> RawScan:

@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated as A
 from typing import Any
 
-import numpy as np
-
 from pipeline.paths import user_path
-from pipeline.scene.choices import NO_CHOICES, Choices, TableFile, choices_of, read_sheet
-from pipeline.scene.decimals import Typed
 from pipeline.scene.declare import Declared, Table, table_of
 from pipeline.scene.document import Document, Extend
-from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.format import SceneFile
+from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import BULK, CRITICAL, FRICTION, LOAD, SPEED, Share
-from pipeline.scene.lines import Lines, SheetRow
-from pipeline.scene.names import UNITS, Heading
 from pipeline.scene.over import labels_of, with_rows
-from pipeline.scene.sheet import Sheet, Written
-from pipeline.scene.units import as_entry
+from pipeline.scene.table import read_columns, rows_of
 from pipeline.sweep.conditions import FIELDS
 from pipeline.sweep.limits import MOST_PLACES, MOST_SCENES
 from pipeline.sweep.measurement import Place
@@ -45,11 +37,10 @@ class _ConditionsTable(Declared):
 
 
 _PLACE = Table({name: table_of(_ConditionsTable).keys[name] for name in ("load", "velocity")})
-_UNITS = {name: UNITS[name] for name in table_of(_ConditionsTable).keys}
-CONDITIONS = {name: FIELDS[name] for name in _UNITS if name not in _PLACE.keys}
+CONDITIONS = {
+    name: FIELDS[name] for name in table_of(_ConditionsTable).keys if name not in _PLACE.keys
+}
 """Conditions that each row may set, and their entries in a scene."""
-_TABLES = tuple(f"{name}." for name in table_of(SceneFile).keys)
-"""Beginnings of the key paths of entries, such as ``pin.``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +54,6 @@ class OperatingPoints:
     places: tuple[Place, ...]
     others: Mapping[str, Sequence[Any]]
     conditions: tuple[Mapping[str, float], ...] = ()
-    remarks: tuple[str, ...] = ()  # columns that change no verdict, and sheets that were not read
-    counted: str = ""  # rows used and left out, with the reasons, if any is left out
 
     @property
     def rows(self) -> list[tuple[Place, Mapping[str, float]]]:
@@ -72,98 +61,23 @@ class OperatingPoints:
         return [*zip(self.places, self.conditions or ({},) * len(self.places), strict=True)]
 
     @classmethod
-    def read(
-        cls,
-        source: str | os.PathLike[str] | Mapping[str, Sequence[Any]],
-        choices: Choices = NO_CHOICES,
-        written: Written = "Python",
-    ) -> OperatingPoints:
+    def read(cls, source: str | os.PathLike[str] | Mapping[str, Sequence[Any]]) -> OperatingPoints:
         """Read a file as CSV or Excel, or columns by heading, such as a data frame.
 
-        `choices` are those of the user on columns and rows, and messages name them as `written`.
-        Units are in the heading or in each cell; bare numbers of a mapping are in SI. Rows at rest,
-        or without a load or a velocity, are left out and counted. An `InputError` lists all faults,
-        by row and column.
+        Columns of quantities that are no condition are passed on. Raises an `InputError` if the
+        table is unreadable, lacks a column, or has a faulty row.
         """
-        listed = {} if isinstance(source, str | os.PathLike) else columns_of(source)
-        given = Path(source) if isinstance(source, str | os.PathLike) else lines_of(listed)
-        sheet = read_sheet(given, _UNITS, _PLACE.keys, _PLACE.keys, choices, written, MOST_PLACES)
-        _, rows = sheet.entries(_ConditionsTable)
-        sheet.faults[:0] = _column_faults(sheet)
-        sheet.refuse_faults("load [N],velocity [m/s]")
-        used = [sheet.places[name] for name in _PLACE.keys]
-        others = {
-            heading.text: [row.cells[k] for row in sheet.rows]
-            for k, heading in enumerate(sheet.headings)
-            if heading.text and k not in used
-        }
-        for head in others.keys() & listed.keys():  # as given by the caller, not as text
-            others[head] = [listed[head][row.number - 1] for row in sheet.rows]
+        given = Path(source) if isinstance(source, str | os.PathLike) else source
+        columns = read_columns(given, MOST_PLACES)
+        written = rows_of(columns, _ConditionsTable, _PLACE.keys)
+        if not written:
+            raise InputError("the table of operating points has no rows; give one at least")
+        read = [vars(table_of(_ConditionsTable).read(row, "", Faults())) for row in written]
+        others = {one.head: one.cells for one in columns if one.name not in read[0]}
         conditions = tuple(
-            {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in rows
+            {name: row[name] for name in CONDITIONS if row.get(name) is not None} for row in read
         )
-        places = tuple((row["load"], row["velocity"]) for row in rows)
-        beside = ", ".join(sheet.unused)
-        remarks = [f"columns shown, but not judged by: {beside}"] * bool(beside)
-        remarks += filter(None, [sheet.other_sheets])
-        bulk = sheet.heading("bulk_temperature") if "bulk_temperature" in sheet.places else None
-        if bulk and bulk.name != "bulk_temperature":  # that of the oil
-            taken = f"column {quoted(bulk.text)} is taken as the bulk temperature of both bodies"
-            remarks.insert(0, taken)
-        return cls(places, others, conditions, tuple(remarks), sheet.counted)
-
-
-def columns_of(columns: Any) -> dict[str, list[Any]]:
-    """Convert the columns of a mapping or a data frame to lists of values, by heading.
-
-    Raises an `InputError` if `columns` is of another type, or the columns differ in length.
-    """
-    if not hasattr(columns, "keys"):
-        raise InputError(
-            f"points are of type {type(columns).__name__}; give a .csv or .xlsx file, or columns "
-            'by heading such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
-        )
-    listed = {str(head): np.atleast_1d(columns[head]).tolist() for head in columns}
-    if len({*map(len, listed.values())}) > 1:
-        counts = ", ".join(f"{head} {len(cells)}" for head, cells in listed.items())
-        raise InputError(f"points: columns of unlike lengths: {counts}; give equal lengths")
-    return listed
-
-
-def lines_of(columns: Mapping[str, Sequence[Any]]) -> Lines:
-    """Convert `columns`, values by heading, to the rows of a table, with all cells as text.
-
-    The first row has the headings. Numbers without a unit are taken to be in SI.
-    """
-    heads = []
-    for head, cells in columns.items():
-        heading = Heading.of(head)
-        is_bare = not (heading.unit or any(isinstance(cell, str) for cell in cells))
-        unit = UNITS.get(heading.name) if is_bare else ""
-        heads.append(f"{head} [{unit}]" if unit else head)
-    rows = enumerate(zip(*columns.values(), strict=True), 1)
-    texts = (SheetRow(number, [*map(_cell_text, row)]) for number, row in rows)
-    return Lines([SheetRow(0, heads), *texts], [])
-
-
-def _cell_text(value: Any) -> str:
-    """Text of a value in Python, where points mark decimals."""
-    text = "" if value is None else str(value)
-    return text if "," in text else Typed(text)
-
-
-def _column_faults(sheet: Sheet) -> Iterator[str]:
-    """Yield a message for each repeated heading, and each column that would need a simulation."""
-    heads = [heading.text for heading in sheet.headings if heading.text]
-    for head in dict.fromkeys(head for head in heads if heads.count(head) > 1):
-        yield f'column "{head}" appears twice; give each heading once'
-    for heading in sheet.headings:
-        is_entry = heading.name == "hold" or heading.title.startswith(_TABLES)
-        if is_entry and heading.text in sheet.unused:
-            yield (
-                f'column "{heading.text}" cannot act after the simulation; leave it out, or name '
-                "the table as sweep.along of a scene, so that each row is simulated"
-            )
+        return cls(tuple((row["load"], row["velocity"]) for row in read), others, conditions)
 
 
 def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
@@ -175,7 +89,7 @@ def begin(document: Document, faults: Faults) -> tuple[Document, Extend | None]:
     """
     written = entry_at(document.entries(), "sweep.along")
     rows = list[dict[str, Any]]()
-    if (isinstance(written, str) and written) or isinstance(written, dict):
+    if isinstance(written, str) and written:
         rows = _file_rows(document.file_of("sweep.along").parent, written, faults)
     elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
         rows = [dict(flat(row)) for row in written]
@@ -227,31 +141,10 @@ def _extend(rows: list[dict[str, Any]], sweep: Sweep) -> Sweep:
     return with_rows(sweep, numbered_rows(columns, table), "sweep.along")
 
 
-def _file_rows(folder: Path, file: str | dict[str, Any], faults: Faults) -> list[dict[str, Any]]:
-    """Read rows of a file as entries by heading; empty if a row is faulty."""
-    kind, before = table_of(TableFile), len(faults)
-    read = kind.read(file, "sweep.along", faults) if isinstance(file, dict) else file
-    if len(faults) > before:
-        return []
-    name, choices = choices_of(read)
-    path = folder / user_path(name)
-    try:
-        sheet = read_sheet(path, _UNITS, _PLACE.keys, _PLACE.keys, choices, most=MOST_SCENES)
-    except InputError as error:
-        faults.refuse("sweep.along", str(error))
-        return []
-    names = {place: name for name, place in sheet.places.items()}
-    tables = [dict[str, Any]() for _ in sheet.rows]
-    for place, heading in enumerate(sheet.headings):
-        for (number, cells), table in zip(sheet.rows, tables, strict=True):
-            if heading.text and place not in sheet.sources:
-                if not cells[place]:
-                    sheet.faults.append(f"row {number}, column {quoted(heading.text)} is empty")
-                table[names.get(place, heading.title)] = as_entry(cells[place], heading.unit)
-    for fault in sheet.told_faults:
-        faults.refuse("sweep.along", f"{path}: {fault}")
-    for note in filter(None, (sheet.other_sheets, sheet.counted)):
-        faults.note("sweep.along", f"{path.name}, {note}")
-    if not tables and not sheet.faults:
-        faults.refuse("sweep.along", f"{path} has no rows; give a load and a velocity in each")
-    return [] if sheet.faults else tables
+def _file_rows(folder: Path, file: str, faults: Faults) -> list[dict[str, Any]]:
+    """Read rows of a file as entries by heading; empty if it is faulty."""
+    with faults.at("sweep.along"):
+        columns = read_columns(folder / user_path(file), MOST_SCENES)
+        rows_of(columns, _ConditionsTable, _PLACE.keys)  # raises if a place is faulty
+        return [{one.name: one.entry(k) for one in columns} for k in range(len(columns[0].cells))]
+    return []

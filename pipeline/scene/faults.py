@@ -112,31 +112,6 @@ def fault_lines(name: str, faults: Sequence[str]) -> str:
     return "\n  ".join(lines)
 
 
-def listed_faults(faults: Iterable[Fault]) -> list[str]:
-    """Messages on `faults` in rows of tables.
-
-    Faults of one column that differ only in numbers or quoted texts share a message.
-    """
-    alike = dict[tuple[str, str], list[Fault]]()
-    for one in faults:
-        kind = re.sub(r'"(\\.|[^"\\])*"|[\d.]+', "", one.problem)
-        alike.setdefault((one.key, kind), []).append(one)
-    found = list[str]()
-    for (key, _), some in alike.items():
-        rows = row_text([*dict.fromkeys(one.row for one in some)])
-        found.append(f"{', '.join(filter(None, (rows, key)))}: {some[0].problem}")
-    return found
-
-
-def row_text(numbers: Sequence[int]) -> str:
-    """List row numbers in words, such as "rows 2, 3 and 5"."""
-    if len(numbers) == 1:
-        return f"row {numbers[0]}"
-    shown = [str(number) for number in numbers[:_SHOWN_ROWS]]
-    more = f"{len(numbers) - _SHOWN_ROWS} more" if len(numbers) > _SHOWN_ROWS else shown.pop()
-    return f"rows {', '.join(shown)} and {more}"
-
-
 def quoted(value: object) -> str:
     """Write a value on one line, roughly as in the scene file."""
     if isinstance(value, dict):

@@ -7,7 +7,6 @@ from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
 import tribo
-from pipeline.scene.choices import TableFile
 from pipeline.scene.declare import (
     ByPath,
     Declared,
@@ -164,10 +163,9 @@ class StagesTable(Declared):
     reference_load: A[float | None, Quantity("750 N"), "Not used beside stages."] = None
 
 class Record(Declared):
-    file: A[str | TableFile,
+    file: A[str,
         "Recorded load, a CSV file with the columns `time [s]` and `load [N]`; relative to the "
-        'folder of the scene. Or a table that also says how to read it, such as `{ path = '
-        '"load.csv", columns = { load = "Fn [N]" }, decimal = "," }`.']
+        "folder of the scene."]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
     content: A[str | None, StoreOnly()] = None
@@ -263,8 +261,7 @@ class SweepTable(Declared):
     over: A[dict[str, Any] | None, ByPath(List(Scalar(), distinct=True), "paths of other entries"),
         'Entries with several values, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`. The '
         "plane is computed for each combination of values."] = None
-    along: A[Any, Either(
-            Text(), List(ByPath(Scalar(), "paths of other entries")), table_of(TableFile)),
+    along: A[Any, Either(Text(), List(ByPath(Scalar(), "paths of other entries"))),
         "Rows, each with its own load and velocity: a CSV file, or a list of tables, such as "
         '`[{ "pin.radius" = "3 mm", load = "400 N", velocity = "2 m/s" }]`. Columns are entries by '
         "their paths, conditions such as `friction`, or labels."] = None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated as A
 from typing import Any
 
-from pipeline import extras
 from pipeline.scene.declare import Changes, Declared, Each, Either, List, table_of
 from pipeline.scene.kinds import (
     BULK,
@@ -32,12 +31,14 @@ def list_of_tests(*own: type) -> List:
 
     Classes of tests that optional parts of the program add are allowed, too.
     """
-    first, *others = own
-    brought = (form for one in extras.modules("format") for form in one.FORMS)
-    return List(Either(*map(table_of, (first, *brought, *others))))
+    return List(Either(*map(table_of, (own[0], LogTable, *own[1:]))))
 
 
 # fmt: off
+class LogTable(Declared):
+    form_name = "log"
+    file: A[str, "Table with a row for each test, CSV or Excel; its headings are the entries of a "
+        "test with their units, such as `load [N]`; relative to the folder of the scene."]
 class EvenLevels(Declared):
     form_name = "even stages"
     first: A[str, LEVEL, "Load or velocity of the first stage."]

@@ -13,7 +13,6 @@ import numpy as np
 import tribo
 from pipeline import extras
 from pipeline.paths import user_path
-from pipeline.scene.choices import choices_of, read_sheet
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import (
     Body,
@@ -28,8 +27,9 @@ from pipeline.scene.format import (
     Window,
 )
 from pipeline.scene.format_of_tests import EvenLevels
-from pipeline.scene.names import UNITS
+from pipeline.scene.table import Column, read_columns
 from pipeline.scene.units import si_unit, to_si
+from pipeline.sweep.limits import MOST_ROWS
 from pipeline.sweep.measurement import Case
 from pipeline.sweep.missing import MissingError, MissingSurface
 from pipeline.sweep.remarks import FromLibrary
@@ -41,7 +41,7 @@ from tribo.types import Array
 
 Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
-_RECORD = "time", "load"
+_RECORD = {"time": "s", "load": "N"}
 _WRONG_SIZE = (
     "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
     "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
@@ -99,11 +99,11 @@ class Contents:
         if table.content in self.arrays:
             return None
         if faults.is_complete or table.content:
-            name = quoted(choices_of(table.file)[0])
+            name = quoted(table.file)
             raise MissingError(
                 f"{path}: the contents of {name} are missing; open the store of the sweep"
             )
-        return self.folders[f"{path}.file"] / user_path(choices_of(table.file)[0])
+        return self.folders[f"{path}.file"] / user_path(table.file)
 
 
 def stages_of(stages: Any, highest: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -126,7 +126,7 @@ def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[fl
     is_even = isinstance(stages, EvenLevels)
     texts = [stages.first, stages.step] if is_even else [level for level, _ in stages]
     name = axis_of(texts[0])
-    numbers = [to_si(text, like=f"1 {UNITS[name]}") for text in texts]
+    numbers = [to_si(text, like=f"1 {'N' if name == 'load' else 'm/s'}") for text in texts]
     if is_even:
         return name, *_even(numbers[0], numbers[1], stages.hold, end)
     return name, tuple(numbers), tuple(hold for _, hold in stages)
@@ -163,15 +163,10 @@ def loading_of(
     path = contents.find(table, "loading", faults)
     content = str(table.content)
     if path:
-        _, choices = choices_of(table.file)
-        sheet = read_sheet(path, {name: UNITS[name] for name in _RECORD}, _RECORD, (), choices)
-        times, forces = (
-            sheet.numbers(name) if name in sheet.places else np.zeros(0) for name in _RECORD
-        )
-        if not sheet.faults and (reason := record_fault(times, forces)):
-            sheet.faults.append(f"row {sheet.rows[reason[0]].number}: {reason[1]}")
-        sheet.refuse_faults("time [s],load [N]")
-        faults.note("loading.file", sheet.counted)
+        columns = {one.name: one for one in read_columns(path, MOST_ROWS)}
+        times, forces = (_numbers(columns, name, unit) for name, unit in _RECORD.items())
+        if reason := record_fault(times, forces):
+            raise tribo.InputError(f"row {reason[0] + 2}: {reason[1]}")
         content = contents.keep(np.array([times, forces]))
     times, forces = contents.take(content, (2, -1))
     record = tribo.MeasuredLoad(times, forces, table.reference_load)
@@ -181,6 +176,16 @@ def loading_of(
     line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
     faults.note("loading.file", f"fitted by {line}")
     return record.ramp(), content
+
+
+def _numbers(columns: Mapping[str, Column], name: str, unit: str) -> Array:
+    """Values of a column in SI."""
+    if name not in columns:
+        raise tribo.InputError(
+            f"no column {name} in the file; give a heading such as {name} [{unit}]"
+        )
+    column = columns[name]
+    return np.array([to_si(f"{cell} {column.unit or unit}", f"1 {unit}") for cell in column.cells])
 
 
 def grid_of(window: Window, pin: Any) -> tribo.Grid:

@@ -10,7 +10,6 @@ from typing import Any, Literal
 import numpy as np
 
 import tribo
-from pipeline import extras
 from pipeline.scene.declare import table_of
 from pipeline.scene.document import (
     Document,
@@ -109,7 +108,7 @@ def _begin_extensions(document: Document, faults: Faults) -> tuple[Document, lis
     extensions, entries = list[Extend](), document.entries()
     # Modules with a function ``begin``, imported only where a scene needs them.
     named = [([f"sweep.{name}"], f"pipeline.scene.{name}") for name in ("over", "along")]
-    named += [(one.find(entries), f"{one.__package__}.entries") for one in extras.modules("format")]
+    named.append((["measured", "tested"], "pipeline.scene.logs"))
     for paths, module in named:
         if not any(entry_at(entries, path) is not None for path in paths):
             continue

@@ -73,17 +73,6 @@ _PRINTED = tuple(
 )
 """Ways in which data sheets write units, and how they are read; in this order."""
 
-_CLOCK = re.compile(
-    r"(?:.*[\sT])?(\d{1,2}):(\d\d)(?::(\d\d(?:[.,]\d+)?))?\s*([AP]M)?(?:Z|[+-]\d\d:?\d\d)?", re.I
-)
-_OF_TABLES = {
-    "C": "degC", "F": "degF", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "sec": "s",
-    "m_s": "m/s", "mm_s": "mm/s", "newton": "N", "newtons": "N", "celsius": "degC", "m/s": "m/s",
-    **dict.fromkeys(("g", "gram", "grams"), "gf"), **dict.fromkeys(_PER_MINUTE, "rpm"),
-    **dict.fromkeys(("-", "–", "1", "hh:mm:ss", "hh:mm"), ""),
-}  # fmt: skip
-"""Units as tables mean them: C is a temperature and not a charge, and a mass is a weight."""
-
 
 class UnitError(TriboError, ValueError):
     """A text is not a quantity of the needed dimension."""
@@ -177,53 +166,12 @@ def si_unit(text: str) -> str:
     return _read(text)[1].dimension
 
 
-def unit_of_table(unit: str) -> str:
-    """Rewrite the unit of a column, such as C to degC or kg to kgf; empty for a plain number."""
-    unit = re.sub(r"^\((.*)\)$", r"\1", unit.strip())
-    return _OF_TABLES.get(unit, _OF_TABLES.get(unit.lower(), unit))
-
-
 def as_entry(cell: str, unit: str) -> str | float:
     """Convert a cell to the value of an entry: a number, or text with the column's unit."""
     for number in (int, float) if not unit else ():
         with suppress(ValueError):
             return number(cell)
     return f"{cell} {unit}".strip()
-
-
-@functools.cache
-def is_unit(unit: str, like: str | None = None) -> bool:
-    """True for a unit, or if `like` is given, for a unit of the same dimension as `like`.
-
-    Hertz are a unit of rotational speed, too.
-
-    Without `like`, % is a unit. With an empty `like` only % is.
-    """
-    if like == "rpm" and unit in TURNS:
-        return True
-    try:
-        found = si_unit(f"1 {unit}")
-    except UnitError:
-        return (unit == "%" and not like) or (unit in TURNS and like is None)
-    if like is not None:
-        return bool(like) and found == si_unit(f"1 {like}")
-    return unit not in "µμ" and not unit.isdigit()  # a lone µ, once a micron, is friction
-
-
-def clock_time(text: str) -> float:
-    """Convert a clock time, also with a date before it, to seconds since midnight [s].
-
-    Examples
-    --------
-    >>> clock_time("04.05.2026 10:00:00,5"), clock_time("1:30 PM")
-    (36000.5, 48600.0)
-    """
-    if (match := _CLOCK.fullmatch(text)) is None:
-        raise UnitError(f"{_quoted(text)} is no time of a clock")
-    hours, minutes, seconds = (float((x or "0").replace(",", ".")) for x in match.groups()[:3])
-    if match[4]:
-        hours = hours % 12 + 12 * (match[4].upper() == "PM")
-    return 3600 * hours + 60 * minutes + seconds
 
 
 @functools.cache

@@ -9,7 +9,6 @@ import math
 import sys
 
 import tribo
-from pipeline.scene.choices import TableFile
 from pipeline.scene.declare import List, table_of
 from pipeline.scene.faults import quoted
 from pipeline.scene.fidelity import FidelityTable
@@ -60,19 +59,6 @@ def scene():
             for key, (entry, form) in keys.items()
         ]
         parts += [_table(_HEADS, rows)] if rows else []
-    parts.append(
-        "## `{ path = … }`\n\nFile of a table with what is said of it, for a log, a load record or "
-        "`[sweep] along`.\n"
-    )
-    parts.append(
-        _table(
-            _HEADS,
-            [
-                [f"`{key}`", str(entry.kind), "needed" if entry.is_needed else "–", entry.meaning]
-                for key, entry in table_of(TableFile).listed.items()
-            ],
-        )
-    )
     presets = [
         [f"`{key}`", *(_written(getattr(preset, key)) for preset in tribo.PRESETS.values())]
         for key in table_of(FidelityTable).listed

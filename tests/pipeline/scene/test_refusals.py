@@ -9,8 +9,6 @@ import numpy as np
 
 import tribo
 from pipeline import load_scene, new_scene, to_si
-from pipeline.scene.along import OperatingPoints
-from pipeline.scene.choices import Choices
 from pipeline.scene.facts import require_bearable_load
 from pipeline.scene.stored_text import parse_sweep, sweep_text
 from pipeline.scene.units import difference_in_si, in_si, require_count, share_of
@@ -68,10 +66,6 @@ def long_load():
     return scene((RAMP, 'file = "load.csv"'))
 
 
-def points(content):
-    return file(OperatingPoints.read, "points.csv", content.encode())
-
-
 def along(rows, **others):
     def build():
         Path("rows.csv").write_text(rows)
@@ -116,18 +110,12 @@ FILES = {
                   "row 5: time 1 s after 2 s"),
     "load large": (long_load, "at most 100 MB are read"),
     "load falls": (load(b"time [s],load [N]\n0,7\n1,5\n"), "begins at 7 N"),
-    "points empty": (points("load [N],velocity [m/s],friction\n3,1,\n"), "friction: is empty"),
     "load clock": (load(b"time,load [N]\n10:00:00,0\n10h,5\n"), '"10h" is no time of a clock'),
     "oil density": (entry("without", ["oil.density"]),
                     "give kinematic_viscosity and density, or dynamic_viscosity alone"),
     "oil thin": (entry("oil", {"density": "900 kg/m^3", "temperatures": ["40 degC", "100 degC"],
                                "kinematic_viscosity": ["30 mm^2/s", "0.1 mm^2/s"]}),
                  "at least 3.1e-07 m²/s"),
-    "points pdf": (points("%PDF-1.7\n"), "is a PDF; save the table as .xlsx or CSV"),
-    "points sheet": (file(lambda path: OperatingPoints.read(path, Choices(sheet="one")), "a.csv",
-                          b"load [N],velocity [m/s]\n3,1\n"),
-                     'has no sheet "one", as it is a text; leave the sheet out'),
-    "points hold": (points("load [N],velocity [m/s],hold [s]\n3,1,1\n"), "cannot act after"),
 }  # fmt: skip
 
 QUANTITIES = {
@@ -288,20 +276,6 @@ ENTRIES = {
     "row count": (along("load [N],velocity [m/s]\n" + "".join(
         f"{300 + n / 100},1\n" for n in range(10_001))), "10001 rows are too many"),
     # tables of points
-    "points rows": (points("load [N],velocity [m/s]\n" + "9,1\n" * 100_300),
-                    "has 100301 rows, and at most 100000 can be used here"),
-    "points decimals": (points("load [N];velocity [m/s]\n1.200;15\n"),
-                        'row 2: "1.200" is 1200 or 1.200; say decimal="." or decimal=","'),
-    "points marks": (points("load [N];velocity [m/s]\n1.2;1,5\n"),
-                     'row 2: "1.2", where others have another decimal mark'),
-    "points at rest": (points("load [N],velocity [m/s]\n0,0\n1,0\n"),
-                       "no row is left of 2 rows: 0 used, 2 left out: rows 2 and 3 are at rest"),
-    "points width": (points("load [N]," * 400 + "\n"), "row 1: 401 cells; at most 300 columns are"),
-    "points choice": (lambda: OperatingPoints.read("a.csv", Choices(columns={"lod": "F"})),
-                      'columns.lod: no such quantity (did you mean "load"?)'),
-    "points type": (lambda: OperatingPoints.read(3), "points are of type int"),
-    "points lengths": (lambda: OperatingPoints.read({"load": ["1 N"], "velocity": []}),
-                       "columns of unlike lengths"),
 }  # fmt: skip
 
 UNCERTAIN = {
