@@ -72,4 +72,4 @@ def test_a_scene_loads_only_the_readers_of_what_it_names():
             print(*({readers!r} & set(sys.modules)))
     """
     plain, named = python("-c", code, check=True).stdout.splitlines()[-2:]
-    assert (plain, named) == ("", "pipeline.scene.over")
+    assert (plain, named) == ("", "pipeline.scene.rows")

@@ -40,7 +40,7 @@ def run(installed, tmp_path, *command):
 def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     program = """if True:
         from pipeline.cli import main
-        from pipeline.scene.shipped import WORKFLOWS
+        from pipeline.shipped import WORKFLOWS
 
         print(WORKFLOWS)
         main(["new", "record.toml", "--from", "fig8"])

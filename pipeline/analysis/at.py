@@ -26,14 +26,20 @@ from pipeline.analysis.reading import ResultsLike, results
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.quantities import ALIKE, display
-from pipeline.scene.faults import did_you_mean
-from pipeline.scene.kinds import OIL_WORKS, Number, Quantity, Share
-from pipeline.scene.reference import all_keys, find_entry, number_at
-from pipeline.scene.units import in_si, share_of, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import DIMENSIONS, FIELDS, PATHS, UNITS, Bulk, CriterionName
+from pipeline.sweep.conditions import (
+    DIMENSIONS,
+    FIELDS,
+    OIL_WORKS,
+    PATHS,
+    UNITS,
+    Bulk,
+    CriterionName,
+)
 from pipeline.sweep.variants import dimension_of
+from pipeline.units import in_si, share_of, to_si
+from pipeline.words import did_you_mean
 from tribo import InputError
 from tribo.types import Array
 
@@ -186,15 +192,12 @@ def _si_value(path: str, value: Any) -> Any:
             return oil_temperature(name, value)
         case "criterion":
             return value
-    match number_at(path):
-        case Share():
+        case "share" | "unmodelled_rise":
             return share_of(value)
-        case Quantity(example):
-            return in_si(name, value, example)
-        case Number() if isinstance(value, str):
-            with suppress(ValueError):
-                return float(value)
-            raise InputError(f"{name} is {value!r}; give a number such as 0.1, or several")
+    if isinstance(value, str):
+        with suppress(ValueError):
+            return float(value)
+        raise InputError(f"{name} is {value!r}; give a number such as 0.1, or several")
     return value
 
 
@@ -266,12 +269,11 @@ def _number(value: float | str) -> float:
 
 
 def _needs_run(ds: xr.Dataset, path: str, value: Any) -> str:
-    """Error message: a value of the entry at `path` needs a new run, or there is no such entry."""
-    if not (find_entry(path) or find_entry(path.rpartition(".")[0])):  # a part of a path is enough
-        return f"{path} is no entry of a scene{did_you_mean(path, (*FIELDS, *dict(all_keys())))}"
+    """Error message: a value of the entry at `path` needs a new run."""
+    meant = did_you_mean(path, (*FIELDS, *FIELDS.values()))
     has = f"; it has several values of {', '.join(entry_dims(ds))}" if entry_dims(ds) else ""
     return (
-        f"{path} is not one of the entries that this sweep can be judged at{has}; run the scene "
-        f"with {path} = {value} into another store, or into the same one if it acts after the "
-        "simulation (irg help scene)"
+        f"{path} is not one of the entries that this sweep can be judged at{meant}{has}; run the "
+        f"scene with {path} = {value} into another store, or into the same one if it acts after "
+        "the simulation (irg help scene)"
     )

@@ -29,9 +29,9 @@ from pipeline.quantities import UNITS, column_heads
 from pipeline.store.schema import COORDINATES, PLANE, attributes_of
 from pipeline.sweep.conditions import FIELDS, Conditions
 from pipeline.sweep.conditions import UNITS as CONDITION_UNITS
-from pipeline.sweep.remarks import join_notes
-from pipeline.sweep.surface import find_lubrication
 from pipeline.sweep.variants import dimension_of
+from pipeline.words import join_notes
+from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array
 
 JUDGED = column_heads(
@@ -135,7 +135,7 @@ def _plane_boundary(data: Results) -> xr.Dataset:
     )
     for axis, line in (("velocity", "load"), ("load", "velocity")):
         result = result.assign(_transitions(judge, axis, line))
-        if oil := find_lubrication(data.sweep):
+        if oil := find_lubrication(data.sweep.scene, data.sweep.lubricant):
             places = {line: result[line].values, axis: result[f"critical_{axis}"].values}
             bulk = conditions.mean_bulk_temperature
             film = oil.film_parameter(places["load"], places["velocity"], bulk)

@@ -6,25 +6,25 @@ import itertools
 import math
 from dataclasses import replace
 
+from pipeline.analysis.condition_words import unmodelled_rise_words
 from pipeline.analysis.dataset import Layout
+from pipeline.analysis.preset_error import error_in_words, velocity_error
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.analysis.specimen import note_on_failed
-from pipeline.scene.doubts import (
+from pipeline.shipped import typed_name
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.left_out import (
     UNKNOWN_FILM,
     caveat_on_turns,
     cold_tracks,
     note_on_ends,
     note_on_turns,
 )
-from pipeline.scene.shipped import typed_name
-from pipeline.sweep.condition_words import unmodelled_rise_words
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import error_in_words, velocity_error
-from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.sweep import Sweep
 from tribo import Corrections
 from tribo.simulation.corrections import NEEDED
+from tribo.simulation.lubrication import find_lubrication
 
 
 def caveats_of(data: Results) -> list[str]:
@@ -43,7 +43,9 @@ def scene_caveats(scene: Results, conditions: Conditions) -> tuple[str, ...]:
         *doubt_lines(sweep, answered=True),
         unmodelled_rise_words(conditions),
         note_on_ends(sweep),
-        UNKNOWN_FILM if sweep.scene.pin.length is None and find_lubrication(sweep) else None,
+        UNKNOWN_FILM
+        if sweep.scene.pin.length is None and find_lubrication(sweep.scene, sweep.lubricant)
+        else None,
         caveat_on_turns(sweep, _warm_transitions(scene, conditions)) if critical else None,
         exact,
         error_in_words(sweep) if critical and velocity_error(sweep) is None else None,

@@ -15,8 +15,6 @@ import numpy as np
 import xarray as xr
 
 from pipeline.paths import found_store
-from pipeline.scene.stored_text import parse_sweep
-from pipeline.scene.units import to_si
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import (
@@ -30,14 +28,16 @@ from pipeline.store.schema import (
     split_arrays,
 )
 from pipeline.sweep.conditions import PATHS, UNITS, changes_of
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.stored import sweep_of_plain
+from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import VARIANT, Label, Variant, Variants, dimension_of
+from pipeline.units import to_si
 from tribo import InputError
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Scene of a dataset as a key for caches: the scene's text, and digests of its arrays."""
+    """Sweep of a dataset as a key for caches: its data as JSON, and digests of its arrays."""
 
     text: str
     digests: str
@@ -45,34 +45,38 @@ class Origin:
 
     @classmethod
     def of(cls, ds: xr.Dataset) -> Origin:
-        """Read the scene from a dataset's attributes; raises an `InputError` if they are lost."""
-        if "scene" not in ds.attrs:
+        """Take the sweep of a dataset's attributes; raises an `InputError` if they are lost."""
+        if "sweep" not in ds.attrs:
             raise InputError(
-                "the dataset has no attribute scene, which describes its scene; give one of "
+                "the dataset has no attribute sweep, which describes its scene; give one of "
                 "pipeline.open_sweep, or keep attributes with "
                 "xarray.set_options(keep_attrs=True)"
             )
         data = ds.variables.get(INPUTS)
         digests = "" if data is None else str(data.attrs["digests"])
-        return cls(str(ds.attrs["scene"]), digests, data)
+        return cls(str(ds.attrs["sweep"]), digests, data)
 
 
 @functools.lru_cache(maxsize=64)
 def judged_sweep(origin: Origin, at: str, variant: Variant = ()) -> Sweep:
     """The sweep of a dataset, judged under the conditions `at`.
 
-    `origin` has the text of the scene. `at` is JSON with values in SI by the path of their entry.
+    `origin` has the data of the sweep. `at` is JSON with values in SI by the path of their entry.
     `variant` has a pair (dimension, value) for each varied entry, and selects one variant of the
     sweep. If `variant` is empty, the whole sweep is returned.
     """
     if variant:
         whole = judged_sweep(origin, at)
-        words = ", ".join(f"{name} {one}" for name, one in whole.variants.written(variant).items())
+        words = ", ".join(f"{name} {one}" for name, one in whole.variants.in_words(variant).items())
         return replace(whole._take(variant), title=f"{whole.title}, {words}")
     values, data = json.loads(at), origin.arrays
     if not values:
         held = {} if data is None else split_arrays(data.values, data.attrs)
-        return parse_sweep(origin.text, held)
+        try:
+            plain = json.loads(origin.text)
+        except ValueError as error:
+            raise InputError(f"the attribute sweep of the dataset is no JSON: {error}") from error
+        return sweep_of_plain(plain, held)
     sweep = judged_sweep(origin, "{}")
     given = {name: values[path] for name, path in PATHS.items() if path in values}
     return sweep.judge(changes_of(**given))
@@ -149,9 +153,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.000292
     """
-    return ordered(open_store(found_store(path))).drop_vars(
-        ["checksum", "message"], errors="ignore"
-    )
+    return ordered(open_store(found_store(path))).drop_vars("message", errors="ignore")
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:

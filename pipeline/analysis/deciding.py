@@ -16,9 +16,10 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import side_by_side
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import Conditions, plain_values
-from pipeline.sweep.severity import failed_fraction, rises_above_colder
+from pipeline.sweep.conditions import Conditions, plain_values, rise_limit
 from tribo import QUANTILES, InputError
+from tribo.simulation.severity import rises_above_colder
+from tribo.thermal import failed_share
 from tribo.types import Array
 
 
@@ -99,8 +100,8 @@ def _temperatures(scene: Results, like: xr.Dataset) -> xr.Dataset:
         result[name] = _shaped(like[rise], dims, conditions.contact_temperature(rises[rise]))
         result[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
     if conditions.critical_temperature is not None:
-        failed = np.vectorize(failed_fraction, excluded=[1], signature="(q)->()")
-        share = failed(rises["rise_quantile"], conditions)
+        failed = np.vectorize(failed_share, excluded=[1], signature="(q)->()")
+        share = failed(rises["rise_quantile"], rise_limit(conditions))
         share = np.where(np.isnan(rises["max_rise"]), np.nan, share)
         result["failed_fraction"] = _shaped(like["max_rise"], dims[:-1], share)
         result["failed_fraction"].attrs = {

@@ -75,7 +75,7 @@ def is_test_outside(data: Results, place: int, own: Conditions) -> bool:
     inlet, pressure = float(values[0][place]), float(values[1][place])
     if not np.isfinite(inlet * pressure):
         return False
-    scene: Scene = test.simulated.scene
+    scene: Scene = test.case.scene
     at = float(held.loads[place]), float(held.velocities[place])
     return film_excess(scene, oil, *at, own.mean_bulk_temperature, inlet, pressure) > 0
 

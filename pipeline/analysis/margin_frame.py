@@ -13,10 +13,12 @@ import pandas as pd
 
 from pipeline.analysis.at import ConditionKeywords, asked_at
 from pipeline.analysis.caveats import scene_caveats
+from pipeline.analysis.condition_words import verdict_conditions
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.film import OUTSIDE_WORDS, inside_alone, turns_inside
 from pipeline.analysis.judge import Judge, judge_of
 from pipeline.analysis.margin import AT_EDGE, PASSED, Margin
+from pipeline.analysis.operating_points import OperatingPoints, doubts_of_row
 from pipeline.analysis.reading import ResultsLike
 from pipeline.analysis.results import Results
 from pipeline.analysis.rise_error import RiseError, rise_errors
@@ -25,17 +27,14 @@ from pipeline.analysis.specimen import counted
 from pipeline.analysis.tables import frame_of
 from pipeline.analysis.tested import tests_beside, waiting_words
 from pipeline.quantities import column_heads, snap
-from pipeline.scene.along import OperatingPoints
-from pipeline.scene.doubts import doubts_of_row
-from pipeline.scene.table import Column
-from pipeline.scene.units import in_si, to_si
 from pipeline.store.place import PathLike
 from pipeline.store.schema import PLANE
-from pipeline.sweep.condition_words import verdict_conditions
+from pipeline.sweep.case import Place
 from pipeline.sweep.conditions import known_critical_temperature
-from pipeline.sweep.measurement import Place
-from pipeline.sweep.remarks import join_notes
 from pipeline.sweep.variants import VARIANT
+from pipeline.table import Column
+from pipeline.units import in_si, to_si
+from pipeline.words import join_notes
 from tribo import InputError, WarningKind
 from tribo.types import Array
 

@@ -67,7 +67,7 @@ def reached(ds: xr.Dataset, counts_surface: bool) -> list[Reached]:
         crosses = np.isfinite(critical)
         ranked = np.where(crosses, np.where(np.isnan(totals), np.inf, totals), -np.inf)
         worst = int(np.argmax(ranked))
-        own = data.sweep.variants.written(name)
+        own = data.sweep.variants.in_words(name)
         found.append(
             Reached(
                 case=", ".join(f"{key} {value}" for key, value in own.items()),

@@ -34,7 +34,7 @@ from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
 _INNER = ("step", "bulk_ratio", "cooler_share")
-_MARKS = ("status", "warning_flags", "asked", "message")
+_MARKS = ("status", "warning_flags", "message")
 _RISES = ("max_rise", "mean_rise", "rise_quantile", "bulk_rise_quantile", "mean_bulk_response")
 ResultsLike = xr.Dataset | PathLike | Results
 """A dataset, the path of a store, or results that were read from either."""
@@ -147,7 +147,7 @@ def _values(name: str, given: xr.Variable, sizes: Mapping[str, int]) -> Array:
     values = given.values
     if values.dtype.kind == "f":
         values = values.astype(float, copy=False)
-        if name in ("status", "asked"):  # which interpolation may leave a little off
+        if name == "status":  # which interpolation may leave a little off
             values = values.round(6)
     own: Any = xr.Variable(given.dims, values)
     return np.asarray(own.set_dims({**sizes, **inner}).values)

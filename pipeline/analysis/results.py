@@ -24,16 +24,17 @@ from pipeline.analysis.dataset import (
 )
 from pipeline.analysis.likelihood import Prior
 from pipeline.analysis.results_of_tests import TestResults
+from pipeline.store.place import StoreError
 from pipeline.store.read import open_messages
-from pipeline.store.schema import ASKED, COORDINATES, DONE, PLANE
+from pipeline.store.schema import COORDINATES, DONE, FAILED, PENDING, PLANE
+from pipeline.sweep.case import Test
 from pipeline.sweep.conditions import DIMENSIONS, Conditions, changed_conditions
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.severity import columns_needed, require_bulks, worst_rises
 from pipeline.sweep.stations import load_that_counts
+from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import VARIANT, Label, Variant
 from tribo import InputError
 from tribo.simulation.corrections import NEEDED
+from tribo.simulation.severity import columns_needed, require_bulks, worst_rises
 from tribo.types import Array, Mask
 
 _UNNAMED = COORDINATES.keys() - {VARIANT, "realization"}
@@ -139,7 +140,7 @@ class Results:
 
         The result is empty if an entry has several values.
         """
-        return self.stored.variants.written(self.name)
+        return self.stored.variants.in_words(self.name)
 
     @property
     def takes_tests(self) -> bool:
@@ -147,7 +148,7 @@ class Results:
         return not self.rest.attrs.get("without_tests")
 
     @property
-    def told_tests(self) -> tuple[Measurement, ...]:
+    def told_tests(self) -> tuple[Test, ...]:
         """Tests of the scene, none if they are to be left out."""
         return self.stored.tests if self.takes_tests else ()
 
@@ -347,7 +348,8 @@ class Results:
 
         The axes are varied entries, surfaces (`Results.front`), load and velocity.
         """
-        return np.asarray(self.columns.get("asked", np.full(self.done.shape, ASKED)) == ASKED)
+        self.require("status")
+        return np.isin(self.columns["status"], (DONE, FAILED, PENDING))
 
     @property
     def least_loads(self) -> Array:
@@ -370,4 +372,9 @@ class Results:
         columns: dict[str, Any] = {k: self.columns[k] for k in names if k in self.columns}
         columns["quantile"] = self.shares
         rises = worst_rises(columns, self.least_loads[:, None, None], conditions)
+        if lost := np.count_nonzero(self.done & np.isnan(rises)):
+            raise StoreError(
+                f"{lost} of {np.count_nonzero(self.done)} done points have no values, as in a copy "
+                "made during a run; irg verify with the store names them"
+            )
         return np.where(self.done, rises, np.nan)

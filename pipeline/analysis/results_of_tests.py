@@ -16,10 +16,10 @@ from pipeline.store.place import StoreError
 from pipeline.store.read import open_tests
 from pipeline.store.schema import AT_TESTS, DONE, MADE, PLANE, STEPPED, TEST_STEP, test_variable
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT, Slot, wanted_slots
-from pipeline.sweep.severity import worst_rises
 from pipeline.sweep.stations import load_that_counts
+from pipeline.sweep.sweep import Sweep
+from tribo.simulation.severity import worst_rises
 from tribo.types import Array
 
 _INNER = (TEST_STEP, "bulk_ratio", "cooler_share")
@@ -94,7 +94,7 @@ def read_test_results(ds: xr.Dataset, sweep: Sweep) -> TestResults:
     is_here = np.array(places, int) != ABSENT
 
     def least(slot: Slot) -> float:
-        return load_that_counts(sweep.tests[slot.test].simulated.scene, slot.load)
+        return load_that_counts(sweep.tests[slot.test].case.scene, slot.load)
 
     def taken(name: str, usual: Any) -> Any:
         if not held:

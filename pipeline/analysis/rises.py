@@ -22,14 +22,13 @@ from pipeline.analysis.curve import Curve, filled, neighbours, slots
 from pipeline.analysis.left_out import fill_left_out
 from pipeline.analysis.outcomes import Turns, turns_of
 from pipeline.analysis.outside import why_unknown
+from pipeline.analysis.preset_error import velocity_error
 from pipeline.analysis.results import Results
 from pipeline.analysis.specimen import counted, specimen_at
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.constants import FARTHEST, PARTS, PARTS_OF_CURVE
 from pipeline.store.schema import PLANE
-from pipeline.sweep.conditions import Conditions, row_conditions
-from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.conditions import Conditions, rise_limit, row_conditions
 from tribo import Criterion, InputError, WarningKind
 from tribo.types import Array, Indices, Mask
 

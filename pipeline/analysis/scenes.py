@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.quantities import display, shown_in
-from pipeline.scene.reference import number_at, path_of_dimension
-from pipeline.scene.units import typeset
+from pipeline.units import typeset
 
 _OWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m s-1": "m/s"}
 """Usual units for columns that the user added, by SI unit."""
@@ -70,9 +69,8 @@ def shown_label(axis: xr.DataArray, value: Any) -> Any:
 
 def _usual_unit(axis: xr.DataArray) -> str:
     """Unit in which users are shown values of the coordinate `axis`, such as "mm" for a radius."""
-    path, unit = path_of_dimension(str(axis.name)), str(axis.attrs.get("units", ""))
-    own = typeset(number_at(path).unit)
-    return own if own and unit else _OWN.get(unit, unit)
+    unit, own = str(axis.attrs.get("units", "")), str(axis.attrs.get("shown_in", ""))
+    return typeset(own) if own and unit else _OWN.get(unit, unit)
 
 
 def value_text(axis: xr.DataArray, value: float | str) -> str:

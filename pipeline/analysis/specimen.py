@@ -21,8 +21,8 @@ from pipeline.analysis.results import Results
 from pipeline.constants import ALONE_IN_LOCAL_WEAR
 from pipeline.store.schema import FAILED, SAMPLING
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import relative_sampling
 from tribo import Scene
+from tribo.simulation.severity import relative_sampling
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Mask
 

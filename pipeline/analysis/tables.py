@@ -18,8 +18,8 @@ import pandas as pd
 
 from pipeline.paths import user_path
 from pipeline.quantities import DIMENSIONS, SIZES, shown_in
-from pipeline.store.files import replace_files
-from pipeline.sweep.remarks import split_notes
+from pipeline.store.files import store_file, sync
+from pipeline.words import split_notes
 from tribo import InputError
 
 TABLES = (".csv", ".md", ".json")
@@ -188,7 +188,7 @@ def write_bytes(content: bytes, out: Path) -> Path:
     """Write a file `out` completely, or keep the old file and raise an `InputError`."""
     try:
         file = Path(os.path.realpath(out))  # keeps a symbolic link in place
-        replace_files(file.parent, {file.name: content})
+        sync(store_file(file.parent, file.name, content))
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out

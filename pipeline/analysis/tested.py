@@ -21,9 +21,8 @@ from pipeline.analysis.tables import frame_of, short
 from pipeline.constants import UNLIKELY
 from pipeline.quantities import display
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.conditions import Conditions, with_own
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.case import Test
+from pipeline.sweep.conditions import Conditions, rise_limit, with_own
 from tribo import InputError
 from tribo.types import Array, Mask
 
@@ -46,7 +45,7 @@ class ComparedTest:
     where the test says nothing, or has no result.
     """
 
-    test: Measurement
+    test: Test
     conditions: Conditions | None
     severe: float = math.nan
     mild: float = math.nan
@@ -147,7 +146,7 @@ def _rows(data: Results, oil: Conditions) -> Iterator[ComparedTest]:
         specimen = specimen_at(data.take_moving(), oil)
     for number, test in enumerate(data.stored.tests):
         try:
-            own = with_own(oil, test.simulated.conditions)
+            own = with_own(oil, test.case.conditions)
             limit = rise_limit(own)
         except InputError as error:
             yield ComparedTest(test, None, reason=f"cannot be compared: {error}")
@@ -226,7 +225,7 @@ def is_alike(data: Results, conditions: Conditions, row: ComparedTest) -> bool:
     """True if a place and a test differ in nothing but what may be compared."""
     if row.conditions is None:
         return False
-    scene, alike = row.test.simulated.scene, with_own(row.conditions, conditions) == conditions
+    scene, alike = row.test.case.scene, with_own(row.conditions, conditions) == conditions
     return alike and (scene is data.sweep.scene or scene == data.sweep.scene)
 
 

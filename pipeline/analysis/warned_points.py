@@ -18,13 +18,20 @@ from pipeline.analysis.reading import ResultsLike, results
 from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import value_text
 from pipeline.constants import APART_FOR_EXPONENT
+from pipeline.quantities import display
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.remarks import remarks
-from pipeline.sweep.severity import MELTS, MOLTEN
+from pipeline.words import remarks
 from tribo import CRITERIA, Criterion, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation.point_warnings import SLOW
 from tribo.types import Array, Indices, Mask
+
+MELTS = 1700.0  # K, at which a steel with 1 % carbon begins to melt
+MOLTEN = (
+    f"the deciding temperature is above {display(MELTS, '°C', '.0f')}, where steel melts: the "
+    "bodies of the model do not melt, so it says only that wear is severe; if tests were made "
+    "here, check load, velocity and units"
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tested import APART
 from pipeline.quantities import UNITS, display
-from pipeline.sweep.remarks import remarks, split_notes
+from pipeline.words import remarks, split_notes
 from tribo.types import Array
 
 

@@ -24,7 +24,7 @@ import pipeline
 from pipeline import interrupts
 from pipeline.cli.parser import function_of, parse
 from pipeline.run import forkserver
-from pipeline.sweep.remarks import remarks
+from pipeline.words import remarks
 
 _SETTINGS = {
     "matplotlib": "the variable MPLBACKEND (irg needs no backend)",

@@ -11,8 +11,8 @@ from pathlib import Path
 import pipeline
 from pipeline.cli.output import Result
 from pipeline.cli.parser import commands, parse
-from pipeline.scene.faults import did_you_mean
-from pipeline.scene.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
+from pipeline.shipped import PAGES_BY_TASK, page_name, shipped_pages, shipped_scenes
+from pipeline.words import did_you_mean
 from tribo import InputError
 
 

@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 
 import numpy as np
 
 import pipeline
+from pipeline.analysis.condition_words import unmodelled_rise_words
+from pipeline.analysis.preset_error import has_unknown_error
 from pipeline.analysis.tables import frame_of, records
 from pipeline.cli.given import scene_in
 from pipeline.cli.output import Result, counted
 from pipeline.machine import memory as machine_memory
+from pipeline.progress import duration
 from pipeline.quantities import display, display_sides, shown_in
-from pipeline.scene.doubts import UNKNOWN_FILM, notes_on_scene
+from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.store.schema import require_free_names
-from pipeline.sweep.condition_words import unmodelled_rise_words
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.remarks import library_tables
-from pipeline.sweep.selection import has_unknown_error
-from pipeline.sweep.stages import duration
-from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.left_out import UNKNOWN_FILM
+from pipeline.sweep.remarks import FromLibrary
+from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import VARIANT
 from pipeline.tradeoff.forecast import Estimate, worker_bytes
 from tribo import InputError, Scene, lubrication_regime
+from tribo.simulation.lubrication import SurfaceFacts, find_lubrication
 
 
 def check(options: argparse.Namespace) -> Result:
@@ -63,6 +64,7 @@ def check(options: argparse.Namespace) -> Result:
 
 
 _HEADS = "subject", "meaning"
+_IS_LEVEL = 1e-6  # share of Rq below which a tilt or a mean height counts as rounding
 _FILM_CARRIES = 0.35  # film parameter above which the film carries a share of the load
 _Row = tuple[str, str]
 """A subject (empty for a continued one), and a sentence on it."""
@@ -80,10 +82,10 @@ def _meaning_rows(sweep: Sweep, facts: Facts, memory: str) -> Iterator[_Row]:
     )
     nx, ny = sweep.scene.grid.shape
     yield "window", f"{display_sides(facts.window)}, {nx} × {ny} elements; {memory}"
-    given = sweep.source.parts.declared.window.pixels
+    given = sweep.source.entries["window"]["pixels"]
     if wider := _wider(given, sweep.scene):
         yield "", f"widened from {given[0]} pixels for the wear of the stages; {wider}"
-    yield "surface", facts.surface.words if facts.surface else "smooth"
+    yield "surface", _surface_words(facts.surface) if facts.surface else "smooth"
     motion = f"{_text(facts.duration, 's')} and {_text(facts.sliding_distance, 'm')} until the end"
     yield "motion", motion
     yield from _film_rows(sweep)
@@ -119,7 +121,7 @@ def _film_rows(sweep: Sweep) -> Iterator[_Row]:
         return
     bulk = sweep.conditions.mean_bulk_temperature
     viscosity = f"{display(sweep.lubricant.viscosity(bulk), 'mPa s', 3)} at the bulk temperature"
-    lubrication = find_lubrication(sweep)
+    lubrication = find_lubrication(sweep.scene, sweep.lubricant)
     if lubrication is None:
         has_pressure_coefficient = sweep.lubricant.pressure_coefficients is not None
         missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
@@ -156,7 +158,7 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
     yield "points", f"{cost.points}: {', '.join(counts)}; {steps}"
     if cost.tests:
         yield "tests", f"{counted(cost.tests, 'point', 'points')} of their own, computed first"
-        widest = max((test.simulated.scene for test in sweep.tests), key=_pixels)
+        widest = max((test.case.scene for test in sweep.tests), key=_pixels)
         if wider := _wider(sweep.scene.pixels.shape, widest):
             yield "", f"stages of tests have wider windows, up to {wider}"
     workers, size = counted(cost.workers, "worker", "workers"), cost.disk_bytes
@@ -167,3 +169,35 @@ def _cost_rows(sweep: Sweep, cost: Estimate) -> Iterator[_Row]:
             "error",
             "not known for own numerical choices; --accuracy 2% replaces them by a preset",
         )
+
+
+def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
+    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
+
+    The text names the table and its values, such as "pin: density 7800 kg/m³".
+    """
+    tables: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in taken:
+        table, _, name = key.rpartition(".")
+        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in tables.items():
+        yield f"{table}: {', '.join(values)}", source
+
+
+def _surface_words(facts: SurfaceFacts) -> str:
+    """Roughness, slope, lay, curvature and tilt in words."""
+    lay = "no lay" if facts.lay is None else f"grooves at {facts.lay:.0f}° to sliding"
+    slope = "" if facts.slope is None else f"rms slope {facts.slope:.2g}, "
+    heights = f"Ra {display(facts.ra, 'µm', 3)}, Rq {display(facts.rq, 'µm', 3)}, {slope}{lay}"
+    if not facts.measured:
+        return f"random: {heights}"
+    known = zip("xy", facts.radii, strict=True)
+    curves = [f"R {display(r, 'mm', 3)} along {x}" for x, r in known if math.isfinite(r)]
+    heights += f"; Ra and Rq exclude the curvature, {' and '.join(curves)}" if curves else ""
+    if all(abs(place) < _IS_LEVEL * facts.rq for place in (facts.mean_height, *facts.rise)):
+        return f"measured: {heights}; level"
+    mean, x, y = (shown_in(place, "µm") for place in (facts.mean_height, *facts.rise))
+    return (
+        f"measured: {heights}; mean plane at {mean:.3g} µm, rising by {x:.3g} µm along x and "
+        f"{y:.3g} µm along y over the window"
+    )

@@ -11,20 +11,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.preset_error import KEPT_FIELDS
 from pipeline.cli.output import tell
 from pipeline.paths import user_path
-from pipeline.scene.along import OperatingPoints
-from pipeline.scene.over import notes_on_first_values
-from pipeline.scene.reference import FILES
 from pipeline.sweep.conditions import PATHS
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.variants import VARIANT
 from tribo import Fidelity, InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_FILES = (*FILES, "sweep.along")
+_FILES = ("disk.roughness.file", "loading.file", "sweep.along")
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options on conditions, named as in `pipeline.at` and `changes_of`."""
 _NUMERICAL = {"preset", *(one.name for one in fields(Fidelity))} - {*KEPT_FIELDS}
@@ -133,7 +132,11 @@ def one_scene_in(options: argparse.Namespace) -> Sweep:
     A note is printed for each varied entry, as its other values are ignored.
     """
     sweep = scene_in(options)
-    tell(*notes_on_first_values(sweep.variants))
+    for column in sweep.variants.chosen:
+        key, what = "over", f"{column.name} is the scene's own or the first listed"
+        if column.name == VARIANT:
+            key, what = "along", "values are the scene's own or those of its first row"
+        tell(f"note: sweep.{key} is ignored here; {what}; choose another by --set")
     return sweep
 
 

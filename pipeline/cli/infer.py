@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, astuple, replace
 
 import pipeline
+from pipeline.analysis.condition_words import unmodelled_rise_words
 from pipeline.analysis.inferred import Inferred
 from pipeline.analysis.tables import TABLES, frame_of, records, short, writable_path
 from pipeline.analysis.tested import tests_frame
@@ -15,8 +16,7 @@ from pipeline.cli.output import Result, counted, working, wrapped
 from pipeline.quantities import display, shown_in
 from pipeline.run.here import compute_here, computed_dataset
 from pipeline.store.create import writing
-from pipeline.sweep.condition_words import unmodelled_rise_words
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.sweep import Sweep
 from tribo import InputError, Ramp
 from tribo.inverse import specific_wear_rate
 

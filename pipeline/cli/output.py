@@ -18,13 +18,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from pipeline.sweep.stages import Progress, Report
+from pipeline.progress import Progress, Report
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from pipeline.analysis.warned_points import Warned
-    from pipeline.store.progress import Summary
+    from pipeline.store.store import Summary
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""

@@ -11,17 +11,17 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.caveats import caveats_of
 from pipeline.analysis.margin_frame import asked_of, margin_frame
+from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import frame_of, transposed
 from pipeline.analysis.words import case_lines, missing_lines
 from pipeline.cli.given import one_scene_in, stored_tests_of
 from pipeline.cli.output import Result, tell, working, wrapped
 from pipeline.cli.verdicts import place_lines
 from pipeline.run.here import compute_here, computed_dataset
-from pipeline.scene.along import OperatingPoints
 from pipeline.scene.facts import require_bearable_load
 from pipeline.store.create import writing
-from pipeline.sweep.measurement import Place
-from pipeline.sweep.model import Point
+from pipeline.sweep.case import Place
+from pipeline.sweep.sweep import Point
 from tribo import InputError
 
 _BESIDE = (0.8, 1.2)  # velocities of two neighbours over the point's own

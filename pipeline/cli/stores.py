@@ -8,12 +8,11 @@ from contextlib import suppress
 from pathlib import Path
 
 import pipeline
+from pipeline.analysis.preset_error import error_in_words
 from pipeline.analysis.tables import frame_of, records, short
 from pipeline.cli.output import DONE, SOME_FAILED, Result, counted_tests, working
-from pipeline.store.checks import states
 from pipeline.store.place import REMEDY, ROOT, StoreError
-from pipeline.store.progress import Summary
-from pipeline.sweep.selection import error_in_words
+from pipeline.store.store import Summary, states
 
 _HEADS = "name", "state", "points", "done", "failed", "pending", "preset", "title"
 
@@ -28,8 +27,6 @@ def status(options: argparse.Namespace) -> Result:
         return Result(text=[short(brief) if rows else f"{path} holds none"], frames=[frame])
     state, sweep = states(path)
     text = [state.title, f"{state.total} points: {_counts(state)}"]
-    earlier = f"{state.earlier} more are done from an earlier run, which asked for them"
-    text += [earlier] * bool(state.earlier)
     text += counted_tests(state.tests)
     text += [f"running: {state.running}"] * bool(state.running)
     failed = *state.failed, *(state.tests.failed if state.tests else ())

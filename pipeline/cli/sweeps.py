@@ -12,6 +12,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.caveats import doubt_lines
 from pipeline.analysis.dataset import Layout, entry_dims, scene_sweep, sweep_kind
+from pipeline.analysis.preset_error import error_in_words, has_unknown_error, velocity_error
 from pipeline.analysis.reached import Reached, percent, reached
 from pipeline.analysis.words import next_run_line
 from pipeline.cli import output
@@ -19,7 +20,6 @@ from pipeline.cli.given import scene_in, typed_scene, values_in
 from pipeline.cli.output import Result, tell
 from pipeline.scene.doubts import notes_on_scene
 from pipeline.scene.facts import require_bearable_load
-from pipeline.sweep.selection import error_in_words, has_unknown_error, velocity_error
 from tribo import InputError
 
 

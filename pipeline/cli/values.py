@@ -23,7 +23,7 @@ def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
     """
 
     def read(text: str) -> float:
-        from pipeline.scene.units import difference_in_si, to_si
+        from pipeline.units import difference_in_si, to_si
 
         try:
             value: float = (difference_in_si if like.endswith(" K") else to_si)(text, like)
@@ -76,7 +76,7 @@ def count(text: str, least: int = 1) -> int:
 
 def share(text: str) -> float:
     """Read a share between 0 and 1, such as 2% or 0.02."""
-    from pipeline.scene.units import share_of
+    from pipeline.units import share_of
 
     with suppress(ValueError):
         if 0 < (value := share_of(text)) < 1:

@@ -13,6 +13,7 @@ import pipeline
 from pipeline.analysis import words
 from pipeline.analysis.boundary import ERRORS, JUDGED, boundary_frame
 from pipeline.analysis.caveats import caveats_of
+from pipeline.analysis.condition_words import judged_by
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.judge import judge_of
 from pipeline.analysis.margin_frame import LONG, Asked, asked_of, counts_in_words, margin_frame
@@ -20,11 +21,10 @@ from pipeline.analysis.results import Results
 from pipeline.analysis.scenes import words as entries_in_words
 from pipeline.analysis.tables import frame_of, lines_of, notes_of, short, some_rows
 from pipeline.analysis.tested import test_parts, tests_frame
+from pipeline.analysis.warned_points import MELTS, MOLTEN
 from pipeline.cli.given import dataset_in, operating_points_in, values_in
 from pipeline.cli.output import Result, counted, working, wrapped
-from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.remarks import remarks
-from pipeline.sweep.severity import MELTS, MOLTEN
+from pipeline.words import remarks
 from tribo import InputError
 
 _MOST_ROWS = 8  # rows of a table printed; --all, --json and files have all

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from pipeline.analysis.caveats import doubt_lines
+from pipeline.analysis.condition_words import judged_by
 from pipeline.analysis.dataset import Layout, require_kind
 from pipeline.analysis.film import OUTSIDE
 from pipeline.analysis.judge import NOT_DECIDED, Judge, judge_of
@@ -35,11 +36,9 @@ from pipeline.figures.overlays import (
     zero_line,
 )
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, TINTS, VERMILION
-from pipeline.store.schema import PENDING, PLANE
-from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import variant_words
-from pipeline.sweep.severity import rise_limit
+from pipeline.store.schema import DONE, FAILED, PLANE
+from pipeline.sweep.conditions import Conditions, rise_limit
+from pipeline.sweep.sweep import variant_words
 from tribo import Criterion, InputError
 from tribo.types import Array, Mask
 
@@ -215,7 +214,7 @@ def _mark_points(axes: Axes, data: Results, conditions: Conditions) -> list[Arti
     """Mark each point by its outcome on all surfaces, and by its warning; return legend entries."""
     r, limit = data.rises(conditions), rise_limit(conditions)
     severe, mild = (_any_surface(of(r, limit)) for of in (Criterion.is_severe, Criterion.is_mild))
-    failed = ~(severe | mild) & _any_surface(data.columns["status"] != PENDING)
+    failed = ~(severe | mild) & _any_surface(np.isin(data.columns["status"], (DONE, FAILED)))
     pending = ~(severe | mild) & ~failed & _any_surface(data.asked)
     usual = rcParams["lines.markersize"]
     kinds: list[tuple[str, Mask, dict[str, Any]]] = [

@@ -8,14 +8,14 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline.analysis.condition_words import heating_words
 from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.quantities import UNITS, shown_in
-from pipeline.scene.units import in_si
-from pipeline.sweep.condition_words import heating_words
-from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.severity import columns_needed, corrected_columns, rise_limit
+from pipeline.sweep.conditions import Conditions, rise_limit
+from pipeline.units import in_si
 from tribo import InputError
+from tribo.simulation.severity import columns_needed, corrected_columns
 from tribo.types import Array, Mask
 
 Wanted = float | str | Iterable[float | str] | None

@@ -15,11 +15,11 @@ from scipy.ndimage import distance_transform_edt
 from pipeline.analysis.results import Results
 from pipeline.figures import style
 from pipeline.figures.style import BLACK, BLUE, FAINT, THIN, VERMILION
+from pipeline.sweep.case import Test
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.surface import find_lubrication
 from tribo import lubrication_regime
 from tribo.material import BOUNDARY, FULL_FILM
+from tribo.simulation.lubrication import find_lubrication
 from tribo.types import Array, Mask
 
 _REACH = 1.5  # tests beyond this factor on the sweep's ends are not drawn
@@ -44,7 +44,7 @@ def zero_line(
 
 def film_lines(axes: Axes, data: Results, conditions: Conditions) -> list[Artist]:
     """Draw the limits of mixed and full-film lubrication in a figure; return legend entries."""
-    lubrication = find_lubrication(data.sweep)
+    lubrication = find_lubrication(data.sweep.scene, data.sweep.lubricant)
     if lubrication is None:
         return []
     y, x = (np.linspace(*axis[[0, -1]]) for axis in (data.loads, data.velocities))
@@ -70,7 +70,7 @@ TESTS: dict[str | None, tuple[str, ...]] = {
 
 
 def mark_test(
-    axes: Axes, number: str, test: Measurement, place: tuple[float, float], beside: str = ""
+    axes: Axes, number: str, test: Test, place: tuple[float, float], beside: str = ""
 ) -> Line2D:
     """Mark a test at its `place` (x, y) with its number: open if wear stayed mild, else filled.
 
@@ -91,9 +91,7 @@ def mark_test(
     return mark
 
 
-def mark_tests(
-    axes: Axes, tests: Mapping[str, Measurement], bulk: float, own_bulk: float
-) -> list[Artist]:
+def mark_tests(axes: Axes, tests: Mapping[str, Test], bulk: float, own_bulk: float) -> list[Artist]:
     """Mark tests, faint if their bulk temperature is not `bulk` [K]; return the legend.
 
     `own_bulk` [K] is the bulk temperature of tests that give none.
@@ -106,18 +104,18 @@ def mark_tests(
     return [mark for mark in marks if not str(mark.get_label()).startswith("_")]  # one of each kind
 
 
-def number_tests(tests: Iterable[Measurement]) -> dict[str, Measurement]:
+def number_tests(tests: Iterable[Test]) -> dict[str, Test]:
     """Tests by number; a test without a number gets its position in the scene."""
     return {test.number or str(place): test for place, test in enumerate(tests, 1)}
 
 
 def reachable_tests(
-    data: Results, tests: Mapping[str, Measurement]
-) -> tuple[dict[str, Measurement], list[Artist]]:
+    data: Results, tests: Mapping[str, Test]
+) -> tuple[dict[str, Test], list[Artist]]:
     """Tests in or near the sweep's range, by number, and a legend line that lists the rest."""
     ends = {"load": data.loads[[0, -1]], "velocity": data.velocities[[0, -1]]}
 
-    def is_near(test: Measurement) -> bool:
+    def is_near(test: Test) -> bool:
         place = {"load": test.normal_load, "velocity": abs(test.velocity)}
         return all(low / _REACH <= place[k] <= _REACH * high for k, (low, high) in ends.items())
 

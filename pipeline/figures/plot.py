@@ -18,7 +18,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.ramp import ramp, temperature
 from pipeline.figures.tested import draw_tests
-from pipeline.scene.units import in_si
+from pipeline.units import in_si
 from tribo import InputError
 
 Kind = Literal["diagram", "ramp", "fields", "temperature", "tests"]

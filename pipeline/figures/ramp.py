@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.analysis.caveats import doubt_lines
+from pipeline.analysis.condition_words import heating_words
 from pipeline.analysis.results import Results
 from pipeline.analysis.rises import rises_of
 from pipeline.figures import style
@@ -18,10 +19,9 @@ from pipeline.figures.fields import Spot, Wanted, chosen_points, nearest_indices
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION
 from pipeline.quantities import shown_in
 from pipeline.store.schema import MADE, STEPPED, VARIABLES
-from pipeline.sweep.condition_words import heating_words
 from pipeline.sweep.conditions import Conditions, changed_conditions
-from pipeline.sweep.severity import rises_above_colder
 from tribo import InputError
+from tribo.simulation.severity import rises_above_colder
 from tribo.types import Array
 
 _NODES = 400  # velocities of a curve of temperature

@@ -9,7 +9,7 @@ from pipeline.cli.output import Result, working
 from pipeline.laboratory.instruments import RawScan
 from pipeline.laboratory.profile import data_sheet_toml, profile_statistics, profiles_in
 from pipeline.laboratory.surfaces import read_raw
-from pipeline.scene.units import in_si
+from pipeline.units import in_si
 from tribo import InputError
 
 _USUAL_PIXEL = 0.95e-6  # [m], of the shipped scenes

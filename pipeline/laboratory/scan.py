@@ -23,10 +23,10 @@ from pipeline.laboratory.likeness import (
 from pipeline.laboratory.spectrum import SelfAffineFit, fit_self_affine
 from pipeline.laboratory.surfaces import axis_note, form_words, oriented, read_surface
 from pipeline.quantities import display, display_sides
-from pipeline.scene.units import in_si
-from pipeline.sweep.areal import ArealRoughness, areal_roughness, remove_form
+from pipeline.units import in_si
 from tribo import Grid, InputError
 from tribo.surface import self_affine
+from tribo.surface.areal import ArealRoughness, areal_roughness, remove_form
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness above which a random surface is a poor substitute

@@ -16,8 +16,8 @@ from pipeline.laboratory.instruments import RawScan, read_instrument
 from pipeline.paths import kind_of, open_regular, read_file, reason_of, user_path
 from pipeline.quantities import display, display_sides
 from pipeline.scene.faults import Faults
-from pipeline.sweep.areal import remove_form
 from tribo import InputError
+from tribo.surface.areal import remove_form
 from tribo.types import Array
 
 _MOST_BYTES = 2**30  # largest file, unpacked

@@ -26,10 +26,10 @@ from distributed.versions import VersionMismatchWarning
 
 from pipeline.machine import oom_kills
 from pipeline.paths import read_file
+from pipeline.progress import Progress, Report, duration, silent
 from pipeline.run import forkserver
 from pipeline.run.forkserver import WORKER_ENVIRONMENT, block_interrupts
 from pipeline.run.work import SAFE, ExecutionError
-from pipeline.sweep.stages import Progress, Report, duration, silent
 
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""

@@ -7,18 +7,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pipeline.analysis.preset_error import velocity_error
 from pipeline.analysis.reached import percent
 from pipeline.analysis.specimen import Alone
 from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
-from pipeline.store.schema import DONE, PENDING
-from pipeline.store.write import Store
-from pipeline.sweep.measurement import Case
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.severity import relative_sampling, rise_limit, worst_rises
+from pipeline.scene.entries import entry_at
+from pipeline.store.schema import DONE, NOT_ASKED, PENDING
+from pipeline.store.store import Store
+from pipeline.sweep.case import Case
+from pipeline.sweep.conditions import rise_limit
 from pipeline.sweep.stations import load_that_counts
+from pipeline.sweep.sweep import Point, Sweep
 from pipeline.sweep.variants import Variant
 from tribo import InputError, SelfAffineRoughness
+from tribo.simulation.severity import relative_sampling, worst_rises
 
 _ROUNDING = 1e-9
 _MORE = 1.4  # further patches that are needed at last, over those by one patch's own estimate
@@ -26,7 +28,7 @@ _MORE = 1.4  # further patches that are needed at last, over those by one patch'
 
 def require_boundary(sweep: Sweep) -> None:
     """Raise an `InputError` unless a sweep has a boundary, whose error can be a goal."""
-    if any({"load", "velocity"} & row.labels.keys() for row in sweep._rows):
+    if any({"load", "velocity"} & row.keys() for row in sweep.variants.rows):
         raise InputError(
             "each row of the sweep has its own load and velocity, so there is no boundary in a "
             "plane of them; run without --accuracy"
@@ -42,7 +44,8 @@ def require_boundary(sweep: Sweep) -> None:
 
 def why_fixed(sweep: Sweep) -> str:
     """Why there are no further patches of a sweep's surface, in words; empty if there are."""
-    if isinstance(seeds := sweep.source.parts.declared.sweep.realizations, tuple):
+    seeds = entry_at(sweep.source.entries, "sweep.realizations") if sweep.source else None
+    if isinstance(seeds, list):
         return f"{len(seeds)} listed seeds, not reduced by computing"
     if isinstance(sweep.scene.roughness, SelfAffineRoughness):
         return ""
@@ -137,7 +140,7 @@ class Searches:
     def _is_missing(self, store: Store, point: Point) -> bool:
         seeds = store.axes.get("realization", self._seeds)
         is_there = dict(point.variant).get("realization", self._seeds[0]) in seeds
-        return not is_there or store.flags[store.index(point)] == PENDING
+        return not is_there or store.flags[store.index(point)] in (PENDING, NOT_ASKED)
 
     def _tell(self, store: Store, one: _Searched) -> None:
         """Tell a search what the store has of the points that it has asked for."""
@@ -147,7 +150,7 @@ class Searches:
         at = tuple(points - begins[:, None])
         columns = store.read_steps(box)
         conditions, search = one.case.conditions, one.search
-        (along,) = store.root.variables["load"].dims
+        (along,) = store.group.variables["load"].dims
         place = store.dims.index(along)
         loads = [load_that_counts(one.case.scene, load) for load in store.axes["load"]]
         counted = np.array(loads)[box[place]].reshape(-1, *[1] * (len(store.dims) - place))

@@ -8,31 +8,32 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.analysis.preset_error import presets_for, velocity_error
 from pipeline.analysis.reached import percent
+from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import Searches, require_boundary, why_fixed
 from pipeline.run.search import Goal, Place, Search
-from pipeline.scene.units import share_of
-from pipeline.scene.written import with_fidelity
-from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult, choose_stations, run_point
-from pipeline.sweep.selection import presets_for, velocity_error
-from pipeline.sweep.severity import relative_sampling, worst_rises
-from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.sweep.sweep import Point, Sweep
+from pipeline.units import share_of
 from tribo import PRESETS, Fidelity, InputError, WarningKind
 from tribo.simulation import forget_contacts
+from tribo.simulation.severity import relative_sampling, worst_rises
 
 _WORTH = 0.8  # costs below this share of those of a faster preset choose a slower one
 _DEARER = 1.7  # least ratio of a point's times by a preset and a faster one; 1.7 to 7 as shipped
-_ROOM = 4  # patches of a new store; a chunk has as many, where it has room for them
+ROOM, ROOM_AT_ADDRESS = 4, 32
+"""Patches of a new store in a folder, and on an object store, where it cannot get more."""
 _NEAR = 0.1  # error of a crossing beside which heat is looked at
 
 
 def begin_goal(
-    sweep: Sweep, before: Sweep | None, accuracy: float | str, report: Report
+    sweep: Sweep, before: Sweep | None, accuracy: float | str, report: Report, room: int = ROOM
 ) -> Searches:
     """Searches that reach an accuracy of a sweep, with the preset that this takes.
 
-    `before` is the sweep of the store, if there is one; its preset is kept where it suffices.
+    `before` is the sweep of the store, if there is one; its preset is kept where it suffices. A new
+    store has room for at least as many patches as `room`.
     """
     accuracy = share_of(accuracy)
     if isinstance(accuracy, bool) or not 0 < accuracy < 1:
@@ -46,7 +47,7 @@ def begin_goal(
     if before is None:
         chosen = choose_preset(goal_presets(sweep), accuracy, seconds_of_point)
     else:
-        chosen = with_fidelity(sweep, before.scene.fidelity, before.preset)
+        chosen = sweep.with_fidelity(before.scene.fidelity, before.preset)
         if (error := velocity_error(chosen)) is None or error >= accuracy:
             known = "is not known" if error is None else f"is up to {percent(error)}"
             raise InputError(
@@ -59,8 +60,9 @@ def begin_goal(
     words += ', heat_model "history"' * has_past
     words += ", in place of the scene's own [fidelity]" * (sweep.preset is None)
     report(Progress(words))
-    patches = before.variants.axes.get("realization", ()) if before else ()
-    return Searches(chosen, accuracy, patches=max(len(patches), _ROOM))
+    chosen = replace(chosen, text=f"# run with --accuracy: {words}\n{chosen.text}")
+    has_room = [len(one.variants.axes.get("realization", ())) for one in (sweep, before) if one]
+    return Searches(chosen, accuracy, patches=max(*has_room, room))
 
 
 def goal_presets(sweep: Sweep) -> tuple[Sweep, ...]:
@@ -96,7 +98,7 @@ def choose_preset(
 
 
 def _with(sweep: Sweep, presets: dict[str, Fidelity], name: str) -> Sweep:
-    return with_fidelity(sweep, presets[name], name)
+    return sweep.with_fidelity(presets[name], name)
 
 
 def _slowest(sweep: Sweep) -> float:

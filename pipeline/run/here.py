@@ -6,13 +6,12 @@ from collections.abc import Iterator, Sequence
 
 import xarray as xr
 
-from pipeline.scene.stored_text import remember_sweep
+from pipeline.progress import Report, silent
+from pipeline.store.create import take_points
 from pipeline.store.read import store_dataset
-from pipeline.store.take import take_points
-from pipeline.store.write import Store, opened
-from pipeline.sweep.model import Point
+from pipeline.store.store import Store, opened
 from pipeline.sweep.plan import PointRecord, choose_stations, run_point
-from pipeline.sweep.stages import Report, silent
+from pipeline.sweep.sweep import Point
 from tribo import TriboError
 
 
@@ -32,9 +31,8 @@ def compute_here(
 
 
 def computed_dataset(store: Store) -> xr.Dataset:
-    """Dataset of an open store, whose sweep is not read again."""
-    remember_sweep(store.root.attributes["scene"], store.sweep)
-    return store_dataset(store).drop_vars("checksum").load()
+    """Dataset of an open store."""
+    return store_dataset(store).load()
 
 
 def _simulated(

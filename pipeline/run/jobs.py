@@ -21,8 +21,8 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.run.cluster import LOST, POLL, WORD, Connection
 from pipeline.run.work import CODE, FOLDER, INSTALL, TASK, ExecutionError, Work
-from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Task, choose_stations
+from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import Variant
 
 ANYWHERE = ""
@@ -88,7 +88,7 @@ class Jobs:
         scene = case.scene
         scene_hash = self._sweep._hash_scene(scene)
         if scene_hash not in self._works:
-            work = Work(scene, scene_hash, self._stations, self._with_fields, case.has_film)
+            work = Work(scene, self._stations, self._with_fields, case.has_film)
             self._works[scene_hash] = work.pickled()
         return self._works[scene_hash]
 

@@ -15,11 +15,11 @@ from statistics import fmean
 from pipeline.run.cluster import Connection
 from pipeline.run.jobs import ANYWHERE, Job, Jobs, Loss
 from pipeline.run.tally import Tally
+from pipeline.run.task_queue import TaskQueue
 from pipeline.run.work import VERSIONS
-from pipeline.store.write import Writer
-from pipeline.sweep.model import Point, Sweep
+from pipeline.store.store import Writer
 from pipeline.sweep.plan import PointRecord, Task
-from pipeline.sweep.task_queue import TaskQueue
+from pipeline.sweep.sweep import Point, Sweep
 
 TRIALS = 5
 """Times that a point may be lost until it counts as failed; after two it is tried alone."""
@@ -84,7 +84,7 @@ def compute(
             for result in jobs.results():
                 record, versions = pickle.loads(result)
                 if blank and record.data is not None:
-                    record = replace(record, data={**record.data, **blank}, checksum=None)
+                    record = replace(record, data={**record.data, **blank})
                 writer.add([record])
                 recent += [record.wall_time] * (record.data is not None)
                 if versions != VERSIONS:

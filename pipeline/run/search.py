@@ -21,7 +21,7 @@ from pipeline.analysis.rises import Rises
 from pipeline.analysis.specimen import SWEPT, Alone, Specimen, patches_needed, patches_share
 from pipeline.constants import OF_LOADS, OF_POINTS
 from pipeline.run.line_search import Line, places_along
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.conditions import rise_limit
 from tribo import Conditions
 from tribo.types import Array, Indices
 

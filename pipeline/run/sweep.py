@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -12,28 +12,23 @@ import numpy as np
 from distributed import Client
 
 from pipeline.machine import cores
+from pipeline.progress import Progress, Report, duration, silent
 from pipeline.run.cluster import PATIENCE, Connection, connected
 from pipeline.run.forkserver import end_if_imported
 from pipeline.run.goal import Searches
-from pipeline.run.goal_preset import begin_goal
+from pipeline.run.goal_preset import ROOM, ROOM_AT_ADDRESS, begin_goal
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Tally, shown_progress
-from pipeline.scene.resume import effective_changes
-from pipeline.scene.scenefile import sweep_of
-from pipeline.scene.units import require_count
-from pipeline.store.create import open_grown, writing
-from pipeline.store.place import PathLike
-from pipeline.store.progress import FailedPoint, Summary, summary_of
-from pipeline.store.root_file import find_sweep
-from pipeline.store.schema import ASKED, DONE, FAILED, require_free_names
-from pipeline.store.take import take_points
-from pipeline.store.verify import mend_store
-from pipeline.store.versions import in_words, package_versions
-from pipeline.store.write import Store, Writer, opened
-from pipeline.sweep.model import Sweep
+from pipeline.run.task_queue import TaskQueue
+from pipeline.scene.read import sweep_of
+from pipeline.store.create import enlarged, find_sweep, open_to_write, take_points, versions
+from pipeline.store.place import Folder, PathLike, place_of
+from pipeline.store.resume import changes_in_words
+from pipeline.store.schema import DONE, FAILED, require_free_names
+from pipeline.store.store import FailedPoint, Store, Summary, Writer, opened, summary_of
 from pipeline.sweep.plan import Task, tasks
-from pipeline.sweep.stages import Progress, Report, duration, silent
-from pipeline.sweep.task_queue import TaskQueue
+from pipeline.sweep.sweep import Sweep
+from pipeline.units import require_count
 from tribo import InputError
 from tribo.errors import require_positive
 
@@ -74,7 +69,7 @@ def run_sweep(
         The scene, or its path.
     out : str or path
         Path of the store, which is created, resumed or extended. If it is a folder, all done points
-        are first compared with their checksums, and computed again if they differ.
+        are read first, and computed again if they are damaged.
     workers : int, optional
         Number of processes; by default one for each core that this process may use. There are no
         more than tasks.
@@ -129,7 +124,8 @@ def run_sweep(
     sweep, searches = sweep_of(sweep), None
     require_free_names(sweep)  # before a folder is made
     if accuracy is not None:
-        searches = begin_goal(sweep, find_sweep(out), accuracy, progress or silent)
+        room = ROOM if isinstance(place_of(out), Folder) else ROOM_AT_ADDRESS
+        searches = begin_goal(sweep, find_sweep(out), accuracy, progress or silent, room)
         sweep = searches.sweep
     cluster = Cluster(workers, client, patience, dashboard)
     return run_points(sweep, out, searches, cluster, progress, retry_failed, source)
@@ -160,22 +156,20 @@ def run_points(
 ) -> Outcome:
     """Compute the points of a sweep, see `run_sweep`; with `searches` those that these ask for."""
     began, report = time.monotonic(), progress or silent
-    if damaged := mend_store(out, sweep):
-        report(Progress(f"{out} had {damaged} damaged points or files, which are made anew"))
     before, other = find_sweep(out), None if source is None else opened(source)
     accuracy = searches.asked_for if searches else None
-    with writing(out, sweep, report, accuracy) as store:
+    with ExitStack() as held:
+        store = open_to_write(out, sweep, held, report, accuracy)
         for note in _notes_on_resuming(store, before) if before else ():
             report(Progress(note))
-        for group in filter(None, (store, store.tests) if retry_failed else ()):
-            failed = (group.asked == ASKED) & (group.flags == FAILED)
-            group.forget(group.points_at(np.nonzero(failed)))
+        for group in store.groups if retry_failed else ():
+            group.forget(group.points_where(group.flags == FAILED))
         if other:
             taken = take_points(store, other)
             report(Progress(f"{taken} points are taken from {source}"))
         if searches:
             store.leave_out_pending()
-        run = _Run(store, sweep, searches, Tally(store, shown_progress(progress)), report)
+        run = _Run(store, sweep, searches, Tally(store, shown_progress(progress)), report, held)
         of_tests, queue = TaskQueue(_tasks_of_tests(store)), run.next_tasks()
         if queue or of_tests:
             most = cores() if searches else len(queue) + len(of_tests)
@@ -208,6 +202,7 @@ class _Run:
     searches: Searches | None
     tally: Tally
     report: Report
+    held: ExitStack  # with the locks of the store
 
     def next_tasks(self) -> TaskQueue:
         """Tasks to compute next; empty at the end."""
@@ -216,7 +211,7 @@ class _Run:
             self._tell_forecast()  # or refuse, before the store grows
             if self.searches.sweep is not self.sweep:
                 self.sweep = self.searches.sweep
-                self.store = open_grown(self.store.place, self.sweep, self.store.lock)
+                self.store = enlarged(self.store, self.sweep, self.held)
                 self.store.leave_out_pending()
                 self.tally.follow(self.store)
             self.store.ask_for(wanted)
@@ -253,11 +248,11 @@ def _require_cluster(client: Client | None) -> None:
 
 def _notes_on_resuming(store: Store, before: Sweep) -> Iterator[str]:
     """Notes for the user if conditions or program versions are not those of the sweep `before`."""
-    if changed := [*effective_changes(before, store.sweep, lambda one: one.conditions)]:
+    if changed := [*changes_in_words(before.conditions, store.sweep.conditions)]:
         yield (
             f"the conditions of {store.place} are now those of the scene, and every command judges "
             f"by them: {'; '.join(changed)}"
         )
-    now = in_words(package_versions())
+    now = versions()
     if not (began := store.root.history[0]).endswith(now):
         yield f"{store.place} was {began}: new points by {now} may differ in the last digits"

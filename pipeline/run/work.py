@@ -23,10 +23,9 @@ import numpy as np
 import scipy
 from distributed import get_worker
 
-from pipeline.store.checksum import packed
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, run_point
 from pipeline.sweep.stations import Stations
+from pipeline.sweep.sweep import Point
 from tribo import Scene, TriboError
 from tribo.simulation import Trunks
 
@@ -35,8 +34,7 @@ INSTALL = f"install the same version in both places and restart the workers; {SA
 
 _ROOT = Path(__file__).parents[2]
 _ON_WORKERS = (
-    "tribo", "pipeline/sweep", "pipeline/quantities.py", "pipeline/store/checksum.py",
-    "pipeline/store/schema.py", "pipeline/run/work.py",
+    "tribo", "pipeline/sweep", "pipeline/quantities.py", "pipeline/run/work.py",
 )  # fmt: skip
 VERSIONS = f"Python {python_version()}, NumPy {np.__version__}, SciPy {scipy.__version__}"
 """Versions on which the last digits of results may depend."""
@@ -79,7 +77,6 @@ class Work:
     """What the points of one case have in common: the scene, and what is recorded of them."""
 
     scene: Scene
-    scene_hash: str
     stations: Stations
     with_fields: bool
     with_film: bool
@@ -117,14 +114,12 @@ def compute_point(code: str, folder: str, work: bytes, place: tuple[Any, ...]) -
         )
     point = Point(*place)
     with _one_at_a_time:
-        scene_hash = ""
         try:
             given = _unpickled(work)
-            scene_hash = given.scene_hash
             result = run_point(
                 given.scene, given.stations, point, _trunks, with_film=given.with_film
             )
             record = result.record(given.with_fields)
         except Exception as error:
             record = PointRecord(point, None, f"{type(error).__name__}: {error}")
-        return pickle.dumps((packed(record, scene_hash), VERSIONS))
+        return pickle.dumps((record, VERSIONS))

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from typing import Any
 
 from pipeline.quantities import display
 from pipeline.scene.facts import USUAL_HARDNESS, Facts, Span, facts_of
-from pipeline.scene.faults import key_path
-from pipeline.scene.kinds import BULK, FRICTION, unusual
-from pipeline.scene.reference import number_at
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.model import Sweep
+from pipeline.scene.format import SceneFile
+from pipeline.scene.tables import number_at
+from pipeline.sweep.case import Test
+from pipeline.sweep.left_out import note_on_ends, note_on_turns
 from pipeline.sweep.remarks import Remark
-from tribo import Corrections, MeasuredLoad, Ramp, SelfAffineRoughness, Stages, Track
+from pipeline.sweep.sweep import Sweep
+from pipeline.units import unusual
+from pipeline.words import key_path
+from tribo import MeasuredLoad, Ramp, SelfAffineRoughness, Stages
 
 UNWORN = "not given: an unworn contact stays narrow, and gets hotter"
 _LONGEST = 1 / 3  # largest correlation length over the side of the window
@@ -26,8 +27,6 @@ _Doubt = tuple[str, str]
 """Path of the doubtful entry, empty if it is not a single one, and the reason in words."""
 Loading = Ramp | Stages | MeasuredLoad
 _MANY = 3  # numbers of tests that are named
-UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
-"""Caveat where Λ is stated for a ball or a crowned pin."""
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
@@ -45,7 +44,8 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[Remark, ...]:
         ("", note_on_turns(sweep)),
         ("pin.length", note_on_ends(sweep)),
     ]
-    return tuple(Remark(place, "warning", words) for place, words in found if words)
+    once = dict.fromkeys(found)  # pin and disk may be of one material
+    return tuple(Remark(place, "warning", words) for place, words in once if words)
 
 
 def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
@@ -75,8 +75,8 @@ def doubts_of_all(sweep: Sweep) -> tuple[Remark, ...]:
 def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:
     """Warnings of values of the sweep's columns that are outside their entry's usual range."""
     for column in sweep.variants.columns:
-        kind = number_at(column.key)
-        labels = (row.labels[column.name] for row in sweep.variants.rows)
+        kind = number_at(SceneFile, column.key)
+        labels = (row[column.name] for row in sweep.variants.rows)
         known = [*dict.fromkeys(one for one in labels if isinstance(one, int | float))]
         odd = [one for one in known if unusual(one, kind.usual, kind.unit)]
         if odd:
@@ -86,10 +86,11 @@ def _unusual_values(sweep: Sweep) -> Iterator[_Doubt]:
 
 def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
     """Warnings of values outside their usual range, where several entries determine the value."""
-    for name, material in (sweep.source.parts.declared.materials or {}).items():
+    for body, material in (("pin", sweep.scene.pin.material), ("disk", sweep.scene.disk)):
         share = material.hardness / material.elastic_modulus
         usual = USUAL_HARDNESS if math.isfinite(share) else None
         words = unusual(share, usual, "times the elastic modulus")
+        name = sweep.source.entries[body]["material"]
         yield key_path(key_path("materials", name), "hardness"), words
     yield "loading", unusual(facts.duration.high, (0.05, 1e6), "s")
     loading, highest = sweep.scene.loading, max(sweep.loads)
@@ -97,7 +98,7 @@ def _unusual(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
         span = highest / 100, highest * 100
         yield "loading.reference_load", unusual(loading.reference_load, span, "N")
     if facts.surface and facts.surface.measured:
-        kind = number_at("disk.roughness.ra")
+        kind = number_at(SceneFile, "disk.roughness.ra")
         yield "disk.roughness.ra", unusual(facts.surface.ra, kind.usual, kind.unit)
 
 
@@ -113,17 +114,6 @@ def _narrow_window(sweep: Sweep, facts: Facts) -> str:
         f"the contact may grow to {display(widest, 'µm', 3)}, beyond the window's "
         f"{display(side, 'µm', 3)}; give more pixels"
     )
-
-
-def doubts_of_row(own: Mapping[str, Any]) -> Iterator[str]:
-    """Warnings on an operating point's own friction or bulk temperature, if a unit looks wrong.
-
-    `own` has these values [SI] by name.
-    """
-    for name, kind in (("friction", FRICTION), ("bulk_temperature", BULK)):
-        value = own.get(name)
-        if value is not None and (words := unusual(value, kind.usual, kind.unit)):
-            yield f"{name.replace('_', ' ')}: {words}"
 
 
 def _test_doubts(sweep: Sweep) -> Iterator[_Doubt]:
@@ -160,9 +150,9 @@ def _surface_doubts(sweep: Sweep, facts: Facts) -> Iterator[_Doubt]:
 
 def notes_on_scene(sweep: Sweep) -> tuple[Remark, ...]:
     """Notes on the entries of a scene, and how the past of tests differs from the plane's."""
-    plane, found = sweep.scene.loading, dict[str, list[Measurement]]()
+    plane, found = sweep.scene.loading, dict[str, list[Test]]()
     for test in sweep.tests:  # each is simulated with its own past
-        if words := _difference(test.simulated.scene.loading, plane):
+        if words := _difference(test.case.scene.loading, plane):
             found.setdefault(words, []).append(test)
     of_tests = (Remark("", "note", f"{_named(some)}: {words}") for words, some in found.items())
     return *(one for one in sweep.notes if one.grade == "note"), *of_tests
@@ -195,9 +185,9 @@ def doubt_on_runs(sweep: Sweep) -> str:
 
     Those of one run at several loads or velocities had a past that no entry states.
     """
-    runs = dict[str, list[Measurement]]()
+    runs = dict[str, list[Test]]()
     for test in sweep.tests:
-        if test.run is not None and isinstance(test.simulated.scene.loading, Ramp):
+        if test.run is not None and isinstance(test.case.scene.loading, Ramp):
             runs.setdefault(test.run, []).append(test)
     alike = [
         test
@@ -213,63 +203,8 @@ def doubt_on_runs(sweep: Sweep) -> str:
     )
 
 
-def _named(tests: Sequence[Measurement]) -> str:
+def _named(tests: Sequence[Test]) -> str:
     """Tests by their numbers, such as "tests 1, 2 and 5 more"."""
     names = [*dict.fromkeys(str(test.number) for test in tests)]
     more = f" and {len(names) - _MANY} more" * (len(names) > _MANY)
     return f"test{'s' * (len(names) > 1)} {', '.join(names[:_MANY])}{more}"
-
-
-def cold_tracks(sweep: Sweep) -> dict[str, Any]:
-    """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
-
-    Values are `Track` objects. Keys are "pin_track" and "track" (of the disk), as in `Corrections`.
-    The result is empty if no body rolls, all velocities are 0, or the heat of earlier turns is
-    included.
-    """
-    motion, pin = sweep.scene.motion, sweep.scene.pin
-    is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
-    if not (is_rolling and any(sweep.velocities)):
-        return {}
-    present = sweep.conditions.corrections or Corrections()
-    around = (motion and motion.track_length) or 2 * math.pi * pin.radius
-    materials = {"pin_track": pin.material, "track": sweep.scene.disk}
-    cold = [name for name in materials if getattr(present, name) is None]
-    return {name: Track.under(pin, materials[name], around) for name in cold}
-
-
-def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
-    """Caveat that heat of a track's earlier turns is left out; None if none is left out.
-
-    `severe` states, if known, where wear is severe with that heat.
-    """
-    if not cold_tracks(sweep):
-        return None
-    effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
-    return f"earlier turns are left out: with them wear {effect}"
-
-
-def note_on_turns(sweep: Sweep) -> str | None:
-    """Note on how to include the heat of a track's earlier turns; None if none is left out."""
-    tracks = cold_tracks(sweep)
-    if not tracks:
-        return None
-    bodies = ["pin" if name == "pin_track" else "disk" for name in tracks]
-    around = display(next(iter(tracks.values())).length, "mm", 3)
-    entries = " and ".join(f"{body}.diameter" for body in bodies)
-    return (
-        f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
-        f"track: on tracks of {around} they would warm the contact further; give {entries} and "
-        "width, or track_length"
-    )
-
-
-def note_on_ends(sweep: Sweep) -> str | None:
-    """Note that severe wear begins earlier at the sharp ends of a cylinder.
-
-    None for other pins, and for a pin that turns.
-    """
-    pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.velocities)
-    if sweep.scene.pin.length is None or pin_turns:
-        return None
-    return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"

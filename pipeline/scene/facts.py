@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from pipeline.quantities import display, display_sides
-from pipeline.scene.parts import Parts
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.surface import SurfaceFacts, surface_facts
-from tribo import Corrections, InputError, Scene, contact_modulus
+from pipeline.sweep.sweep import Sweep
+from tribo import InputError, Scene, contact_modulus
+from tribo.simulation.lubrication import SurfaceFacts, surface_facts
 from tribo.types import Array
 from tribo.wear import wear_over
 
 USUAL_HARDNESS = 0.001, 0.2  # share of the elastic modulus; lead has 0.003, diamond 0.1
-# Least length of a track in contact widths, so that a pass under the contact is short compared with
-# the time to the next pass.
-_FEWEST_WIDTHS = 10.0
 _ROUGH_RISE = 3.0  # root mean square heights by which peaks reach beyond the smooth contact
 
 
@@ -54,7 +50,7 @@ class Facts:
 
 def facts_of(sweep: Sweep) -> Facts:
     """Calculate numbers that describe a scene, in closed form: contact, wear, Péclet number."""
-    scene, surface = sweep.scene, surface_facts(sweep)
+    scene, surface = sweep.scene, surface_facts(sweep.scene)
     velocities, diffusivity = sweep.velocities, scene.disk.thermal_diffusivity
     _, disk = np.transpose([scene.velocities_at(velocity) for velocity in velocities])
     expected = expect_contacts(scene, sweep.loads, velocities, surface.rq if surface else 0.0)
@@ -81,26 +77,6 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
             f"{display(scene.hardness, 'GPa')}; stay below that, give more window.pixels, or check "
             "the units"
         )
-
-
-def track_faults(parts: Parts) -> Iterator[tuple[str, str]]:
-    """Yield pairs (path, reason) of entries that make a track too short for the model."""
-    corrections = parts.case.conditions.corrections or Corrections()
-    tracks = {"pin": corrections.pin_track, "disk": corrections.track}
-    width, plane = 0.0, parts.declared.sweep
-    if any(tracks.values()):
-        # Of smooth bodies, since to describe a surface is slow.
-        expected = expect_contacts(parts.case.scene, plane.loads, plane.velocities)
-        width = float(expected["contact_width"].max())
-    for name, track in tracks.items():
-        if track and track.length < _FEWEST_WIDTHS * width:
-            key = "diameter" if getattr(parts.declared, name).diameter else "track_length"
-            yield (
-                f"{name}.{key}",
-                f"the track is {display(track.length, 'mm', 4)} long, which is less than "
-                f"{_FEWEST_WIDTHS:g} times the width of the contact, {display(width, 'mm', 3)}; "
-                f"give the whole way around the {name}",
-            )
 
 
 def expect_contacts(

@@ -7,19 +7,8 @@ from typing import Annotated as A
 from typing import Any, ClassVar, get_type_hints
 
 import tribo
-from pipeline.scene.declare import (
-    ByPath,
-    Declared,
-    Each,
-    Either,
-    List,
-    Range,
-    Sorted,
-    StoreOnly,
-    kind_of,
-    table_of,
-)
-from pipeline.scene.fidelity import FidelityTable
+from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.scene.faults import Faults
 from pipeline.scene.format_of_tests import StagedRunTable, Test, TransitionTable, list_of_tests
 from pipeline.scene.kinds import (
     ANY_WEAR_RATE,
@@ -44,7 +33,17 @@ from pipeline.scene.kinds import (
     UnitText,
     Whole,
 )
-from pipeline.sweep.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.scene.tables import (
+    ByPath,
+    Declared,
+    Each,
+    Either,
+    List,
+    Range,
+    Sorted,
+    kind_of,
+    table_of,
+)
 
 SEED = Whole(at_least=0)
 LATER = "Acts after the simulation."
@@ -56,6 +55,35 @@ def one_or_two(kind: Kind) -> Either:
 
 
 # fmt: off
+_CHOICES = {
+    "pixels_per_element":
+        "Pixels of the surface along each side of an element; the largest number allowed if "
+        "`fewest_elements` is above 0.",
+    "increments": "Steps of the ramp up to its reference load.",
+    "fewest_elements":
+        "Least number of elements that touch: elements are made small enough for this and for the "
+        "summits of the surface. With 0 they have the size given, and their mean height.",
+    "contact_tolerance": "Residual of the contact at which its solver stops.",
+    "heat_model":
+        '"elapsed": the present friction heat is taken to have acted since time 0 (Bosman & de '
+        'Rooij); "history": all heat since then acts at its own time, linear between the steps.',
+}
+USUAL_PRESET = "standard"
+
+class _Preset(OneOf):
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        return super().read(value, place, faults, f"{self}, or irg run --accuracy 5%")
+
+class _FidelityTable(Declared):
+    preset: A[str, _Preset(tuple(tribo.PRESETS)),
+        'Preset, from "standard", the fastest, to "reference", the most accurate.'] = USUAL_PRESET
+
+_HINTS = get_type_hints(tribo.Fidelity)
+FidelityTable: Any = type("FidelityTable", (_FidelityTable,), {
+    "__annotations__": {name: A[_HINTS[name] | None, text] for name, text in _CHOICES.items()},
+    **dict.fromkeys(_CHOICES),
+})
+
 class MaterialTable(Declared):
     like: A[str | None,
         "A material of the library, whose values hold where none is given here."] = None
@@ -121,7 +149,6 @@ class MeasuredSurfaceTable(Declared):
         "Pixels without a height: refuse the file, or fill them smoothly from around."] = "refuse"
     repeat: A[str, OneOf(("no", "mirror", "tile")),
         "Continuation of a surface that is smaller than the window."] = "no"
-    content: A[str | None, StoreOnly()] = None
 
 class Disk(Body):
     roughness: A[RandomSurface | MeasuredSurfaceTable | None,
@@ -168,7 +195,6 @@ class Record(Declared):
         "folder of the scene."]
     reference_load: A[float | None, Quantity("750 N"), _REFERENCE_LOAD] = None
     fit: A[bool, "True to replace the record by a straight line through it."] = False
-    content: A[str | None, StoreOnly()] = None
 
 class MotionTable(Declared):
     slide_roll_ratio: A[float | None, Share(usual=(-2, 2)),

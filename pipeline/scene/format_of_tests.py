@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated as A
 from typing import Any
 
-from pipeline.scene.declare import Changes, Declared, Each, Either, List, table_of
 from pipeline.scene.kinds import (
     BULK,
     DURATION,
@@ -21,7 +20,8 @@ from pipeline.scene.kinds import (
     Text,
     Whole,
 )
-from pipeline.sweep.measurement import OUTCOMES
+from pipeline.scene.tables import Changes, Declared, Each, Either, List, table_of
+from pipeline.sweep.case import OUTCOMES
 
 NAME = Either(Text(), Whole(at_least=0))
 

@@ -10,17 +10,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pipeline.quantities import DIMENSIONS, shown_in
-from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import (
-    UnitError,
-    exact_si,
-    middle_of_range,
-    share_of,
-    si_unit,
-    to_si,
-    typeset,
-)
+from pipeline.quantities import DIMENSIONS
+from pipeline.scene.faults import Faults
+from pipeline.sweep.conditions import OIL_WORKS
+from pipeline.units import UnitError, exact_si, middle_of_range, share_of, si_unit, to_si, unusual
+from pipeline.words import did_you_mean, quoted
 from tribo import InputError
 
 _SMALLEST, _LARGEST = 1e-15, 1e15  # bounds of a number without a unit
@@ -241,19 +235,6 @@ class OneQuantity(Kind):
         return str(value)
 
 
-def unusual(value: float, usual: tuple[float, float] | None, unit: str) -> str:
-    """Warning that `value` [SI] is outside its usual range; else empty.
-
-    `usual` has both ends of this range in `unit`, in which the warning states them. If `usual` is
-    None, no value is unusual.
-    """
-    (low, high), unit = usual or (-math.inf, math.inf), typeset(unit)
-    shown, of = shown_in(value, unit), f" {unit}" if unit else ""
-    if low <= shown <= high:
-        return ""
-    return f"{shown:.3g}{of}, where {low:g} to {high:g}{of} are usual: check the number and unit"
-
-
 @dataclass(frozen=True)
 class UnitText(Kind):
     """Kind of scene entry: a unit alone, such as "um", read as its size in SI."""
@@ -271,8 +252,6 @@ class UnitText(Kind):
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
 
 
-OIL_WORKS = "-53 degC", "627 degC"
-"""Bulk temperatures between which an oil may work."""
 LOAD = Quantity("200 N")
 DURATION = Quantity("4 s", zero=True)
 HELD = Quantity("60 s")

@@ -11,11 +11,12 @@ import tomllib
 from importlib import resources
 from typing import Any
 
-from pipeline.scene.declare import table_of
-from pipeline.scene.faults import Faults, key_path, quoted
+from pipeline.scene.entries import entry_at
+from pipeline.scene.faults import Faults
 from pipeline.scene.format import MaterialTable
+from pipeline.scene.tables import table_of
 from pipeline.sweep.remarks import FromLibrary
-from pipeline.sweep.tables import entry_at
+from pipeline.words import key_path, quoted
 
 Entries = dict[str, Any]
 _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")

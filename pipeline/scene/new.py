@@ -8,10 +8,10 @@ from importlib import resources
 from pathlib import Path
 
 from pipeline.paths import reason_of, user_path
-from pipeline.scene.faults import did_you_mean
-from pipeline.scene.reference import FILES
-from pipeline.scene.shipped import shipped_scenes
-from pipeline.sweep.tables import entry_at
+from pipeline.scene.entries import entry_at
+from pipeline.scene.read import FILES
+from pipeline.shipped import shipped_scenes
+from pipeline.words import did_you_mean
 from tribo import InputError
 
 

@@ -9,28 +9,110 @@ import asyncio
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import zarr
-from zarr.abc.store import Store
+from zarr.abc.store import ByteRequest, Store
 from zarr.codecs import ZstdCodec
+from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
 from zarr.core.sync import sync
-from zarr.storage import MemoryStore, StorePath
+from zarr.storage import LocalStore, StorePath
 
-from pipeline.store.folder import FolderStore
-from pipeline.store.place import ROOT
-from pipeline.store.schema import COMPRESSION, Variable, attributes_of, is_of_points, path_of
+from pipeline.paths import read_file
+from pipeline.store.files import store_file
+from pipeline.store.schema import Variable, attributes_of, path_of
 
 if TYPE_CHECKING:
-    from zarr.abc.buffer import Buffer
     from zarr.core.array_spec import ArraySpec
+
+    from pipeline.store.place import StorePlace
 
 Document = dict[str, Any]
 """Content of a JSON document."""
 
-_GROWING = 4096  # entries in a chunk of a coordinate that grows
+_ZSTD: dict[str, Any] = {"level": 1, "checksum": True}  # a changed byte is noticed on reading
+_MOST_OF_DOCUMENT = 2**28  # bytes of a JSON document, which has the sweep
 _MOST_OF_TEXT = 2**16  # bytes of a text: messages have 2000 characters, and labels fewer
+KEYS = "default", "v2"
+"""Encodings of the keys of chunks, such as c.0.2 and 0.2: a store and one in its place differ."""
+_FILLS = {"str": "", "bool": False, "int8": -1, "float32": "NaN", "float64": "NaN"}  # −1: no status
+# The fill value of numbers is NaN for everybody. This program opens its arrays with a NaN that has
+# bits of its own, and so tells what was never written from what was computed.
+_NEVER = {"float64": "0x7ff8000000000bad", "float32": "0x7fc00bad"}
+
+
+def array_document(
+    variable: Variable, sizes: Mapping[str, int], block: Mapping[str, int], keys: str
+) -> Document:
+    """Zarr metadata of a variable, as Zarr writes them.
+
+    `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each,
+    and `keys` is one of `KEYS`.
+    """
+    is_text, dims = variable.dtype == "str", variable.dims
+    if is_text:
+        first = {"name": "vlen-utf8", "configuration": {}}
+    else:
+        is_byte = np.dtype(variable.dtype).itemsize == 1
+        first = {"name": "bytes"} | ({} if is_byte else {"configuration": {"endian": "little"}})
+    return {
+        "shape": [sizes[dim] for dim in dims],
+        "data_type": "string" if is_text else variable.dtype,
+        "chunk_grid": {
+            "name": "regular",
+            "configuration": {"chunk_shape": [block.get(dim, sizes[dim]) for dim in dims]},
+        },
+        "chunk_key_encoding": {"name": keys, "configuration": {"separator": "."}},
+        "fill_value": _FILLS.get(variable.dtype, 0),
+        "codecs": [first, {"name": "zstd", "configuration": _ZSTD}],
+        "attributes": attributes_of(variable),
+        "dimension_names": [*dims],
+        "zarr_format": 3,
+        "node_type": "array",
+    }
+
+
+def is_unwritten(values: Any, array: Any) -> Any:
+    """Mask of `values` of an array that are its fill value, bit for bit."""
+    fill = np.asarray(array.fill_value, array.dtype)
+    if array.dtype.kind != "f":
+        return values == fill
+    bits = f"u{array.dtype.itemsize}"
+    return np.ascontiguousarray(values).view(bits) == fill.view(bits)
+
+
+class FolderStore(LocalStore):
+    """Zarr store of a folder: it reads regular files alone, and what it writes is on the disk.
+
+    `most` has the most bytes of a chunk of each array, by the path of the array; `touched` has the
+    folders that got files, whose names are on the disk after `Folder.sync`.
+    """
+
+    def __init__(self, root: Path) -> None:
+        super().__init__(root)
+        self.most: dict[str, int] = {}
+        self.touched: set[Path] = set()
+
+    async def get(
+        self,
+        key: str,
+        prototype: BufferPrototype | None = None,
+        byte_range: ByteRequest | None = None,
+    ) -> Buffer | None:
+        """Content of the file `key`; None if there is none."""
+        make = (prototype or default_buffer_prototype()).buffer.from_bytes
+        with suppress(FileNotFoundError, NotADirectoryError, IsADirectoryError):
+            most = self.most.get(key.rpartition("/")[0], _MOST_OF_DOCUMENT)
+            return make(await asyncio.to_thread(read_file, self.root / key, most))
+        return None
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Create or replace the file `key`."""
+        make = asyncio.to_thread(store_file, self.root, key, value.to_bytes())
+        self.touched.add(await make)
 
 
 class _BoundedZstd(ZstdCodec):
@@ -46,36 +128,6 @@ class _BoundedZstd(ZstdCodec):
         return chunk_spec.prototype.buffer.from_array_like(content)
 
 
-def array_documents(
-    wanted: Mapping[str, Variable], sizes: Mapping[str, int], block: Mapping[str, int]
-) -> dict[str, Document]:
-    """Zarr metadata of the variables `wanted`, as JSON documents by name.
-
-    `sizes` are the lengths of dimensions, `block` has the number of points in a chunk along each
-    dimension.
-    """
-    memory: dict[str, Any] = {}
-    group = zarr.open_group(MemoryStore(memory), mode="w")
-    for name, variable in wanted.items():
-        shape = [sizes[dim] for dim in variable.dims]
-        chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
-        if variable.dims == (name,) and is_of_points(name):
-            chunks[name] = _GROWING
-        is_real = variable.dtype.startswith("float")
-        group.create_array(
-            path_of(name),
-            shape=shape,
-            chunks=tuple(chunks[dim] for dim in variable.dims),
-            dtype=str if variable.dtype == "str" else variable.dtype,
-            fill_value="" if variable.dtype == "str" else np.nan if is_real else 0,
-            compressors=ZstdCodec(**COMPRESSION),
-            dimension_names=variable.dims,
-            attributes=attributes_of(variable),
-            chunk_key_encoding={"name": "default", "separator": "."},
-        )
-    return {name: json.loads(memory[f"{path_of(name)}/{ROOT}"].to_bytes()) for name in wanted}
-
-
 def open_arrays(
     store: Store, documents: Mapping[str, Document], prefix: str = ""
 ) -> dict[str, Any]:
@@ -83,24 +135,18 @@ def open_arrays(
 
     `prefix` is the path of the group that has them, with a slash, or empty for the root.
     """
-    arrays = _open_async_arrays(store, documents, prefix)
-    return {name: zarr.Array(array) for name, array in arrays.items()}
-
-
-def _open_async_arrays(
-    store: Store, documents: Mapping[str, Document], prefix: str
-) -> dict[str, Any]:
     # Chunks of fill values have to be written, or they would look lost. Zarr's own setting for this
     # belongs to all threads: a thread that ends would change it for the others.
     settings: Any = {"write_empty_chunks": True}
     arrays = {}
     for name, document in documents.items():
-        metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**COMPRESSION)]}
-        place = StorePath(store, prefix + path_of(name))
-        array = arrays[name] = zarr.AsyncArray(metadata, place, settings)
+        metadata: Any = {**document, "codecs": [document["codecs"][0], _BoundedZstd(**_ZSTD)]}
+        metadata["fill_value"] = _NEVER.get(document["data_type"], document["fill_value"])
+        path = StorePath(store, prefix + path_of(name))
+        array = arrays[name] = zarr.Array(zarr.AsyncArray(metadata, path, settings))
         if isinstance(store, FolderStore):
             # What does not compress at all grows by less than this.
-            store.most[place.path] = 2 * _size(array.dtype, array.chunks) + _MOST_OF_TEXT
+            store.most[path.path] = 2 * _size(array.dtype, array.chunks) + _MOST_OF_TEXT
     return arrays
 
 
@@ -109,24 +155,39 @@ def _size(dtype: np.dtype[Any], shape: Sequence[int]) -> int:
     return (_MOST_OF_TEXT if dtype.kind in "TO" else dtype.itemsize) * math.prod(shape)
 
 
-class Encoder:
-    """Encodes parts of arrays as Zarr chunks."""
+def write_arrays(
+    place: StorePlace, arrays: Mapping[str, Any], parts: Iterable[tuple[str, Any, Any]]
+) -> None:
+    """Write parts of arrays; a part is (name of the array, slices of whole chunks, values)."""
+    sync(_all(arrays[name].async_array.setitem(where, values) for name, where, values in parts))
+    place.sync()
 
-    def __init__(self, documents: Mapping[str, Document], prefix: str = "") -> None:
-        self._memory: dict[str, Any] = {}
-        self._arrays = _open_async_arrays(MemoryStore(self._memory), documents, prefix)
 
-    def __call__(self, parts: Iterable[tuple[str, Any, Any]]) -> dict[str, bytes]:
-        """Encode `parts`; return the bytes of each chunk by the chunk's key.
+def write_documents(place: StorePlace, documents: Mapping[str, Document]) -> None:
+    """Create or replace documents of a store, by key."""
+    make = default_buffer_prototype().buffer.from_bytes
+    contents = {key: make(json.dumps(one).encode()) for key, one in documents.items()}
+    sync(_all(place.zarr.set(key, content) for key, content in contents.items()))
+    place.sync()
 
-        A part is (name of the array, slices of whole chunks, values).
-        """
-        self._memory.clear()
-        sync(self._set([*parts]))
-        return {key: chunk.to_bytes() for key, chunk in self._memory.items()}
 
-    async def _set(self, parts: Sequence[tuple[str, Any, Any]]) -> None:
-        """Give Zarr all parts in one go: one by one they would take twice as long."""
-        arrays = self._arrays
-        tasks = (arrays[name].setitem(place, values) for name, place, values in parts)
-        await asyncio.gather(*tasks)
+def read_document(place: StorePlace, key: str) -> bytes | None:
+    """Content of the document `key`; None if there is none."""
+    found = sync(place.zarr.get(key, default_buffer_prototype()))
+    return None if found is None else found.to_bytes()
+
+
+def list_keys(store: Store) -> set[str]:
+    """Keys of all documents and chunks of a store."""
+
+    async def keys() -> set[str]:
+        return {key async for key in store.list()}
+
+    return sync(keys())
+
+
+async def _all(tasks: Iterable[Any]) -> None:
+    """Wait for all tasks, side by side, and raise the first error only then."""
+    for result in await asyncio.gather(*tasks, return_exceptions=True):
+        if isinstance(result, BaseException):
+            raise result

@@ -1,176 +1,258 @@
-"""Creation, opening and growth of a store; its root is written last.
+"""Making a store, whose plane is fixed, and taking the points of another one.
 
-A store grows only at the upper ends of its axes. Points that it cannot take need a new store, which
-can take over the points of the old one.
+A folder is made under another name and renamed when it is whole. If a run asks for more than the
+store has room for, a larger one takes over its points and then its place::
+
+    NAME.zarr.irg-new   is made, or takes over points, and holds a lock of its own
+    NAME.zarr       →   NAME.zarr.irg-old       ┐ two renames; if the process dies in between,
+    NAME.zarr.irg-new → NAME.zarr               ┘ the next run does the second one
+    NAME.zarr.irg-old   is deleted
 """
 
 from __future__ import annotations
 
+import functools
 import json
+import re
 import shlex
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import replace
+from importlib import metadata
+from typing import Any
 
 import numpy as np
 
-from pipeline.scene.resume import join
-from pipeline.scene.stored_text import sweep_text
-from pipeline.store.arrays import Encoder
-from pipeline.store.files import PARTIAL
-from pipeline.store.layout import Axes, bytes_of_a_point, chunk_sizes, grown_axes
+from pipeline.progress import Progress, Report, silent
+from pipeline.store.arrays import KEYS, open_arrays, read_document, write_arrays, write_documents
+from pipeline.store.files import PARTIAL, sync
+from pipeline.store.layout import FACTS, GOAL, Root, find_root, stale_documents
 from pipeline.store.lock import Lock, locked
 from pipeline.store.place import (
+    LOCK,
+    NEW,
+    OLD,
     ROOT,
     Bucket,
     Folder,
     PathLike,
     StoreError,
+    StoreMismatchError,
     StorePlace,
     io_errors,
     place_of,
 )
-from pipeline.store.root import CONSOLIDATED, GOAL, Root, TestLayout, with_others
-from pipeline.store.root_file import find_root, read_metadata, require_same_scene
-from pipeline.store.schema import AT_END, PENDING, Variable, is_coordinate, variables_of
-from pipeline.store.versions import in_words, package_versions
-from pipeline.store.write import Store
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import points
-from pipeline.sweep.points_of_tests import grown_slots, judges_holds, most_steps, wanted_slots
-from pipeline.sweep.stages import Report, silent
+from pipeline.store.resume import join, misfits
+from pipeline.store.schema import DATA, DONE, FAILED, PENDING
+from pipeline.store.store import Damage, Store
+from pipeline.sweep.case import TEST
+from pipeline.sweep.plan import PointRecord, choose_stations, points
+from pipeline.sweep.points_of_tests import NO_TEST
+from pipeline.sweep.sweep import Point, Sweep
+
+_CHUNK = re.compile(r"c(\.\d+)*|\d+(\.\d+)*")
 
 
 @contextmanager
-def writing(
-    path: PathLike | None, sweep: Sweep, progress: Report = silent, accuracy: float | None = None
-) -> Iterator[Store]:
-    """Context manager: create the store of a sweep, or open it with room for the sweep's points.
+def writing(path: PathLike | None, sweep: Sweep, progress: Report = silent) -> Iterator[Store]:
+    """Context manager: make the store of a sweep, or open it with room for the sweep's points.
 
-    The points are marked as asked for, and files that an earlier run began to write are removed.
-    Without a path the store is in memory, and goes with the last reference to it. An `accuracy`
-    that is asked for is noted in the store's history.
+    It is as `open_to_write`. Without a path the store is in memory, and goes with the last
+    reference to it.
+    """
+    with ExitStack() as held:
+        yield open_to_write(path, sweep, held, progress)
+
+
+def open_to_write(
+    path: PathLike | None,
+    sweep: Sweep,
+    held: ExitStack,
+    progress: Report = silent,
+    accuracy: float | None = None,
+) -> Store:
+    """Make the store of a sweep, or open it with room for the sweep's points.
+
+    The points are marked as asked for; damaged ones are to be computed again. `held` releases the
+    store's lock in the end. An `accuracy` that is asked for is noted in the store's history.
     Raises a `StoreMismatchError` if the store belongs to another scene. Raises a `StoreError` if
     something else is at `path`, another process writes to the store, or it cannot be read or
     written.
     """
-    place = place_of(path)
-    if isinstance(place, Bucket) and not place.is_written:
-        raise StoreError(f"{place} can only be read; write to a folder, or to an s3:// address")
-    find_root(place)  # raises if this is no store, before a lock is put there
-    with locked(place, progress) as lock:
-        if isinstance(place, Folder):
-            with io_errors(place, "written"):
-                for file in [*place.path.rglob(f"*{PARTIAL}")]:
-                    file.unlink()
-        yield open_grown(place, sweep, lock, accuracy)
+    place, lock = place_of(path), None
+    if isinstance(place, Folder):
+        lock = _locked(place, progress, held)
+    else:
+        if not place.is_written:
+            raise StoreError(f"{place} can only be read; write to a folder, or to s3://…")
+        progress(Progress(f"{place} has no locks: let one run at a time write to it"))
+    note = "" if accuracy is None else f"{GOAL}{100 * accuracy:g}%"
+    return _opened(place, sweep, lock, progress, held, note)
 
 
-def open_grown(
-    place: StorePlace, sweep: Sweep, lock: Lock | None, accuracy: float | None = None
+def enlarged(store: Store, sweep: Sweep, held: ExitStack) -> Store:
+    """The store that this process writes, with room for the points of a larger sweep."""
+    return _opened(store.place, sweep, store.lock, silent, held)
+
+
+def find_sweep(path: PathLike) -> Sweep | None:
+    """Read the sweep of a store; None for an empty place, `StoreError` for other content."""
+    root = find_root(place_of(path))
+    return root.sweep if root else None
+
+
+def _opened(
+    place: StorePlace,
+    sweep: Sweep,
+    lock: Lock | None,
+    progress: Report,
+    held: ExitStack,
+    note: str = "",
 ) -> Store:
-    """Create or open a store, with room for a sweep's points, which are marked as asked for.
-
-    `lock` is the store's lock, which this process must already hold. With None, later writes do
-    not check that the lock is still in its place. Raises a `StoreMismatchError` if the store
-    belongs to another scene, and a `StoreError` if it cannot grow, be read or be written.
-    """
-    if before := find_root(place):
-        require_same_scene(place, before, sweep)
-    root = _grown_root(place, before, sweep, accuracy)
-    groups = root.documents()
-    last = {ROOT: groups.pop(ROOT)}
-    if before is None or json.loads(last[ROOT]) != before.found:
+    """The store of a sweep, made, enlarged or as it was."""
+    before = find_root(place)
+    if before and (differing := [*misfits(before.sweep, sweep, before.goal)]):
+        advice = "give it what the store has, or write to another store"
+        raise StoreMismatchError(
+            "\n  ".join([f"{place} belongs to another scene; {advice}", *differing])
+        )
+    lines = [*(before.history if before else ()), f"computed by {versions()}"]
+    lines += [note] if note else []
+    keys = before.plane.keys if before else KEYS[0]
+    root = Root.of(join(before.sweep if before else None, sweep), lines, keys)
+    if before and _have_the_same_points(before, root):
+        store = Store(place, root, lock, None if isinstance(place, Bucket) else Damage())
+        if store.damage and (count := sum(group.mend() for group in store.groups)):
+            progress(Progress(f"{place} had {count} damaged points or files, which are made anew"))
         with io_errors(place, "written"):
-            # If the process is killed while the metadata of arrays change, the root document that
-            # remains must still describe the arrays.
-            if before and "kind" not in before.found[CONSOLIDATED]:
-                place.put({ROOT: before.documents()[ROOT]})
-            if before and before.layout and root.layout and before.layout[1:] != root.layout[1:]:
-                _empty_tests(Store(place, before, lock), root)
-            chunks, held = dict[str, bytes](), read_metadata(place) if root.found else {}
-            for group in filter(None, (root, root.tests)):
-                parts = [(name, ..., values) for name, values in group.coordinates().items()]
-                chunks |= Encoder(group.arrays, group.prefix)(parts)
-                for path, array in group.paths().items():
-                    document = with_others(held.get(path), array)
-                    chunks[f"{path}/{ROOT}"] = json.dumps(document).encode()
-            place.put(chunks | groups)
-            place.put(last)
-    store = Store(place, root, lock)
-    store.mark_asked(points(sweep))
+            _update(place, root)
+    elif isinstance(place, Folder):
+        if before:  # a dataset that is open must not read the numbers of other points
+            root = Root.of(root.sweep, lines, KEYS[KEYS[0] == keys])
+        store = _moved_in(place, before, root, lock, progress, held)
+    elif before:
+        raise _no_room(place, "on an object store a plane is fixed")
+    else:
+        with io_errors(place, "written"):
+            _fill(place, root)
+        store = Store(place, root, lock)
+    store.damage = None
+    store.ask(points(sweep))
     if store.tests:
-        store.tests.mark_asked(store.tests.root.points)
+        rows = store.tests.sweep.variants.by_name
+        every = points(store.tests.sweep)
+        store.tests.ask(one for one in every if rows[one.variant][TEST] != NO_TEST)
     return store
 
 
-def _grown_tests(before: Root | None, sweep: Sweep) -> TestLayout | None:
-    """Layout of the points of tests in a store with the tests of a sweep."""
-    old = before.layout if before else None
-    if not sweep.tests:
-        return old and old._replace(slots=grown_slots(old.slots, sweep))
-    judges_hold, slots = judges_holds(sweep), grown_slots(old.slots if old else (), sweep)
-    steps = most_steps(sweep, slots, judges_hold)
-    # Results stay where they are, unless the tests need more steps.
-    if old and steps <= old.steps and judges_hold == old.judges_hold:
-        return old._replace(slots=slots)
-    return TestLayout(wanted_slots(sweep), steps, judges_hold)
+def _have_the_same_points(one: Root, other: Root) -> bool:
+    """True if both have the same points, variables and room for steps."""
+    return [(group.axes, {*group.arrays}) for group in one.groups] == [
+        (group.axes, {*group.arrays}) for group in other.groups
+    ]
 
 
-def _empty_tests(store: Store, root: Root) -> None:
-    """Remove all results of tests from a store, whose layout will be that of `root`."""
-    if not (store.tests and root.tests):
-        return
-    tests = store.tests
-    tests.forget(tests.points_at(np.nonzero(tests.flags != PENDING)))
-    names = [name for name in root.tests.arrays if not is_coordinate(name)]
-    fills = [(name, ..., root.tests.arrays[name]["fill_value"]) for name in names]
-    store.place.put(Encoder(root.tests.arrays, root.tests.prefix)(fills))
+def _fill(place: StorePlace, root: Root, before: StorePlace | None = None) -> None:
+    """Write all of a store without points; what makes it one comes last.
+
+    Attributes that users gave to the store `before` stay.
+    """
+    made = root.documents()
+    for key, one in made.items():
+        with suppress(ValueError, KeyError, TypeError, RecursionError):  # a damaged document
+            found = json.loads(read_document(before, key) or b"{}") if before else {}
+            one["attributes"] = found["attributes"] | one["attributes"]
+    last = {FACTS: made.pop(FACTS)}
+    write_documents(place, made)
+    for group in root.groups:
+        flags = np.full([group.sizes[dim] for dim in group.dims], PENDING, np.int8)
+        parts = [("status", ..., flags)]
+        parts += [(name, ..., values) for name, values in group.coordinates.items()]
+        write_arrays(place, open_arrays(place.zarr, group.arrays, group.prefix), parts)
+    write_documents(place, last)
 
 
-def _grown_root(
-    place: StorePlace, before: Root | None, sweep: Sweep, accuracy: float | None
-) -> Root:
-    """Root document with room for a sweep's points; `before` is the present one, if any."""
-    kept = join(before.sweep if before else None, sweep)
-    wanted = variables_of(kept)
-    axes = grown_axes(before.axes if before else {}, kept, sweep)
-    axes = {name: values for name, values in axes.items() if name in wanted}
-    sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
+def _update(place: StorePlace, root: Root) -> None:
+    """Write the documents of a store that are not those of its root, what makes it one last."""
+    new = stale_documents(place, root)
+    last = {key: new.pop(key) for key in [FACTS] if key in new}
+    write_documents(place, new)
+    write_documents(place, last)
+
+
+# Folders
+
+
+def _locked(place: Folder, progress: Report, held: ExitStack) -> Lock:
+    """Lock a folder, or what becomes it, and end what a killed run had begun beside it."""
+    new, old = place.beside(NEW), place.beside(OLD)
+    find_root(place)  # raises if this is no store, before a lock is put there
+    there = place if place.path.exists() else new
+    lock = held.enter_context(locked(there, progress))
+    if not lock.is_in_place() or place.path.exists() != (there is place):
+        raise StoreError(f"{place} was in use a moment ago; run the command again")
+    with io_errors(place, "written"):
+        if there is new and old.path.exists() and read_document(new, FACTS):
+            new.path.rename(place.path)
+            lock.folder = place
+        if place.path.exists():
+            for folder in (new, old):
+                if folder.path.exists():
+                    shutil.rmtree(folder.path)
+            for file in [*place.path.rglob(f"*{PARTIAL}")]:
+                file.unlink()
+    return lock
+
+
+def _moved_in(
+    place: Folder,
+    before: Root | None,
+    root: Root,
+    lock: Lock | None,
+    progress: Report,
+    held: ExitStack,
+) -> Store:
+    """Make the store of `root`, with the points of the one at `place`, and put it there."""
+    new, old = place.beside(NEW), place.beside(OLD)
+    if place.path.exists():
+        if others := sorted(_not_of(before, place)):
+            raise _no_room(place, f"{others[0]}, which is not of this program, would be lost")
+        lock = held.enter_context(locked(new, progress))
+    with io_errors(new, "written"):
+        for path in new.path.iterdir():
+            if path.name != "status":
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        _fill(new, root, place if before else None)
     if before:
-        # Values are appended to axes, or the stored chunks would be those of other points.
-        old = before.axes
-        for name, values in axes.items():
-            if name not in old or values[: len(old[name])] != old[name]:
-                raise _no_room(place, f"{name} can only grow at its upper end")
-        grown = {name for name, values in axes.items() if len(values) > len(old[name])}
-        own = before.paths().keys() | (before.tests.paths().keys() if before.tests else ())
-        for path, array in before.found_metadata.items():
-            if path not in own and not grown.isdisjoint(array.get("dimension_names") or ()):
-                raise _no_room(place, f"{path}, an array added by a user, would not grow with it")
-    blocks = [before.block, before.field_block] if before else _chunks_of(wanted, axes, sizes)
-    lines = [*(before.history if before else ()), f"computed by {in_words(package_versions())}"]
-    if accuracy is not None:
-        lines.append(f"{GOAL}{100 * accuracy:g}%")
-    return Root(
-        sweep=kept,
-        text=sweep_text(kept),
-        axes=axes,
-        block=blocks[0],
-        field_block=blocks[1],
-        history=[*dict.fromkeys(lines)],
-        layout=_grown_tests(before, sweep),
-        found=before.found if before else {},
-    )
+        store, other = Store(new, root, lock, Damage()), Store(place, before, None, Damage())
+        for mine, theirs in zip(store.groups, other.groups, strict=False):
+            _, unsound, lost = _take(mine, theirs, mine.pending(), (DONE, FAILED))
+            if lost:
+                raise _no_room(place, f"{lost} of its points, which are done, would be lost")
+            if unsound:
+                progress(Progress(f"{place} had {unsound} damaged points, which are made anew"))
+    with io_errors(place, "written"):
+        if place.path.exists():
+            place.path.rename(old.path)
+        new.path.rename(place.path)
+        sync(place.path.parent)
+        if lock:
+            lock.folder = place
+        if old.path.exists():
+            shutil.rmtree(old.path)
+    return Store(place, root, lock, Damage())
 
 
-def _chunks_of(
-    wanted: Mapping[str, Variable], axes: Axes, sizes: Mapping[str, int]
-) -> list[dict[str, int]]:
-    """Number of points along each dimension in a chunk, and in a chunk of a field."""
-    fields = [one for name, one in wanted.items() if name in AT_END]
-    others = [one for name, one in wanted.items() if not (name in AT_END or is_coordinate(name))]
-    block = chunk_sizes(sizes, bytes_of_a_point(others, axes))
-    return [block, chunk_sizes(sizes, bytes_of_a_point(fields, axes)) if fields else block]
+def _not_of(root: Root | None, place: Folder) -> Iterator[str]:
+    """Names of the files and links below a folder that are not those of its store."""
+    own = {LOCK, *(root.documents() if root else ())}
+    for path in place.path.rglob("*"):
+        key = path.relative_to(place.path).as_posix()
+        folder, _, name = key.rpartition("/")
+        is_chunk = _CHUNK.fullmatch(name) and f"{folder}/{ROOT}" in own
+        if path.is_symlink() or not (path.is_dir() or is_chunk or key in own):
+            yield key
 
 
 def _no_room(place: StorePlace, reason: str) -> StoreError:
@@ -178,3 +260,57 @@ def _no_room(place: StorePlace, reason: str) -> StoreError:
         f"{place} cannot take these points: {reason}; write a new store, which takes over the "
         f"points of this one: irg run SCENE -o NEW --from {shlex.quote(str(place))}"
     )
+
+
+# Points of another store
+
+
+def take_points(store: Store, other: Store) -> int:
+    """Copy done points of `other` that are pending in `store`; return their number.
+
+    Points of the two stores are the same if scene, load and velocity are the same, whatever their
+    variants are called. Damaged points are not copied. Nothing is copied if the stores keep results
+    at different times, or `other` lacks a variable of `store`.
+    """
+    pairs = zip(store.groups, other.groups, strict=False)
+    return sum(_take(mine, theirs, mine.pending(), (DONE,))[0] for mine, theirs in pairs)
+
+
+def _take(
+    store: Store, other: Store, wanted: Iterable[Point], flags: tuple[int, ...]
+) -> tuple[int, int, int]:
+    """Copy points with one of the `flags`.
+
+    Return the numbers of those copied, of those damaged, and of those that have no place.
+    """
+    data = store.arrays.keys() & DATA.keys()
+    if choose_stations(store.sweep) != choose_stations(other.sweep) or data - other.arrays.keys():
+        return 0, 0, 0
+    places: dict[tuple[Any, ...], list[Point]] = {}
+    for point in wanted:
+        places.setdefault((store.group.scene_hash(point), *point[:2]), []).append(point)
+    taken, unsound, lost, records = 0, 0, 0, list[PointRecord]()
+    other.damage = other.damage or Damage()
+    for index, record, fault in other.checked():
+        here = record.point
+        same = places.get((other.group.scene_hash(here), *here[:2]), ())
+        unsound += bool(fault and same)
+        lost += not (fault or same)
+        if not fault and other.flags[index] in flags:
+            records += [replace(record, point=point) for point in same]
+        if len(records) >= 64:  # fields are large
+            store.commit(records)
+            taken, records = taken + len(records), []
+    store.commit(records)
+    return taken + len(records), unsound, lost
+
+
+@functools.cache
+def versions() -> str:
+    """Versions of the packages that compute and store, such as "numpy 2.1, scipy 1.15"."""
+    names = ("irg-transition", "numpy", "scipy", "zarr")
+    found = []
+    for name in names:
+        with suppress(metadata.PackageNotFoundError):  # run from its source
+            found.append(f"{name} {metadata.version(name)}")
+    return ", ".join(found)

@@ -12,50 +12,55 @@ import os
 import re
 import socket
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from pipeline.store.files import open_file
-from pipeline.store.place import LOCK, Bucket, Folder, StoreError, StorePlace, io_errors
-from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.progress import Progress, Report, silent
+from pipeline.store.place import LOCK, NEW, Folder, StoreError, StorePlace, io_errors
 
 _CONTENT = re.compile(r"(process \d+ on (\S+))\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 _TRIES, _PAUSE = 10, 0.05  # tries and pause [s], since `holder_of` takes the lock for a moment
 
 
-Lock = Callable[[], bool]
-"""Function that returns True if a lock which this process took is still in its place."""
+class Lock:
+    """A lock that this process holds: an open lock file, and the folder in which it lies.
+
+    Whoever moves the folder sets `folder` to its new place.
+    """
+
+    def __init__(self, folder: Folder, descriptor: int) -> None:
+        self.folder, self._descriptor = folder, descriptor
+
+    def is_in_place(self) -> bool:
+        """True if the lock file is still in its folder, neither deleted nor replaced."""
+        try:
+            return os.path.samestat(os.fstat(self._descriptor), (self.folder.path / LOCK).lstat())
+        except OSError:  # also on a file server that no longer knows the folder
+            return False
 
 
 @contextmanager
-def locked(place: StorePlace, progress: Report = silent) -> Iterator[Lock]:
-    """Context manager: hold the lock of a store; `StoreError` if another process has it.
+def locked(folder: Folder, progress: Report = silent) -> Iterator[Lock]:
+    """Context manager: hold the lock of a store in a folder; `StoreError` if another process does.
 
-    Yields a function that returns True if the lock is still there. If the disk or object store has
-    no locks, a note is reported, and the block runs without a lock.
+    If the disk has no locks, this is reported, and the block runs without one.
     """
-    unlocked = Progress(f"{place} has no locks: let one run at a time write to it")
-    if not isinstance(place, Folder):
-        if isinstance(place, Bucket):
-            progress(unlocked)
-        yield lambda: True
-        return
-    with io_errors(place, "written"):
-        descriptor = open_file(place.path, LOCK)
+    with io_errors(folder, "written"):
+        descriptor = folder.open_file(LOCK)
     try:
-        with io_errors(place, "written"):
-            if not _flock(place, descriptor):
-                progress(unlocked)
+        with io_errors(folder, "written"):
+            if not _flock(folder, descriptor):
+                progress(Progress(f"{folder} has no locks: let one run at a time write to it"))
             name, host = _read_holder(descriptor)
             if host not in (None, socket.gethostname()):
                 raise StoreError(
-                    f"{place} is in use by {name}; if that has ended, delete {place}/{LOCK}"
+                    f"{folder} is in use by {name}; if that has ended, delete {folder}/{LOCK}"
                 )
             os.ftruncate(descriptor, 0)
             os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}\n".encode(), 0)
         try:
-            yield lambda: _is_in_place(place, descriptor)
+            yield Lock(folder, descriptor)
         finally:
             with suppress(OSError):  # the lock is released in any case
                 os.ftruncate(descriptor, 0)
@@ -80,32 +85,25 @@ def _flock(folder: Folder, descriptor: int) -> bool:
     raise StoreError(f"{folder} is in use by {holder}; wait for it, or write to another store")
 
 
-def _is_in_place(folder: Folder, descriptor: int) -> bool:
-    """True if the open lock file, `descriptor`, is still in its folder, not deleted or replaced."""
-    try:
-        return os.path.samestat(os.fstat(descriptor), (folder.path / LOCK).lstat())
-    except OSError:  # also on a file server that no longer knows the folder
-        return False
-
-
 def holder_of(place: StorePlace) -> str | None:
-    """Process and host that write to a store, in words; None if no process does.
+    """Process and host that write to a store, or make it, in words; None if no process does.
 
     It is also None if that is not known, as on an object store.
     """
     if not isinstance(place, Folder):
         return None
-    with suppress(OSError):
-        descriptor = os.open(place.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)
-        try:
-            name, host = _read_holder(descriptor)
-            if host not in (None, socket.gethostname()):
+    for folder in (place, place.beside(NEW)):
+        with suppress(OSError):
+            descriptor = os.open(folder.path / LOCK, os.O_RDONLY | os.O_NONBLOCK)
+            try:
+                name, host = _read_holder(descriptor)
+                if host not in (None, socket.gethostname()):
+                    return name
+                fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
                 return name
-            fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return name
-        finally:
-            os.close(descriptor)
+            finally:
+                os.close(descriptor)
     return None
 
 

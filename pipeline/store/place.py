@@ -1,4 +1,8 @@
-"""Places of stores: folders of a disk, and addresses of an object store.
+"""Places of stores: folders of a disk, and addresses of an object store or of memory.
+
+Files of a folder are on the disk, names included, once they are written. The folder may be named
+through a link. Below it, nothing is read, written or locked that is no regular file, or that lies
+behind a link.
 
 ::
 
@@ -15,25 +19,30 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterator, Mapping
+import uuid
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from pipeline.paths import read_file, user_path
-from pipeline.store import files
+from pipeline.paths import open_regular, user_path
+from pipeline.store.files import make_folder, path_below, require_no_link, sync
 from tribo import TriboError
 
 if TYPE_CHECKING:
     from zarr.abc.store import Store
+
+    from pipeline.store.arrays import FolderStore
 
 PathLike = str | os.PathLike[str]
 ROOT = "zarr.json"
 """Key of the metadata of a group; that of an array lies below its name."""
 LOCK = "status/lock"
 """Key of the lock of a store: within it, so that every path to the store finds it."""
-_MOST_OF_DOCUMENT = 2**28  # bytes of a JSON document, which has the scene's text
+NEW, OLD = ".irg-new", ".irg-old"
+"""Endings of folders that replace another store, or are replaced."""
 REMEDY = "irg run with its scene mends it; on an object store, write to another store"
 """What to do about a store that is damaged."""
 
@@ -80,33 +89,49 @@ class Folder:
     def __str__(self) -> str:
         return str(self.path)
 
-    def zarr(self) -> Store:
-        """Read-only Zarr store of the folder."""
-        from pipeline.store.folder import FolderStore  # Zarr, which workers do not need
+    @cached_property
+    def zarr(self) -> FolderStore:
+        """Zarr store of the folder."""
+        from pipeline.store.arrays import FolderStore
 
         return FolderStore(self.path)
 
-    def read(self, key: str) -> bytes | None:
-        """Content of the document `key`; None if there is no such file."""
+    def beside(self, ending: str) -> Folder:
+        """The folder beside this one whose name has the `ending` `NEW` or `OLD`."""
+        return Folder(self.path.with_name(self.path.name + ending))
+
+    def stamp(self) -> tuple[int, int] | None:
+        """What changes once another folder stands at this path; files written there do not."""
         with suppress(FileNotFoundError, NotADirectoryError):
-            return read_file(self.path / key, _MOST_OF_DOCUMENT)
+            found = (self.path / "status" / ROOT).stat()
+            return found.st_ino, found.st_mtime_ns
         return None
-
-    def has(self, key: str) -> bool:
-        """True if there is something named `key`, readable or not."""
-        with suppress(FileNotFoundError, NotADirectoryError):
-            return bool((self.path / key).stat())
-        return False
-
-    def put(self, contents: Mapping[str, bytes]) -> None:
-        """Create or replace files (`contents` by key); return once they are on the disk."""
-        files.replace_files(self.path, contents)
 
     def keys(self) -> set[str]:
         """Names of all files below the folder; links to folders are not followed."""
         start = len(str(self.path)) + 1
         paths = (f"{folder}/{name}" for folder, _, names in os.walk(self.path) for name in names)
         return {path[start:].replace(os.sep, "/") for path in paths}
+
+    def sync(self) -> None:
+        """Return once the names of the files that were written are on the disk, too."""
+        while self.zarr.touched:
+            sync(self.zarr.touched.pop())
+
+    def open_file(self, key: str) -> int:
+        """Open or create the file `key`; return its descriptor.
+
+        `OSError` for a link, a file with a second name, and what is no regular file.
+        """
+        path = path_below(self.path, key)
+        require_no_link(path)
+        make_folder(path.parent)
+        descriptor = open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
+        if os.fstat(descriptor).st_nlink > 1:
+            os.close(descriptor)
+            what = "it is a hard link, so it has another name: delete it if no run uses the store"
+            raise OSError(errno.EMLINK, what, os.fspath(path))
+        return descriptor
 
 
 # Errors of fsspec for a missing object; older versions of it raise the last for a zip file.
@@ -115,115 +140,63 @@ _MISSING = (FileNotFoundError, IsADirectoryError, NotADirectoryError, KeyError)
 
 @dataclass(frozen=True)
 class Bucket:
-    """Place of a store: an address of an object store, such as ``s3://bucket/sweep.zarr``."""
+    """Place of a store: an address, such as ``s3://bucket/sweep.zarr``, or memory.
+
+    In memory a store stays until the process ends.
+    """
 
     address: str
 
     def __str__(self) -> str:
         return self.address
 
+    @cached_property
     def zarr(self) -> Store:
-        """Read-only Zarr store of the objects."""
+        """Zarr store of the objects."""
         from zarr.storage import FsspecStore
 
+        # With more requests at a time, each read of an object would begin with one for its size.
+        only_s3 = {"max_concurrency": 1} if self.address.startswith("s3://") else {}
         return FsspecStore.from_url(
             self.address,
-            read_only=True,
+            read_only=not self.is_written,
             allowed_exceptions=_MISSING,
-            storage_options=self._options,
+            storage_options={"use_listings_cache": False, **only_s3},
         )
 
     @property
     def is_written(self) -> bool:
         """True if stores are written there; at addresses of other kinds they are only read."""
-        return self.address.startswith("s3://")
+        return self.address.startswith(("s3://", "memory://"))
 
-    @property
-    def _options(self) -> dict[str, Any]:
-        # With more requests at a time, each read of an object would begin with one for its size.
-        only_s3 = {"max_concurrency": 1} if self.is_written else {}
-        return {"use_listings_cache": False, **only_s3}
-
-    def _opened(self) -> tuple[Any, str]:
-        """File system of fsspec, and the prefix of the names of the store's objects."""
-        import fsspec  # which stores in folders do without
-
-        system, path = fsspec.core.url_to_fs(self.address, **self._options)
-        return system, f"{path}/"
-
-    def read(self, key: str) -> bytes | None:
-        """Content of the object `key`; None if there is no such object."""
-        system, above = self._opened()
-        with suppress(*_MISSING):
-            return bytes(system.cat_file(above + key))
-        return None
-
-    def has(self, key: str) -> bool:
-        """True if there is an object `key`."""
-        return self.read(key) is not None
-
-    def put(self, contents: Mapping[str, bytes]) -> None:
-        """Create or replace objects (`contents` by key); several are sent at the same time."""
-        system, above = self._opened()
-        system.pipe({above + key: content for key, content in contents.items()})
+    def stamp(self) -> None:
+        """Nothing: a store at an address is not replaced by another."""
 
     def keys(self) -> set[str]:
         """Names of all objects of the store."""
-        system, above = self._opened()
-        names = {name.removeprefix(above) for name in system.find(above)}
-        if not names and self.has(ROOT):  # by the web servers of most sites
+        from pipeline.store.arrays import list_keys, read_document
+
+        if not (names := list_keys(self.zarr)) and read_document(self, ROOT):  # most sites
             raise StoreError(f"{self} does not list its files; copy the store to a folder here")
         return names
 
-
-@dataclass(frozen=True)
-class Memory:
-    """Place of a store that nobody keeps: the memory of this process."""
-
-    contents: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
-
-    def __str__(self) -> str:
-        return "the memory of this process"
-
-    def zarr(self) -> Store:
-        """Read-only Zarr store of the contents."""
-        from zarr.storage import MemoryStore
-
-        return MemoryStore(self.contents, read_only=True)
-
-    def read(self, key: str) -> bytes | None:
-        """Content by its `key`; None if there is none."""
-        return self.contents[key].to_bytes() if key in self.contents else None
-
-    def put(self, contents: Mapping[str, bytes]) -> None:
-        """Keep or replace `contents` by key."""
-        from zarr.core.buffer import default_buffer_prototype
-
-        make = default_buffer_prototype().buffer.from_bytes
-        self.contents.update({key: make(content) for key, content in contents.items()})
-
-    def has(self, key: str) -> bool:
-        """True if there is content of this `key`."""
-        return key in self.contents
-
-    def keys(self) -> set[str]:
-        """Keys of all contents."""
-        return {*self.contents}
+    def sync(self) -> None:
+        """Nothing: objects are there once they are sent."""
 
 
-StorePlace = Folder | Bucket | Memory
-"""Where the files of a store are: a folder, an object store, or memory."""
+StorePlace = Folder | Bucket
+"""Where the files of a store are."""
 
 
 def place_of(path: PathLike | None) -> StorePlace:
-    """`Folder` or `Bucket` of a store, from its path or address; `Memory` without one.
+    """`Folder` or `Bucket` of a store, from its path or address; memory without one.
 
     An address ``file://PATH`` is a folder.
 
     Raises a `StoreError` for the root of a file system.
     """
     if path is None:
-        return Memory()
+        return Bucket(f"memory://{uuid.uuid4()}/sweep.zarr")
     address = os.fspath(path).removeprefix("file://")
     if "://" in address:
         return Bucket(address.rstrip("/"))
@@ -265,12 +238,12 @@ def read_errors(place: StorePlace, name: str) -> Iterator[None]:
         except (RuntimeError, ValueError, DamagedError) as error:
             if is_lack_of_memory(error):  # which is no damage
                 raise
-            raise DamagedError(damaged(place, name)) from error
+            raise damaged(place, name) from error
 
 
-def damaged(place: StorePlace, name: str) -> str:
-    """Error message that the data `name` of a store are damaged."""
-    return f"{place}: {name} cannot be read; irg verify names what is damaged; {REMEDY}"
+def damaged(place: StorePlace, name: str, what: str = "cannot be read") -> DamagedError:
+    """Error that the data `name` of a store are damaged."""
+    return DamagedError(f"{place}: {name} {what}; irg verify names what is damaged; {REMEDY}")
 
 
 def is_lack_of_memory(error: BaseException) -> bool:

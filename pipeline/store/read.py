@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -9,51 +10,42 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.layout import blocks
-from pipeline.store.place import (
-    Memory,
-    PathLike,
-    StoreError,
-    damaged,
-    io_errors,
-    place_of,
-    read_errors,
-)
+from pipeline.store.arrays import is_unwritten, read_document
+from pipeline.store.place import ROOT, PathLike, damaged, place_of
 from pipeline.store.schema import (
     AT_END,
     AT_ENDS,
     AT_TESTS,
+    DATA,
     DONE,
+    FAILED,
     INPUTS,
-    PENDING,
     RECORDS,
+    STEPPED,
     TEST_STEP,
     attributes_of,
-    is_coordinate,
     test_variable,
 )
-from pipeline.store.write import Store, opened
-from pipeline.sweep.measurement import TEST
+from pipeline.store.store import Store, opened
+from pipeline.sweep.case import TEST
 from pipeline.sweep.points_of_tests import NO_TEST, TEST_POINT
 
 
 def open_store(path: PathLike) -> xr.Dataset:
     """Open a store as a dataset of its present state; data are read when they are used.
 
-    The store may still be in use by a run. A copy written by xarray is opened, too. Raises a
-    `StoreError` if there is no readable store, or done points lack chunks.
+    The store may still be in use by a run. Raises a `StoreError` if there is no readable store.
     """
     place = place_of(path)
     return xr.open_dataset(str(place), engine=_Backend, chunks=None)
 
 
 class _Backend(BackendEntrypoint):
-    """Backend by which xarray opens a store, with axes and metadata from its root document."""
+    """Backend by which xarray opens a store, with axes and metadata that follow from its sweep."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store for xarray; `drop_variables` is not supported."""
-        store = opened(filename_or_obj)  # reads statuses first: data of done points are complete
-        return store_dataset(store)
+        return store_dataset(opened(filename_or_obj))
 
 
 def store_dataset(store: Store) -> xr.Dataset:
@@ -63,48 +55,36 @@ def store_dataset(store: Store) -> xr.Dataset:
 
 def _dataset_of(store: Store) -> xr.Dataset:
     """Points of a store as a dataset whose data are read when they are used."""
-    done = store.flags == DONE
-    with io_errors(store.place):
-        keys = store.place.keys()
-    # A copy may lack the fields, which are most of a store.
-    lacks = set() if any(key.startswith(f"{AT_ENDS}/") for key in keys) else {*AT_END, "x", "y"}
-    for name in store.arrays.keys() - lacks:
-        if is_coordinate(name):
-            continue
-        chunks = blocks(done, store.arrays[name].chunks[: done.ndim])
-        if not all(store.key(name, chunk) in keys for chunk, _ in chunks):
-            raise StoreError(damaged(store.place, name))
-    root = store.root
-    present = root.coordinates()
-    coords = {*present, "own_grid"} - {INPUTS, *lacks}
-    present |= {"status": store.flags, "asked": store.asked}
+    group, lacks = store.group, set[str]()
+    if store.sweep.fields and read_document(store.place, f"{AT_ENDS}/{ROOT}") is None:
+        lacks = {*AT_END, "x", "y"}  # a copy may lack the fields, which are most of a store
+    present: dict[str, Any] = {**group.coordinates, "status": store.flags}
+    coords = {*group.coordinates, "own_grid"} - {INPUTS, *lacks}
     variables = {}
-    for name, variable in root.variables.items():
+    for name, variable in group.variables.items():
         if name in lacks:
             continue
         values = present.get(name)
         if values is None:
             values = indexing.LazilyIndexedArray(_Masked(store, name))
-        elif name in root.axes:
+        elif name in group.axes:
             values = np.array(values, object if variable.dtype == "str" else variable.dtype)
         shown = attributes_of(variable)
         shown.pop("coordinates", None)
         variables[name] = xr.Variable(variable.dims, values, shown)
-    if not isinstance(store.place, Memory):
-        variables["status"].encoding["store"] = str(store.place)
-    steps = np.isfinite(present["time"]).any(tuple(range(present["time"].ndim - 1)))
-    ds = xr.Dataset(variables, attrs=root.attributes).set_coords(coords)
-    return ds.isel(step=slice(int(steps.argmax()), None))  # without the spare room for steps
+    variables["status"].encoding["store"] = str(store.place)
+    # Answers are made by the sweep, which a dataset takes with it wherever it goes.
+    attributes = store.root.attributes | {"sweep": json.dumps(store.root.plain)}
+    return xr.Dataset(variables, attrs=attributes).set_coords(coords)
 
 
 def _test_coordinates(store: Store) -> dict[str, xr.Variable]:
     """Results at points of the scene's tests, as coordinates: xarray keeps these in all it does."""
-    if not (store.tests and store.tests.root.points):
+    if not (store.tests and store.sweep.tests):
         return {}
-    ds = _dataset_of(store.tests)
+    ds = _dataset_of(store.tests).drop_vars(TEST_STEP)
     order = np.lexsort([ds[name].values for name in ("velocity", "load", TEST)])
-    order = order[ds[TEST].values[order] != NO_TEST]
-    ds = ds.isel({TEST_POINT: order}).rename_dims(step=TEST_STEP).drop_vars("step")
+    ds = ds.isel({TEST_POINT: order[ds[TEST].values[order] != NO_TEST]})
     names = [name for name in AT_TESTS if name in ds.variables]
     found = {test_variable(name): ds[name].variable for name in names}
     message = found[test_variable("message")]
@@ -125,7 +105,7 @@ def open_messages(path: PathLike) -> xr.DataArray:
     """Messages of the points of a store, "" for a point without one, by the store's axes."""
     store = opened(path)
     texts = store.read("message", ...).astype(object)
-    texts[store.flags == PENDING] = ""
+    texts[~np.isin(store.flags, (DONE, FAILED))] = ""
     return xr.DataArray(texts, {dim: list(store.axes[dim]) for dim in store.dims}, store.dims)
 
 
@@ -133,9 +113,9 @@ class _Masked(BackendArray):
     """A stored variable, read when it is indexed, with fill values at points without data."""
 
     def __init__(self, store: Store, name: str) -> None:
-        self._place, self._name = store.place, name
+        self._store, self._name = store, name
         self._array = array = store.arrays[name]
-        self._mask = store.flags != PENDING if name in RECORDS else store.flags == DONE
+        self._mask = np.isin(store.flags, (DONE, FAILED) if name in RECORDS else (DONE,))
         self.shape, self.dtype = array.shape, array.dtype
         if self.dtype.kind == "T":  # xarray writes text to netCDF only as Python strings
             self.dtype = np.dtype(object)
@@ -150,7 +130,24 @@ class _Masked(BackendArray):
         count = self._mask.ndim
         dims = [str(number) for number in range(count)]
         mask = xr.Variable(dims, self._mask)[key[:count]].values  # outer indexing, as the array's
-        with read_errors(self._place, self._name):
-            values = np.asarray(self._array.oindex[key], self.dtype)
+        values = np.asarray(self._store.read(self._name, key), self.dtype)
+        if self._name in DATA:
+            self._require_written(values, mask, key[count:])
         values[~mask] = self._array.fill_value
         return values
+
+    def _require_written(self, values: Any, done: Any, key: tuple[Any, ...]) -> None:
+        """Raise a `DamagedError` if a done point lacks values: they are not what was written.
+
+        In a copy that was made while a run wrote, statuses may be newer than data.
+        """
+        if self._name in STEPPED:
+            steps = np.arange(self.shape[self._mask.ndim])[key[0]]
+            (at,) = np.nonzero(np.atleast_1d(steps) == self.shape[self._mask.ndim] - 1)
+            if not at.size:  # the end, which every point has, is not read
+                return
+            values = values if np.ndim(steps) == 0 else np.take(values, at[0], done.ndim)
+        lost = is_unwritten(values, self._array).reshape(*done.shape, -1).any(-1) & done
+        if lost.any():
+            what = f"is missing at {np.count_nonzero(lost)} of {np.count_nonzero(done)} done points"
+            raise damaged(self._store.place, self._name, what)

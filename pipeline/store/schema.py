@@ -8,20 +8,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.points_of_tests import SCENE_HASH
+from pipeline.sweep.points_of_tests import SCENE_HASH, TEST_POINT
 from pipeline.sweep.stations import ramp_of
+from pipeline.sweep.sweep import Sweep
 from pipeline.sweep.variants import ROWS
 from tribo import InputError, WarningKind
 from tribo.simulation.corrections import NEEDED
 from tribo.types import Array
 
-FORMAT = 22
+FORMAT = 24
 """Version of the layout of stores."""
-PENDING, DONE, FAILED = 0, 1, 2
-"""Values of the variable ``status``."""
-COMPRESSION: dict[str, Any] = {"level": 1, "checksum": True}
-"""Settings of the codec Zstandard, which compresses the chunks."""
+NOT_ASKED, DONE, FAILED, PENDING = 0, 1, 2, 3
+"""Values of the variable ``status``; no run has asked for a point that is `NOT_ASKED`."""
 DIM = "input"
 """Dimension of the variable `INPUTS`, which has no coordinate."""
 
@@ -105,13 +103,10 @@ BULK_COLUMNS = {
 """Variables that scenes with unequal bulk temperatures have in addition to `COLUMNS`."""
 BULK_FIELDS = {"bulk_response": _field("1", "pin rise per kelvin by which the disk is warmer")}
 """Variables that scenes with unequal bulk temperatures have in addition to `FIELDS`."""
-NOT_ASKED, ASKED, LEFT_OUT = 0, 1, 2
-"""Whether the last run was to compute a point; left out are those that a search did not need."""
-_ASKED = {
-    "flag_values": [NOT_ASKED, ASKED, LEFT_OUT],
-    "flag_meanings": "not_asked asked left_out_by_search",
+_STATES = {
+    "flag_values": [NOT_ASKED, DONE, FAILED, PENDING],
+    "flag_meanings": "not_asked done failed pending",
 }
-_STATES = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
 _KINDS = {
     "flag_masks": [int(kind) for kind in WarningKind],
     "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
@@ -121,9 +116,7 @@ RECORDS = {
     "wall_time": Variable(PLANE, "s", "duration of the point's computation"),
     "message": Variable(PLANE, None, "reason for a failure, or warnings", "str"),
     "warning_flags": Variable(PLANE, None, "kinds of warnings", "int32", _KINDS),
-    "asked": Variable(PLANE, None, "whether the last run was to compute the point", "int8", _ASKED),
     "steps": Variable(PLANE, "1", "number of steps of the point", "int32"),
-    "checksum": Variable(PLANE, None, "BLAKE2b-64 of scene, place, data and warnings", "str"),
 }
 
 INPUTS = "inputs"
@@ -143,7 +136,7 @@ DATA = STEPPED | SAMPLING | FILM | AT_END
 
 
 TEST_STEP = "test_step"
-"""Dimension of the steps at points of tests in a dataset that also has the plane."""
+"""Dimension of the steps at points of tests, of which a point may have others than the plane."""
 AT_TESTS = (
     "status", "message", "warning_flags", "load", "velocity", SCENE_HASH, *FILM,
     *dict.fromkeys(
@@ -166,7 +159,7 @@ def attributes_of(variable: Variable) -> dict[str, Any]:
 
 def path_of(name: str) -> str:
     """Path of a variable in a store; texts are in the group ``about``, fields in ``fields``."""
-    if name in ("message", "checksum"):
+    if name == "message":
         return f"{ABOUT}/{name}"
     return f"{AT_ENDS}/{name}" if name in AT_END or name in ("x", "y") else name
 
@@ -178,7 +171,7 @@ def is_coordinate(name: str) -> bool:
 
 def is_of_points(dim: str) -> bool:
     """True for a dimension of points; False for a dimension within points, such as step."""
-    return dim not in ("step", "cooler_share", "bulk_ratio", "x", "y", "input")
+    return dim not in ("step", TEST_STEP, "cooler_share", "bulk_ratio", "x", "y", "input")
 
 
 def require_free_names(sweep: Sweep) -> None:
@@ -200,11 +193,15 @@ def require_free_names(sweep: Sweep) -> None:
 def variables_of(sweep: Sweep) -> dict[str, Variable]:
     """All variables that the store of a sweep has, by name."""
     require_free_names(sweep)
-    first = sweep.variants.rows[0].labels
+    first = sweep.variants.rows[0]
     kinds = {str: "str", int: "int64", float: "float64"}
     table = {
         one.name: Variable(
-            (one.along or one.name,), one.unit, one.meaning, kinds[type(first[one.name])]
+            (one.along or one.name,),
+            one.unit,
+            one.meaning,
+            kinds[type(first[one.name])],
+            {"shown_in": one.shown} if one.shown else {},
         )
         for one in sweep.variants.columns
     }
@@ -225,7 +222,14 @@ def variables_of(sweep: Sweep) -> dict[str, Variable]:
     along = [*sorted(columns), *MADE, "own_grid"]
     status, names = table["status"], {"coordinates": " ".join(along)}  # as CF wants it
     table["status"] = status._replace(attributes={**status.attributes, **names})
-    return table
+    if TEST_POINT not in sweep.variants.axes:
+        return table
+    return {
+        TEST_STEP if name == "step" else name: one._replace(
+            dims=tuple(TEST_STEP if dim == "step" else dim for dim in one.dims)
+        )
+        for name, one in table.items()
+    }
 
 
 def _variant_dims(name: str, sweep: Sweep) -> tuple[str, ...]:
@@ -245,7 +249,7 @@ def inputs_variable(sizes: Mapping[str, int]) -> dict[str, Variable]:
     each array, by SHA-256.
     """
     table = {"digests": " ".join(sizes), "sizes": " ".join(map(str, sizes.values()))}
-    meaning = "arrays that the attribute scene names by their digests, one after the other"
+    meaning = "arrays that the sweep names by their digests, one after the other"
     return {INPUTS: Variable((DIM,), None, meaning, attributes=table)} if sizes else {}
 
 

@@ -10,11 +10,14 @@ from typing import Any, Literal
 from pipeline.sweep.variants import dimension_of
 from tribo import Conditions as Conditions
 from tribo import Criterion, InputError
+from tribo.simulation import verdict
 
 CriterionName = Literal["share", "highest", "mean"]
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 
+OIL_WORKS = "-53 degC", "627 degC"
+"""Bulk temperatures between which an oil may work."""
 PATHS = {
     "friction": "friction.coefficient",
     "bulk_temperature": "temperature.bulk",
@@ -28,6 +31,11 @@ DIMENSIONS = {dimension_of(path): path for path in PATHS.values()}
 """Those entries by the name of the dimension that several values make."""
 FIELDS = {"failing_share" if name == "share" else name: path for name, path in PATHS.items()}
 """Entries of the scene file that act after the simulation, by the names of `plain_values`."""
+CONDITION_ENTRIES = {
+    name: FIELDS[name]
+    for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share")
+}
+"""Conditions that rows of tables may set, and their entries in a scene."""
 UNITS = {
     "friction": "1", "bulk_temperature": "K", "disk_temperature": "K", "critical_temperature": "K",
     "failing_share": "1", "unmodelled_rise": "1",
@@ -66,6 +74,16 @@ def known_critical_temperature(conditions: Conditions) -> float:
             "critical_temperature) where it is taken"
         )
     return conditions.critical_temperature
+
+
+def rise_limit(conditions: Conditions) -> float:
+    """Temperature rise per unit friction coefficient above which wear is severe [K].
+
+    It is infinite if the friction coefficient is 0 and both bulk temperatures are equal. Raises an
+    `InputError` if the critical temperature is not known.
+    """
+    known_critical_temperature(conditions)
+    return verdict.rise_limit(conditions)
 
 
 def criterion_of(kind: str, share: float) -> Criterion:

@@ -16,12 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.progress import Progress, Report, silent
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.severity import verdict
-from pipeline.sweep.stages import Progress, Report, silent
 from pipeline.sweep.stations import Stations, load_that_counts
-from pipeline.sweep.variants import Row, Variant
+from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.variants import Labels, Variant
 from tribo import QUANTILES, Ramp, Scene, Stages, State, TriboError, Verdict, measures, warnings
 from tribo.simulation import (
     Note,
@@ -36,6 +35,7 @@ from tribo.simulation import (
     stages_of,
 )
 from tribo.simulation.film import film_inlet
+from tribo.simulation.severity import verdict
 from tribo.thermal import BULK_RATIOS
 from tribo.types import Array
 
@@ -130,7 +130,6 @@ class PointRecord:
     message: str = ""  # its warnings, or the reason for its failure
     warning_flags: int = 0  # sum of `WarningKind` codes
     wall_time: float = math.nan  # of the simulation [s]
-    checksum: str | None = field(default=None, kw_only=True)
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
@@ -143,9 +142,9 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     )
 
 
-def _places(row: Row, axis: str, usual: Sequence[float]) -> Sequence[Any]:
+def _places(row: Labels, axis: str, usual: Sequence[float]) -> Sequence[Any]:
     """Loads or velocities (`axis`) of a variant: its own single value, else `usual`."""
-    return (row.labels[axis],) if axis in row.labels else usual
+    return (row[axis],) if axis in row else usual
 
 
 class Task(NamedTuple):
@@ -271,7 +270,7 @@ def choose_stations(sweep: Sweep) -> Stations:
         # steps of the course.
         are_ramps = all(isinstance(one.loading, Ramp) and not one.loading.hold for one in scenes)
         rows = [
-            (mechanics(sweep.case(name).scene), row.labels.get("velocity"))
+            (mechanics(sweep.case(name).scene), row.get("velocity"))
             for name, row in sweep.variants.by_name.items()
         ]
         are_alone = len({*rows}) == len(rows)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
 Grade = Literal["note", "warning"]
-_SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
 
 
 class Remark(NamedTuple):
@@ -28,40 +26,9 @@ class Remark(NamedTuple):
         return f"{self.grade}: {self.text}"
 
 
-def remarks(grade: Grade, *words: str | None) -> Iterator[str]:
-    """Write each of `words` as a line such as "note: text"; empty words are left out.
-
-    `grade` is the word before the colon.
-    """
-    return (str(Remark("", grade, one)) for one in words if one)
-
-
-def join_notes(notes: Iterable[str]) -> str | None:
-    """Return the text of one table cell with all `notes`, without repeats; None without notes."""
-    return _SEPARATOR.join(dict.fromkeys(notes)) or None
-
-
-def split_notes(cells: Iterable[str | None]) -> list[str]:
-    """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
-    return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]
-
-
 class FromLibrary(NamedTuple):
     """A value that a scene takes from the library: key path, value with unit, and source."""
 
     key: str
     value: str
     source: str
-
-
-def library_tables(taken: Iterable[FromLibrary]) -> Iterator[tuple[str, str]]:
-    """Yield pairs (text, source) for the values in `taken`, by table of the scene and source.
-
-    The text names the table and its values, such as "pin: density 7800 kg/m³".
-    """
-    tables: dict[tuple[str, str], list[str]] = {}
-    for key, value, source in taken:
-        table, _, name = key.rpartition(".")
-        tables.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
-    for (table, source), values in tables.items():
-        yield f"{table}: {', '.join(values)}", source

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 
 from pipeline.machine import cores
-from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.scene.units import require_count
-from pipeline.sweep.model import Sweep
+from pipeline.run.task_queue import makespan
+from pipeline.scene.read import SceneLike, sweep_of
 from pipeline.sweep.plan import Task, choose_stations, record_at, tasks
 from pipeline.sweep.plan import points as points_of
 from pipeline.sweep.points_of_tests import sweep_of_tests, wanted_slots
 from pipeline.sweep.stations import Stations
-from pipeline.sweep.task_queue import makespan
+from pipeline.sweep.sweep import Sweep
+from pipeline.units import require_count
 from tribo import Scene, Stages, State
 from tribo.simulation import Trunks, contacts, fit_elements, heat
 from tribo.simulation.trunks import MOST_BYTES
@@ -91,7 +91,7 @@ def estimate(sweep: SceneLike, workers: int | None = None) -> Estimate:
     parallel = min(workers, len(every))
     wall = makespan(every, parallel, work)[0] if len(every) < _MANY else alone / parallel
     slots, points = wanted_slots(sweep), len(every)
-    of_tests = sweep_of_tests(sweep, slots, False) if slots else None
+    of_tests = sweep_of_tests(sweep, False) if slots else None
     own = [*tasks(points_of(of_tests), of_tests)] if of_tests else []
     if of_tests:  # each step takes as long as in the scene
         of_own = _TaskTimes(of_tests, contact_time, heat_time, is_course=False, is_of_tests=True)

@@ -12,10 +12,10 @@ import numpy as np
 
 from pipeline.analysis.rise_error import totals, velocity_errors
 from pipeline.analysis.specimen import Alone, patches_share
+from pipeline.progress import Report
 from pipeline.run.goal_preset import simulate_search
 from pipeline.run.search import Goal, Place, Search
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.stages import Report
+from pipeline.sweep.sweep import Sweep
 from tribo import InputError
 from tribo.thermal.sampling import GROUPS
 from tribo.types import Array, Indices

@@ -17,18 +17,18 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
+from pipeline.analysis.preset_error import velocity_error
 from pipeline.analysis.reached import percent
 from pipeline.analysis.rise_error import INTERPOLATION, PRESET, SURFACE, WARNED, totals
 from pipeline.analysis.specimen import Alone
 from pipeline.analysis.tables import frame_of, lines_of, short
 from pipeline.constants import GOALS
+from pipeline.progress import Progress, Report, silent
 from pipeline.run.goal import require_boundary, why_fixed
 from pipeline.run.goal_preset import choose_preset, goal_presets, seconds_of_point
 from pipeline.run.search import MOST_PATCHES, Goal
-from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.selection import velocity_error
-from pipeline.sweep.stages import Progress, Report, silent
+from pipeline.scene.read import SceneLike, sweep_of
+from pipeline.sweep.sweep import Sweep
 from pipeline.tradeoff.forecast import Estimate, estimate
 from pipeline.tradeoff.rehearsal import FirstPatch, Rehearsed
 from tribo.types import Indices

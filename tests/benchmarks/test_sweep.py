@@ -19,7 +19,7 @@ import pipeline
 import tribo
 from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
-from pipeline.sweep.model import Point
+from pipeline.sweep.sweep import Point
 from tests.benchmarks.bare import shortest
 from tests.benchmarks.scene import paper_scene
 from tests.helpers.entries import changed

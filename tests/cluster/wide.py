@@ -28,7 +28,7 @@ import pipeline
 from pipeline.run import work
 from pipeline.run.cluster import client_of
 from pipeline.run.jobs import Jobs
-from pipeline.store.write import Store
+from pipeline.store.store import Store
 from tests.crash.many import sweep_of
 
 ROOT = Path(__file__).parents[2]

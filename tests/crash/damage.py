@@ -1,7 +1,7 @@
-"""Damage of a file of a store: flipped, cut, emptied, zeroed, deleted, exchanged, or an older one.
+"""Damage of a file of a store: flipped, cut, emptied, zeroed, deleted, or an older one.
 
 `irg verify` names it or it is harmless, and no command ends with a traceback. No other numbers are
-printed without a word, except for a sound chunk in the place of another, which `irg verify` names.
+printed without a word, except for an older chunk, which `irg verify` names.
 After one run the store is what it was; a root that is damaged is refused, and nothing is changed.
 Files are those of two stores, with fields and without; each kind of file is as likely.
 """
@@ -19,8 +19,8 @@ from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
-from pipeline.store import verify as verifying
 from pipeline.store.place import ROOT
+from pipeline.store.store import Store
 from tests.crash.drive import GIVEN_UP
 from tests.crash.loop import PATIENCE, Forked, code_of, differing, places, values_of_points
 from tests.crash.sweeps import EXPECTED, STAGES
@@ -56,18 +56,6 @@ def _zeroed(file, chance, older):
     file.write_bytes(bytes(file.stat().st_size))
 
 
-def _swapped(file, chance, older):
-    """Exchange a chunk with another, of its own array if possible; flip a bit of other files."""
-    if not file.name.startswith("c."):
-        return _flipped(file, chance, older)
-    alike = [other for other in file.parent.glob("c.*") if other != file]
-    other = chance.choice(sorted(alike) or sorted({*file.parents[1].rglob("c.*")} - {file}))
-    aside = file.with_name("aside")
-    for source, target in ((file, aside), (other, file), (aside, other)):
-        source.rename(target)
-    return None
-
-
 def _restored(file, chance, older):
     """Replace a file by its older version from when half of the points were done, with its time."""
     if older.exists():
@@ -76,8 +64,8 @@ def _restored(file, chance, older):
         file.unlink()
 
 
-_KINDS = (_flipped, _flipped, _cut, _emptied, _deleted, _zeroed, _swapped, _restored)
-_SOUND = (_swapped, _restored)  # damage after which a chunk may be sound
+_KINDS = (_flipped, _flipped, _cut, _emptied, _deleted, _zeroed, _restored)
+_SOUND = (_restored,)  # damage after which a chunk may be sound
 
 
 def called(*arguments):
@@ -175,10 +163,10 @@ def campaign(run):
     """Damage `run.count` files, one after the other, each in a new copy of a store."""
     whole_store = functools.cache(lambda fields: _Whole(run, fields))
     # The codec itself notices most other damage.
-    kinds = (_swapped,) if run.mistake else _KINDS
-    # With the mistake, all checksums of points count as right.
-    right = mock.patch.object(verifying, "checksum", return_value=mock.ANY)
-    with right if run.mistake else nullcontext():
+    kinds = (_cut, _deleted) if run.mistake else _KINDS
+    # With the mistake, no damage is found.
+    unfound = mock.patch.object(Store, "find_damage", lambda self, *_: self.damage)
+    with unfound if run.mistake else nullcontext():
         for number in range(run.count):
             whole = whole_store(bool(run.mistake) or number % 2 == 0)
             kind = run.chance.choice(kinds)

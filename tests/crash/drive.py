@@ -20,8 +20,10 @@ from pipeline.run import schedule
 from pipeline.run import sweep as running
 from pipeline.run.cluster import Connection
 from pipeline.run.tally import Tally
-from pipeline.store import create, files, write
-from pipeline.store.write import Store
+from pipeline.store import create
+from pipeline.store import place as files
+from pipeline.store import store as write
+from pipeline.store.store import Store
 from tests.crash.sweeps import record_of
 
 GIVEN_UP = 2

@@ -16,7 +16,7 @@ import psutil
 
 import pipeline
 from pipeline.run.search import MOST_PATCHES
-from pipeline.store.write import opened
+from pipeline.store.store import opened
 from tests.crash.loop import PATIENCE, Forked, code_of, job, started
 from tests.crash.sweeps import STAGES, Expected
 from tests.helpers.entries import changed

@@ -22,10 +22,10 @@ import numpy as np
 
 import pipeline
 from pipeline import verify_store
+from pipeline.store.create import find_sweep
 from pipeline.store.files import PARTIAL
-from pipeline.store.root_file import find_sweep
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
-from pipeline.sweep.model import Point
+from pipeline.sweep.sweep import Point
 from tests.crash.drive import drive
 from tests.crash.sweeps import EXPECTED, FAILING, REASON, STAGES
 

@@ -6,7 +6,7 @@ reader has an error.
 """
 
 import pipeline
-from pipeline.store.root_file import find_sweep
+from pipeline.store.create import find_sweep
 from tests.crash.loop import code_of, faults_of, faults_of_files
 from tests.crash.sweeps import FAILING, STAGES
 

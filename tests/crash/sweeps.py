@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord, points
+from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.points import run_point

@@ -11,11 +11,10 @@ from contextlib import contextmanager
 import numpy as np
 import xarray as xr
 
-from pipeline.store import files, root
+from pipeline.store import files, layout
 from pipeline.store.create import writing
-from pipeline.store.place import ROOT
 from pipeline.store.schema import DONE
-from pipeline.store.write import opened
+from pipeline.store.store import opened
 from pipeline.sweep.plan import PointRecord, points
 from tests.helpers import tiny
 from tests.helpers.points import run_point
@@ -70,7 +69,7 @@ def fail(path, sweep, point, message):
 def done_points(path):
     """Points of a store that are done, in its order."""
     store = opened(path)
-    return store.points_at(np.nonzero(store.flags == DONE))
+    return store.points_where(store.flags == DONE)
 
 
 def make(path, sweep):
@@ -126,26 +125,17 @@ def killed_after(monkeypatch, count, since=None):
             was_killed.append(True)
 
 
-def sealed(document):
-    """Content of a store's root document as bytes, with its digest recomputed."""
-    metadata = document["consolidated_metadata"]["metadata"]
-    about = metadata["about"]["attributes"]
-    about["digest"] = root.digest_of(about)
-    return json.dumps(document).encode()
+def forge(store, change):
+    """Change the facts of a store, and give them the right digest.
 
-
-def forge(store, file, change):
-    """Write the root in `file`, after a change, as the root of a store, with the right digest.
-
-    `change` is called with the sweep and the facts, and with the metadata of arrays by path.
+    `change` is called with the sweep and the facts.
     """
+    file = store / "about" / "zarr.json"
     document = json.loads(file.read_bytes())
-    metadata = document["consolidated_metadata"]["metadata"]
-    about = metadata["about"]["attributes"]
-    texts = {"sweep": json.loads(about["scene"]), "store": about}
-    change(texts, metadata)
-    about["scene"] = json.dumps(texts["sweep"])
-    (store / ROOT).write_bytes(sealed(document))
+    facts = document["attributes"]
+    change(facts["sweep"], facts)
+    facts["digest"] = layout._digest(facts)
+    file.write_text(json.dumps(document))
 
 
 def contents(path):

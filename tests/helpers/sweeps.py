@@ -1,14 +1,16 @@
 """Sweeps made of the fields of all their parts, by name."""
 
+import json
+
 import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.scene.reading import SceneReader
-from pipeline.scene.source import Source, read_sweep
-from pipeline.scene.stored_text import file_contents, sweep_text
+from pipeline.scene.build import Files
+from pipeline.scene.faults import Faults
+from pipeline.scene.read import Source
 from pipeline.store.schema import INPUTS, PLANE, split_arrays
-from pipeline.sweep.variants import Variants
+from pipeline.sweep.stored import plain_sweep
 from tests.helpers.entries import FIELDS, changed
 
 _BASE = {
@@ -32,7 +34,7 @@ _BASE = {
 def sweep_of_fields(**values):
     """Sweep with these values of fields of its parts; other fields have usual values."""
     assert values.keys() <= FIELDS, values.keys() - FIELDS
-    sweep = read_sweep("scene", Source(_BASE, SceneReader()), Variants())
+    sweep = Source("scene", _BASE, Files()).read(Faults())
     usual = {"fidelity": tribo.Fidelity(), "title": "A scene"}
     return changed(sweep, **usual | values)
 
@@ -42,8 +44,9 @@ def attributes_of(sweep, held=frozenset()):
 
     Arrays of a scene are in the dataset, not in the text; `held` are the digests of those there.
     """
-    assert file_contents(sweep).keys() <= held, "arrays of a scene lie beside its text"
-    return {"title": sweep.title, "scene": sweep_text(sweep)}
+    plain, arrays = plain_sweep(sweep)
+    assert arrays.keys() <= held, "arrays of a scene lie beside its data"
+    return {"title": sweep.title, "sweep": json.dumps(plain)}
 
 
 def with_fields(ds, **values):

@@ -9,8 +9,8 @@ import tribo
 from pipeline import Conditions
 from pipeline.analysis.dataset import scene_sweep
 from pipeline.store.schema import COLUMNS, DONE, FAILED, MADE, PENDING, TEST_STEP, test_variable
-from pipeline.sweep.measurement import Measurement
 from pipeline.sweep.points_of_tests import TEST_POINT, wanted_slots
+from tests.helpers.entries import bare_test
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import attributes_of, sweep_of_fields
 from tribo import QUANTILES
@@ -22,10 +22,10 @@ CONDITIONS = {
     "critical_temperature": 418.15,
 }
 MEASURED = (
-    Measurement(750.0, 1.25, 0.103),
-    Measurement(600.0, 1.5, 0.1),
-    Measurement(400.0, 2.25, 0.091),
-    Measurement(200.0, 3.75),
+    bare_test(750.0, 1.25, 0.103),
+    bare_test(600.0, 1.5, 0.1),
+    bare_test(400.0, 2.25, 0.091),
+    bare_test(200.0, 3.75),
 )
 OIL = tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
 LOADS = np.arange(200.0, 751.0, 50.0)

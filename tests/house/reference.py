@@ -9,14 +9,14 @@ import math
 import sys
 
 import tribo
-from pipeline.scene.declare import List, table_of
-from pipeline.scene.faults import quoted
-from pipeline.scene.fidelity import FidelityTable
+from pipeline.scene.format import FidelityTable
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.reference import number_in, sections
-from pipeline.scene.units import typeset
+from pipeline.scene.tables import List, table_of
 from pipeline.store import schema
+from pipeline.units import typeset
+from pipeline.words import quoted
 from tests.helpers.campaigns import table
+from tests.house.sections import number_in, sections
 
 _HEADS = "key", "give", "default", "meaning"
 _VARIABLES = {

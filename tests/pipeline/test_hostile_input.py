@@ -16,11 +16,11 @@ import pytest
 
 import tribo
 from pipeline import open_sweep
+from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import write_frames
 from pipeline.cli import main
 from pipeline.laboratory.surfaces import read_surface
-from pipeline.scene.along import OperatingPoints
-from pipeline.store.write import opened
+from pipeline.store.store import opened
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.stores import commit
@@ -161,7 +161,7 @@ _ASKED = """
 import sys
 from pathlib import Path
 from pipeline.cli import main
-from pipeline.scene.along import OperatingPoints
+from pipeline.analysis.operating_points import OperatingPoints
 from tribo import InputError
 codes = [main(["check", path]) for path in sys.argv[3:]]
 for book in sys.argv[1:3]:

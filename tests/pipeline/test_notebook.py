@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+from pipeline.progress import Progress, silent
 from pipeline.run.sweep import Outcome
 from pipeline.run.tally import shown_progress
-from pipeline.store.progress import FailedPoint
-from pipeline.sweep.stages import Progress, silent
+from pipeline.store.store import FailedPoint
 
 ROOT = Path(__file__).parents[2]
 

@@ -11,7 +11,7 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.outcomes import ABOVE, BELOW, CROSSES, MILD, SEVERAL, SEVERE, outcomes
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.conditions import rise_limit
 from tests.helpers import page_sweeps as sweeps
 from tests.helpers.sweeps import deciding_rise, with_fields
 from tribo import Corrections, Criterion, Friction

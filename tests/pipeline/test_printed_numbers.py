@@ -12,12 +12,13 @@ import xarray as xr
 import pipeline
 from pipeline.analysis.boundary import boundary_frame
 from pipeline.analysis.margin_frame import asked_of
+from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import attribute_values
 from pipeline.analysis.tables import records
 from pipeline.cli.given import dataset_in
 from pipeline.cli.parser import parse
 from pipeline.constants import PRESET_BOUNDS
-from pipeline.scene.along import OperatingPoints
+from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.plan import points
 from tests.helpers import stores as helpers
 from tests.helpers.scenes import MEASURED
@@ -165,14 +166,14 @@ def as_floats(values):
 @pytest.mark.parametrize("kind", ["broken", "surfaces", "rows"])
 def test_status_and_verify_count_the_points_of_the_dataset(ask, stores, kind):
     ds = opened(stores(kind))
-    counts = {flag: int((ds["status"] == flag).sum()) for flag in (0, 1, 2)}
+    counts = {flag: int((ds["status"] == flag).sum()) for flag in (DONE, FAILED, PENDING)}
     code = 1 if counts[2] else 0
     (record,), said, _ = ask("status", kind, code=code)
     assert record["title"] == "A small sweep"
     assert (record["points"], record["done"]) == (ds["status"].size, counts[1])
-    assert (record["pending"], record["failed"]) == (counts[0], counts[2])
+    assert (record["pending"], record["failed"]) == (counts[PENDING], counts[FAILED])
     line = "{} points: {} done, {} failed, {} pending"
-    assert line.format(ds["status"].size, counts[1], counts[2], counts[0]) in said
+    assert line.format(ds["status"].size, counts[DONE], counts[FAILED], counts[PENDING]) in said
     failed = np.argwhere((ds["status"] == 2).values)
     for index in failed:
         message = pipeline.results(pipeline.open_sweep(stores(kind))).messages[tuple(index)]

@@ -18,14 +18,13 @@ from scipy.stats import binom
 
 import pipeline
 from pipeline import Conditions
+from pipeline.analysis.preset_error import preset_bound
 from pipeline.analysis.rise_error import INTERPOLATION, rise_errors, totals
 from pipeline.analysis.rises import Rises
 from pipeline.analysis.warned_points import exponents
 from pipeline.constants import BETWEEN, PRESET_BOUNDS
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, run_point
-from pipeline.sweep.selection import preset_bound
-from pipeline.sweep.severity import worst_rises
+from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import Variants
 from tests.helpers.campaigns import compute, conclude, read, table
 from tests.helpers.entries import changed
@@ -34,6 +33,7 @@ from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, Criterion, TriboError, WarningKind
 from tribo.constants import SLOWEST
 from tribo.simulation import Trunks
+from tribo.simulation.severity import worst_rises
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SHIPPED = ("first_try", "oil_a", "ball_on_disk", "twin_disc")

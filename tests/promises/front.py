@@ -20,8 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.analysis.preset_error import preset_of, velocity_error
 from pipeline.constants import PRESET_BOUNDS
-from pipeline.sweep.selection import preset_of, velocity_error
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.helpers.entries import changed
 from tests.promises.families import case_of, cases

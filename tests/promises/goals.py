@@ -23,18 +23,17 @@ from pathlib import Path
 
 import numpy as np
 
+from pipeline.analysis.preset_error import presets_for, velocity_error
 from pipeline.analysis.specimen import Alone
 from pipeline.run.goal import why_fixed
 from pipeline.run.goal_preset import goal_presets
 from pipeline.run.search import MOST_PATCHES, Goal, Place, Search
-from pipeline.scene.written import with_fidelity
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, run_point
-from pipeline.sweep.selection import presets_for, velocity_error
-from pipeline.sweep.severity import relative_sampling, worst_rises
+from pipeline.sweep.sweep import Point
 from tests.helpers.campaigns import commit, compute, conclude, read, table
 from tests.promises.families import cases
 from tribo import Corrections, Friction, TriboError
+from tribo.simulation.severity import relative_sampling, worst_rises
 
 POINTS = Path("results/goals")
 PATCHES = 64  # of the truth
@@ -56,7 +55,7 @@ class Planes:
         self.loads, self.velocities = np.array(sweep.loads), np.array(sweep.velocities)
         presets = {one.preset: one for one in goal_presets(sweep)}
         exact = presets_for(presets["standard"].scene, ["reference"])["reference"]
-        presets["reference"] = with_fidelity(sweep, exact, "reference")
+        presets["reference"] = sweep.with_fidelity(exact, "reference")
         self.promised = {name: velocity_error(one) for name, one in presets.items()}
         self._patches = {name: self._scenes(one) for name, one in presets.items()}
         self._stations, self._path = choose_stations(sweep), path

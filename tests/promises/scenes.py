@@ -7,12 +7,12 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.severity import rises_above_colder
 from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
 from tests.helpers.sweeps import sweep_of_fields
 from tribo.simulation import state_rises
+from tribo.simulation.severity import rises_above_colder
 
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
 SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)

@@ -7,11 +7,11 @@ import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.severity import rises_above_colder
 from pipeline.sweep.variants import surfaces
 from tests.helpers.entries import changed
 from tests.helpers.sweeps import sweep_of_fields
 from tests.promises.scenes import PAIRS, ROUGHLY, state_at, window_guess
+from tribo.simulation.severity import rises_above_colder
 
 SHARES = (0.4, 0.7, 1.0)  # loads over the reference load
 _MIDDLE = 1  # number of the load whose boundary lies in the middle of the velocities

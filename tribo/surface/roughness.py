@@ -119,6 +119,9 @@ class MeasuredRoughness:
 class UnknownHeights:
     """Stands for a surface of unknown heights; a scene with it can be read, but not simulated."""
 
+    digest: str
+    shape: tuple[int, ...]
+
 
 def heights_of(surface: Any, pixels: Grid) -> Array:
     """Heights of a surface [m]; `InvariantError` unless finite and of shape ``pixels.shape``."""

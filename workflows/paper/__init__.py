@@ -14,8 +14,8 @@ from typing import Any
 
 from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.figures.style import save_figure
-from pipeline.scene.faults import did_you_mean
-from pipeline.sweep.stages import staged
+from pipeline.progress import staged
+from pipeline.words import did_you_mean
 from tribo import InputError
 
 from .gallery import page

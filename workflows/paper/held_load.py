@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline.analysis.condition_words import heating_words
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, house_style
-from pipeline.sweep.condition_words import heating_words
 from tribo import InputError, Ramp
 from tribo.types import Array
 

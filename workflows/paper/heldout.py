@@ -131,7 +131,7 @@ def _places(study: Study, oil: str, transitions: Sequence[Tested]) -> list[_Plac
             "load": f"{float(row.normal_load)!r} N",
             "velocity": f"{float(row.velocity) * math.exp(factor)!r} m/s",
             "disk.roughness.correlation_length": f"{length!r} um",
-            "wear.specific_wear_rate": scene.entries["wear"]["specific_wear_rate"],
+            "wear.specific_wear_rate": scene.source.entries["wear"]["specific_wear_rate"],
         }
         for scene, row in transitions
         for length in lengths

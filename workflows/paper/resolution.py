@@ -14,7 +14,6 @@ from matplotlib.figure import Figure, SubFigure
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.scene.written import with_fidelity
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
 
@@ -47,7 +46,7 @@ def fig6(study: Study) -> Report:
     """Report on the highest temperature at 750 N, 1.25 m/s with other grids and time steps."""
     sweep = study.scene("table4")
     if study.preset is None:
-        sweep = with_fidelity(sweep, _PAPER)
+        sweep = sweep.with_fidelity(_PAPER)
     seeds, deciding = study.seeds(1), sweep.conditions.criterion
     blocks = [
         n for n in _BLOCKS if study.preset is None or n >= sweep.scene.fidelity.pixels_per_element
@@ -124,7 +123,7 @@ def _with_steps(
 
 
 def _with(sweep: Sweep, **changes: Any) -> Sweep:
-    return with_fidelity(sweep, replace(sweep.scene.fidelity, **changes))
+    return sweep.with_fidelity(replace(sweep.scene.fidelity, **changes))
 
 
 def _neighbours(pressure: Array) -> float:

@@ -14,9 +14,6 @@ from matplotlib.figure import Figure
 from pipeline import Sweep
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, house_style
 from pipeline.quantities import shown_in
-from pipeline.scene.declare import table_of
-from pipeline.scene.format import RandomSurface
-from pipeline.scene.written import entries_of
 from pipeline.sweep.conditions import known_critical_temperature
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
@@ -46,7 +43,12 @@ _Outcomes = Mapping[str, Mapping[str, _Outcome]]
 
 
 def _on(sweep: Sweep, surface: SelfAffineRoughness) -> Sweep:
-    table = entries_of(table_of(RandomSurface), surface)
+    table = {
+        "ra": f"{surface.ra!r} m",
+        "hurst_exponent": surface.hurst_exponent,
+        "correlation_length": [f"{length!r} m" for length in surface.correlation_length],
+        "seed": surface.seed,
+    }
     return sweep.changed("disk.roughness", table)
 
 

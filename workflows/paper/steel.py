@@ -88,7 +88,7 @@ def _critical(study: Study, sweep: Sweep, row: Any) -> Array:
 
 
 def _conducting(sweep: Sweep, conductivity: float) -> Sweep:
-    for name in {sweep.entries[body]["material"] for body in ("pin", "disk")}:
+    for name in {sweep.source.entries[body]["material"] for body in ("pin", "disk")}:
         path = f"materials.{name}.thermal_conductivity"
         sweep = sweep.changed(path, f"{conductivity!r} W/(m K)")
     return sweep

@@ -11,10 +11,9 @@ import xarray as xr
 
 from pipeline import Sweep, load_scene, open_sweep, run_sweep
 from pipeline.cli.output import run_line
+from pipeline.progress import Progress, Report, silent, staged
 from pipeline.run.sweep import Outcome
-from pipeline.scene.shipped import WORKFLOWS
-from pipeline.scene.written import with_fidelity
-from pipeline.sweep.stages import Progress, Report, silent, staged
+from pipeline.shipped import WORKFLOWS
 from tribo import Fidelity
 
 T = TypeVar("T")
@@ -74,7 +73,7 @@ class Study:
         """Load the scene of this name, with its own fidelity or with the preset asked for."""
         path = Path(self.scenes, f"{name}.toml")
         if self.preset == PUBLISHED:
-            return with_fidelity(load_scene(path, overrides=overrides), AS_PUBLISHED)
+            return load_scene(path, overrides=overrides).with_fidelity(AS_PUBLISHED)
         return load_scene(path, preset=self.preset, overrides=overrides)
 
     def stages(

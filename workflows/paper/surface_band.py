@@ -6,7 +6,6 @@ import numpy as np
 
 from pipeline import at, boundary, results
 from pipeline.figures.diagram import diagram
-from pipeline.sweep.variants import surfaces
 from tribo import InputError
 
 from .report import Report, cells, texts
@@ -29,7 +28,7 @@ def band(study: Study) -> Report:
     sweep = scene.changed("sweep.loads", [f"{load} N" for load in _LOADS])
     sweep = sweep.changed("sweep.velocities", [f"{velocity} m/s" for velocity in _VELOCITIES])
     sweep = sweep.changed("sweep.fields", False)
-    sweep = sweep.source.read_again(sweep, sweep.source.written, surfaces(seeds))
+    sweep = sweep.changed("sweep.realizations", [*seeds])
     _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{study.preset or sweep.preset}")
     ds = ds.sel(realization=list(seeds))
 

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from pipeline import Conditions, Sweep
 from pipeline.figures.style import GREY, house_style
 from pipeline.quantities import shown_in
-from pipeline.sweep.conditions import known_critical_temperature
-from pipeline.sweep.severity import rise_limit
+from pipeline.sweep.conditions import known_critical_temperature, rise_limit
 from tribo.thermal import Criterion
 
 from .publication import ROOM_CELSIUS, TABLE_4

@@ -12,10 +12,11 @@ from matplotlib.axes import Axes
 from pipeline import Sweep, run_point
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
 from pipeline.quantities import shown_in
-from pipeline.sweep.severity import boundary_velocity_error, rise_limit
-from pipeline.sweep.surface import find_lubrication
+from pipeline.sweep.conditions import rise_limit
 from tribo import InputError, State, measures, simulate
 from tribo.simulation import state_rises
+from tribo.simulation.lubrication import find_lubrication
+from tribo.simulation.severity import boundary_velocity_error
 from tribo.thermal import Criterion, failed_share
 from tribo.types import Array
 from tribo.wear import Wear as ArchardWear
@@ -163,7 +164,10 @@ def worn(sweep: Sweep, wear: Wear) -> Sweep:
 
 def film_parameter(sweep: Sweep, test: Any) -> float:
     """Film parameter Λ at a test: minimum film thickness over roughness."""
-    lubrication, bulk = find_lubrication(sweep), sweep.conditions.bulk_temperature
+    lubrication, bulk = (
+        find_lubrication(sweep.scene, sweep.lubricant),
+        sweep.conditions.bulk_temperature,
+    )
     if lubrication is None:
         raise InputError(f"the scene {sweep.name} must have an [oil]")
     return float(lubrication.film_parameter(test.normal_load, test.velocity, bulk))

@@ -7,12 +7,17 @@ import xarray as xr
 import pipeline
 from pipeline import at, boundary
 from pipeline.analysis.words import boundary_lines, next_run_line
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tests.helpers.synthetic import LOADS, VELOCITIES
+from tribo.simulation.lubrication import find_lubrication
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
+
+
+def film_of(ds):
+    sweep = pipeline.results(ds).sweep
+    return sweep.scene, sweep.lubricant
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +82,8 @@ def test_only_the_last_step_counts():
     hot = ds.assign(rise_quantile=ds["rise_quantile"].where(~earlier, 1e4))
     assert boundary(hot).equals(boundary(synthetic.sweep()))
     unfinished = ds.assign(rise_quantile=ds["rise_quantile"].where(earlier))
-    assert (boundary(unfinished)["outcome_at_load"] == UNKNOWN).all()
+    with pytest.raises(pipeline.StoreError, match="180 of 180 done points have no values"):
+        boundary(unfinished)
 
 
 def test_deciding_temperature_is_that_of_the_closed_form(sweep):
@@ -93,7 +99,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(oil=synthetic.OIL)
     assert not [name for name in boundary(plain) if name.startswith("film")]
     crossings = boundary(at(oiled, bulk_temperature=320.0, friction=[0.09, 0.1]))
-    of = find_lubrication(pipeline.results(oiled).sweep).film_parameter
+    of = find_lubrication(*film_of(oiled)).film_parameter
     for friction in (0.09, 0.1):
         part = crossings.sel(friction_coefficient=friction)
         expected = of(part["load"], part["critical_velocity"], 320.0)
@@ -107,7 +113,7 @@ def test_the_line_with_tests_is_where_half_of_the_runs_are_severe():
     """A transition at 0.9 of the limit at all loads moves the line, and leaves the computed one."""
     plain, limit = synthetic.sweep(measured=()), synthetic.limit()
     tests = tuple(
-        Measurement(load, float(synthetic.critical_velocity(load, 0.9 * limit)))
+        bare_test(load, float(synthetic.critical_velocity(load, 0.9 * limit)))
         for load in (200.0, 400.0, 600.0)
     )
     found = boundary(synthetic.sweep(measured=tests))

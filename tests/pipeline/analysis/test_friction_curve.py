@@ -7,9 +7,9 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.sweep.condition_words import judged_by
-from pipeline.sweep.measurement import Measurement
+from pipeline.analysis.condition_words import judged_by
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tests.helpers.sweeps import with_fields
 
 FALLING = tribo.Corrections(
@@ -49,10 +49,10 @@ def test_friction_is_that_of_the_place_and_not_interpolated():
 
 def test_a_test_is_compared_at_the_friction_that_it_measured():
     tests = [
-        Measurement(600.0, 4.0, 0.1),
-        Measurement(600.0, 4.0),
-        Measurement(500.0, 2.0, 0.11),
-        Measurement(600.0, 1.0, 0.1, outcome="mild"),
+        bare_test(600.0, 4.0, 0.1),
+        bare_test(600.0, 4.0),
+        bare_test(500.0, 2.0, 0.11),
+        bare_test(600.0, 1.0, 0.1, outcome="mild"),
     ]
     conditions = replace(synthetic.conditions(), corrections=FALLING)
 

@@ -12,8 +12,8 @@ import pipeline
 from pipeline.analysis.specimen import LOCAL, SWEPT, Alone, patches_bound, patches_needed
 from pipeline.constants import ALONE_IN_LOCAL_WEAR, RISE_SHARE
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tribo import QUANTILES
 
 LIFTS = (1.0, 1.1, 0.9, 1.05, 0.97)
@@ -173,7 +173,7 @@ def test_the_highest_of_patches_is_as_uncertain_as_one_of_them():
 
 
 def test_a_test_is_computed_on_the_first_patch_and_stands_on_the_level_of_the_specimen():
-    tests = {"measured": (Measurement(400.0, 2.0),)}
+    tests = {"measured": (bare_test(400.0, 2.0),)}
     several = patches((1.0, 1.21), **tests)
     hotter = patches((1.1,), **tests)
     both = [pipeline.margin(ds, 600.0, 1.5).probability for ds in (several, hotter)]

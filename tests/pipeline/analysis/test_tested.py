@@ -9,8 +9,8 @@ import pipeline
 from pipeline.analysis.likelihood import Prior, SpecimenResult, condition
 from pipeline.analysis.outcomes import MILD
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 
 LIMIT = synthetic.limit()
 LOAD = 400.0
@@ -19,7 +19,7 @@ LOAD = 400.0
 def at(y, outcome=None, **own):
     """Test at which y = ln(rise/limit) is a given number."""
     velocity = synthetic.critical_velocity(LOAD, math.exp(y) * LIMIT)
-    return Measurement(LOAD, float(velocity), outcome=outcome, **own)
+    return bare_test(LOAD, float(velocity), outcome=outcome, **own)
 
 
 def swept(*tests, **told):
@@ -69,14 +69,14 @@ def test_rows_of_one_specimen_are_one_result(name):
 
 def test_a_transition_with_a_step_is_the_interval_of_the_step():
     test = at(0.0)
-    stepped = Measurement(LOAD, test.velocity, velocity_step=0.5)
+    stepped = bare_test(LOAD, test.velocity, velocity_step=0.5)
     low = math.log((test.velocity - 0.5) / test.velocity) * synthetic.VELOCITY_EXPONENT
     expected = condition((SpecimenResult(0.0, width=-low),), Prior()).probability([-0.1, 0.1])
     assert chances(swept(stepped), -0.1, 0.1) == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_test_outside_the_plane_counts_as_one_inside():
-    outside = Measurement(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
+    outside = bare_test(1200.0, float(synthetic.critical_velocity(1200.0, 0.9 * LIMIT)))
     inside = at(math.log(0.9))
     assert chances(swept(outside), -0.2, 0.1) == pytest.approx(
         chances(swept(inside), -0.2, 0.1), abs=1e-9
@@ -122,19 +122,19 @@ def test_no_mild_verdict_stands_against_a_severe_test_that_was_no_harder(way):
     """Many mild tests make an easy place mild, but for one that a severe test dominates."""
     load, velocity, own = EASIER[way]
     mild = [at(-0.2, "mild", run=str(k)) for k in range(40)]
-    severe = Measurement(300.0 * load, 0.9 * velocity, outcome="severe", **own)
+    severe = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", **own)
     ds = swept(*mild, severe)
     there = pipeline.margin(ds, 300.0, 0.9)
     assert there.highest <= 0.05
     assert (there.verdict, "forbids it" in there.against) == ("not decided", True)
     assert pipeline.margin(ds, 200.0, 0.6).verdict == "mild"
-    held = Measurement(300.0 * load, 0.9 * velocity, outcome="severe", hold=30.0, **own)
+    held = bare_test(300.0 * load, 0.9 * velocity, outcome="severe", hold=30.0, **own)
     assert pipeline.margin(swept(*mild, held), 300.0, 0.9).verdict == "mild"  # not alike
 
 
 def test_no_severe_verdict_stands_against_a_mild_test_that_was_no_easier():
     severe = [at(0.2, "severe", run=str(k)) for k in range(40)]
-    mild = Measurement(700.0, 3.8, outcome="mild")
+    mild = bare_test(700.0, 3.8, outcome="mild")
     ds = swept(*severe, mild)
     assert pipeline.margin(ds, 700.0, 3.8).verdict == "not decided"
     assert pipeline.margin(ds, 750.0, 4.0).verdict == "severe"
@@ -184,7 +184,7 @@ def inferring(*tests, critical=418.15):
 def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_begins(start):
     temperature = 298.15 + 90.0
     tests = [
-        Measurement(load, float(synthetic.critical_velocity(load, 900.0)))
+        bare_test(load, float(synthetic.critical_velocity(load, 900.0)))
         for load in (200.0, 300.0, 400.0, 600.0)
     ]
     found = pipeline.infer(inferring(*tests, critical=start))
@@ -195,8 +195,8 @@ def test_the_critical_temperature_is_found_from_transitions_wherever_the_search_
 
 def test_tests_of_one_outcome_bound_the_critical_temperature_from_one_side():
     place = float(synthetic.critical_velocity(LOAD, LIMIT))
-    mild = pipeline.infer(inferring(Measurement(LOAD, place, outcome="mild")))
-    severe = pipeline.infer(inferring(Measurement(LOAD, place, outcome="severe")))
+    mild = pipeline.infer(inferring(bare_test(LOAD, place, outcome="mild")))
+    severe = pipeline.infer(inferring(bare_test(LOAD, place, outcome="severe")))
     assert (mild.is_bounded, severe.is_bounded) == (False, False)
     assert 390.0 < mild.at_least < 418.15 < severe.at_most < 450.0
     assert (mild.at_most, severe.at_least) == (None, None)

@@ -8,12 +8,12 @@ import xarray as xr
 
 from pipeline import boundary, margin
 from pipeline.analysis.judge import NOT_DECIDED
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tribo import Corrections, Friction, WarningKind
 
 FALLING = Corrections(friction=Friction(by_velocity=((0.5, 1.0), (4.0, 0.8))))
-TESTS = (Measurement(600.0, 1.5), Measurement(400.0, 1.2, outcome="severe"))
+TESTS = (bare_test(600.0, 1.5), bare_test(400.0, 1.2, outcome="severe"))
 
 
 def critical(load):

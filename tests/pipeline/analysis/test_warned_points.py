@@ -11,7 +11,7 @@ import pipeline
 from pipeline import results, warned
 from pipeline.analysis.warned_points import warning_flags
 from pipeline.cli import main
-from pipeline.sweep.model import Point
+from pipeline.sweep.sweep import Point
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
 from tests.helpers.sweeps import deciding_rise

@@ -6,7 +6,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import begin, given
-from pipeline.scene.shipped import shipped_pages
+from pipeline.shipped import shipped_pages
 
 
 @pytest.fixture

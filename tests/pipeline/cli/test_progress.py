@@ -8,7 +8,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main, output
-from pipeline.sweep.stages import Progress
+from pipeline.progress import Progress
 from tests.helpers.scenes import MEASURED, SCENE
 
 

@@ -3,8 +3,8 @@
 import pytest
 
 import pipeline
-from pipeline.sweep.measurement import Measurement
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
 from tests.pipeline.figures.test_plot import labels, lines
 
 NARROW = (200.0, 400.0, 600.0), (1.0, 2.0, 4.0)
@@ -19,11 +19,11 @@ def faces(axes):
 
 def test_tests_are_open_where_wear_stayed_mild_and_filled_where_it_was_severe():
     tests = (
-        Measurement(250.0, 1.5, outcome="mild"),
-        Measurement(500.0, 3.0, outcome="severe"),
-        Measurement(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
-        Measurement(901.0, 2.0, outcome="mild"),
-        Measurement(200.0, 9.0, outcome="mild"),
+        bare_test(250.0, 1.5, outcome="mild"),
+        bare_test(500.0, 3.0, outcome="severe"),
+        bare_test(350.0, 2.5, outcome="severe", bulk_temperature=333.15, number="warm"),
+        bare_test(901.0, 2.0, outcome="mild"),
+        bare_test(200.0, 9.0, outcome="mild"),
     )
     axes = pipeline.plot(synthetic.sweep(*NARROW, measured=(), tested=tests)).axes[0]
     places, colours = lines(axes), faces(axes)

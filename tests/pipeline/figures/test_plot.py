@@ -13,11 +13,16 @@ from pipeline.cli.options import OF_PLOT
 from pipeline.figures import plot as live
 from pipeline.figures.style import GREY
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.surface import find_lubrication
 from tests.helpers import synthetic
+from tests.helpers.entries import bare_test
+from tribo.simulation.lubrication import find_lubrication
 
 MILD, SEVERE = "mild wear, computed", "severe wear, computed"
+
+
+def film_of(ds):
+    sweep = pipeline.results(ds).sweep
+    return sweep.scene, sweep.lubricant
 
 
 @pytest.fixture(autouse=True)
@@ -160,9 +165,7 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     ds = synthetic.sweep(oil=synthetic.OIL, roughness=of_height(0.2e-6))
     axes = pipeline.plot(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
-    film = find_lubrication(pipeline.results(ds).sweep).film_parameter(
-        line[:, 1], line[:, 0], 298.15
-    )
+    film = find_lubrication(*film_of(ds)).film_parameter(line[:, 1], line[:, 0], 298.15)
     assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
     rough = {"oil": synthetic.OIL, "roughness": of_height(2e-6)}
     thick = pipeline.plot(synthetic.sweep([200.0, 600.0], [1.0, 2.0], **rough))
@@ -172,11 +175,11 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
 
 def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
     tests = (
-        Measurement(600.0, 1.5, 0.1),
-        Measurement(400.0, 2.25, 0.091, velocity_step=0.25),
-        Measurement(900.0, 1.0, 0.07),
+        bare_test(600.0, 1.5, 0.1),
+        bare_test(400.0, 2.25, 0.091, velocity_step=0.25),
+        bare_test(900.0, 1.0, 0.07),
     )
-    mild = Measurement(200.0, 3.0, outcome="mild")
+    mild = bare_test(200.0, 3.0, outcome="mild")
     axes = plot(synthetic.sweep(measured=tests, tested=(mild,)), "tests").axes[0]
 
     def ratio(test, velocity):
@@ -193,7 +196,7 @@ def test_each_test_is_drawn_at_the_rise_over_limit_of_the_closed_form():
 
 
 def test_a_diagram_names_a_test_without_a_result():
-    ds = synthetic.sweep(measured=(Measurement(600.0, 1.5),))
+    ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
     waiting = synthetic.with_tests(ds, status=PENDING)
     said = labels(plot(waiting).legends[0])
     assert "without a result, so not every verdict is given: test 1" in said

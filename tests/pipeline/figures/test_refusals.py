@@ -6,10 +6,9 @@ import pipeline
 from pipeline.figures.tested import draw_tests
 from pipeline.store.create import writing
 from pipeline.store.schema import FAILED, PENDING
-from pipeline.sweep.measurement import Measurement
 from pipeline.tradeoff.trade import Trade
 from tests.helpers import synthetic, tiny
-from tests.helpers.entries import placed_rows
+from tests.helpers.entries import bare_test, placed_rows
 from tests.helpers.refusals import refusal_tests
 
 
@@ -44,7 +43,7 @@ def over_computed(*measured, **values):
 
 
 def begun_tests():
-    ds = synthetic.sweep(measured=(Measurement(600.0, 1.5),))
+    ds = synthetic.sweep(measured=(bare_test(600.0, 1.5),))
     return draw_tests(pipeline.results(synthetic.with_tests(ds, status=PENDING)))
 
 

@@ -7,10 +7,10 @@ import pytest
 from scipy import ndimage
 
 from pipeline import SceneFileError, load_scene, surface_statistics, to_si
-from pipeline.sweep.areal import areal_roughness
-from pipeline.sweep.surface import surface_facts
 from tribo import Grid
+from tribo.simulation.lubrication import surface_facts
 from tribo.surface import self_affine
+from tribo.surface.areal import areal_roughness
 
 GRID = Grid((240, 192), (0.8e-6, 0.9e-6))
 
@@ -141,7 +141,7 @@ def test_a_scene_takes_what_the_command_takes_and_describes_the_same(tmp_path, i
         "window.pixels": [384, 384],
         "window.pixel_size": ["0.5 um", "0.5 um"],
     }
-    facts = surface_facts(load_scene("first_try", overrides=surface))
+    facts = surface_facts(load_scene("first_try", overrides=surface).scene)
     rough = command["roughness"]
     assert (facts.ra, facts.rq) == pytest.approx((rough["ra"], rough["rq"]), rel=1e-9)
     with pytest.raises(SceneFileError, match=r"the pixels of disk\.roughness\.file are"):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from pipeline.laboratory.surfaces import MeasuredSurface, filled, oriented, read_surface
-from pipeline.sweep.areal import remove_form
 from tests.pipeline.scene.conftest import ROUGHNESS
+from tribo.surface.areal import remove_form
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
 SIDES = 0.816e-6, 0.95e-6

@@ -12,19 +12,21 @@ import tribo
 from pipeline import load_scene
 from pipeline.scene.doubts import doubts, note_on_ends
 from pipeline.scene.facts import Span, facts_of
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.surface import SurfaceFacts
-from tests.helpers.entries import changed
+from tests.helpers.entries import bare_test, changed
 from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
+from tribo.simulation.lubrication import SurfaceFacts
+
+SOURCE = load_scene("first_try").source
 
 
 def with_test(load):
     velocity = max(SMOOTH.velocities)
-    return changed(SMOOTH, loads=(200.0, 750.0), tested=(Measurement(load, velocity),))
+    return changed(SMOOTH, loads=(200.0, 750.0), tested=(bare_test(load, velocity),))
 
 
 def said_of(sweep, **facts):
-    return [doubt.text for doubt in doubts(sweep, replace(facts_of(sweep), **facts))]
+    named = replace(sweep, source=SOURCE)
+    return [doubt.text for doubt in doubts(named, replace(facts_of(sweep), **facts))]
 
 
 def surface(**changes):
@@ -33,7 +35,7 @@ def surface(**changes):
 
 # The usual ranges, stated here independently of the code: wide enough for any real scene, narrow
 # enough to notice a wrong unit.
-STEELS = "materials.AISI 52100"
+STEELS = "materials.steel"
 USUAL = [
     (f"{STEELS}.elastic_modulus", 1, 1200, "GPa", {f"{STEELS}.hardness": "20 MPa"}),
     (f"{STEELS}.hardness", 0.21, 42, "GPa", {f"{STEELS}.elastic_modulus": "210 GPa"}),

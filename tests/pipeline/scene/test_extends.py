@@ -7,7 +7,7 @@ import pytest
 
 import tribo
 from pipeline import SceneFileError, load_scene
-from pipeline.sweep.model import digest
+from pipeline.sweep.sweep import digest
 from tests.helpers.entries import changed
 from tests.pipeline.scene.conftest import ROUGHNESS, TEXT
 

@@ -1,16 +1,18 @@
 """Facts of a scene in closed form, against its simulation."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tribo
-from pipeline import run_point
+from pipeline import load_scene, run_point
 from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import facts_of
-from pipeline.sweep.surface import surface_facts
 from tests.helpers import tiny
 from tests.helpers.entries import changed
 from tests.helpers.scenes import STEEL
+from tribo.simulation.lubrication import surface_facts
 
 SMOOTH = tiny.sweep(
     pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
@@ -107,7 +109,7 @@ def test_a_tilted_surface_is_described_above_its_mean_plane():
     i, j = np.indices((64, 32))
     level = waves()
     tilted = level + 5e-6 + 2e-8 * i - 1e-7 * j
-    facts = surface_facts(rough(tilted))
+    facts = surface_facts(rough(tilted).scene)
     assert facts.mean_height == pytest.approx(tilted.mean(), rel=1e-12)
     # The waves, 8 periods of a sine, have a small slope of their own.
     assert facts.rise == pytest.approx((64 * 2e-8, -32 * 1e-7), rel=0.06)
@@ -117,14 +119,14 @@ def test_a_tilted_surface_is_described_above_its_mean_plane():
 
 @pytest.mark.parametrize(("along", "lay"), [(0, 90.0), (1, 0.0)])
 def test_grooves_lie_across_the_direction_in_which_heights_change(along, lay):
-    assert surface_facts(rough(waves(along=along))).lay == pytest.approx(lay, abs=1e-6)
+    assert surface_facts(rough(waves(along=along)).scene).lay == pytest.approx(lay, abs=1e-6)
 
 
 def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
     def lay(length, count):
         surface = tribo.SelfAffineRoughness(0.27e-6, 0.8, length, seed=3)
         grid = tribo.Grid((count, count), (1e-6, 1e-6))
-        return surface_facts(changed(SMOOTH, pixels=grid, roughness=surface)).lay
+        return surface_facts(changed(SMOOTH, pixels=grid, roughness=surface).scene).lay
 
     assert lay((4e-6, 4e-6), 128) is None
     assert lay((4e-6, 40e-6), 128) == 90.0
@@ -139,7 +141,8 @@ def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
     ],
 )
 def test_what_is_hardly_meant_is_doubted(sweep, said):
-    assert any(said in doubt.text for doubt in doubts(sweep, facts_of(sweep)))
+    named = replace(sweep, source=load_scene("first_try").source)
+    assert any(said in doubt.text for doubt in doubts(named, facts_of(sweep)))
 
 
 def test_of_two_moving_bodies_the_velocity_of_the_disk_counts():

@@ -20,9 +20,9 @@ LINES = {
 USE = "        return self_affine(pixels, ", "        return self.waviness + self_affine(pixels, "
 ASKED = """
 import json, pipeline
-from pipeline.scene.stored_text import sweep_text, parse_sweep
-from pipeline.scene.reference import all_keys
-from pipeline.scene.resume import misfits
+from tests.helpers.stored import sweep_text, parse_sweep
+from tests.house.sections import all_keys
+from pipeline.store.resume import misfits
 
 PATH = "disk.roughness.waviness"
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 import pipeline
-from pipeline.scene.stored_text import parse_sweep, sweep_text
+import tribo
+from tests.helpers.stored import parse_sweep, sweep_text
 
 WEAR = 'with = { "wear.specific_wear_rate" = "3.7e-7 mm^3/(N m)" }'
 
@@ -30,22 +31,22 @@ def test_a_test_has_the_scene_with_its_own_entries(load):
     changed, plain = load(own, transition()).tests
     scene = pipeline.load_scene("first_try")
     with_wear = scene.changed("wear.specific_wear_rate", "3.7e-7 mm^3/(N m)")._with_hold(3.0)
-    assert changed.simulated.scene == with_wear.scene
-    conditions = changed.simulated.conditions
+    assert changed.case.scene == with_wear.scene
+    conditions = changed.case.conditions
     assert (conditions.friction, conditions.bulk_temperature) == (0.12, 333.15)
-    assert plain.simulated.scene == scene.scene
-    assert plain.simulated.conditions == replace(scene.conditions, critical_temperature=None)
+    assert plain.case.scene == scene.scene
+    assert plain.case.conditions == replace(scene.conditions, critical_temperature=None)
 
 
 def test_tests_without_own_entries_share_the_scene_of_the_sweep(load):
     sweep = load(transition("friction = 0.12"), transition('bulk_temperature = "50 degC"'))
-    assert all(test.simulated.scene is sweep.scene for test in sweep.tests)
+    assert all(test.case.scene is sweep.scene for test in sweep.tests)
 
 
 def test_a_test_is_of_the_scene_without_its_rows_and_surfaces(load):
     rows = '[sweep]\nover = { "pin.radius" = ["3 mm", "1 mm"] }\nrealizations = [7, 5]\n'
     (test,) = load(transition(), top=rows).tests
-    assert (test.simulated.scene.pin.radius, test.simulated.scene.roughness.seed) == (0.002, 5)
+    assert (test.case.scene.pin.radius, test.case.scene.roughness.seed) == (0.002, 5)
 
 
 @pytest.mark.parametrize(
@@ -61,8 +62,8 @@ def test_a_measured_friction_replaces_the_curve_of_the_scene(load):
         '[friction]\ncoefficient = 0.1\nby_velocity = [{ velocity = "1 m/s", coefficient = 0.2 }]\n'
     )
     own, others = load(transition("friction = 0.12"), transition(), top=curve).tests
-    assert own.simulated.conditions.friction_at(1.0) == pytest.approx(0.12)
-    assert others.simulated.conditions.friction_at(1.0) == pytest.approx(0.2)
+    assert own.case.conditions.friction_at(1.0) == pytest.approx(0.12)
+    assert others.case.conditions.friction_at(1.0) == pytest.approx(0.2)
 
 
 def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
@@ -73,8 +74,8 @@ def test_a_store_keeps_what_a_test_changes_whatever_the_library_has_later(load):
     )
     stored = parse_sweep(sweep_text(sweep), {})
     assert stored == sweep
-    assert [test.simulated for test in stored.tests] == [test.simulated for test in sweep.tests]
-    assert "fidelity.increments" in sweep.entries["measured"][0]["with"]
+    assert [test.case for test in stored.tests] == [test.case for test in sweep.tests]
+    assert stored.tests[0].case.scene.fidelity == tribo.PRESETS["fine"]
     assert sweep_text(stored) == sweep_text(sweep)
 
 

@@ -13,12 +13,12 @@ import pytest
 import tribo
 from pipeline import Conditions, to_si
 from pipeline.quantities import DIMENSIONS
-from pipeline.scene.declare import Either, List
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Quantity, Whole
-from pipeline.scene.reference import sections
-from pipeline.scene.units import si_unit
+from pipeline.scene.tables import Either, List
+from pipeline.units import si_unit
 from tests.helpers.scenes import STEEL, small_scene
+from tests.house.sections import sections
 
 GRID = tribo.Grid((8, 8), (1e-6, 1e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0)

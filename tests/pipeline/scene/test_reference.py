@@ -6,9 +6,9 @@ import tomllib
 import pytest
 
 from pipeline import load_scene, new_scene
-from pipeline.scene.reference import all_keys, sections
-from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
+from pipeline.shipped import WORKFLOWS, shipped_scenes
 from tests.house import reference
+from tests.house.sections import all_keys, sections
 from tribo import InputError
 
 KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118
@@ -37,9 +37,7 @@ def test_every_entry_is_in_a_shipped_scene_or_on_a_page():
         code = re.findall(r"```.*?```|`[^`\n]+`", page.read_text("utf-8"), re.DOTALL)
         named |= {*re.findall(r"\w+", " ".join(code))}
     without = {
-        path
-        for path, entry in all_keys()
-        if path not in used and not entry.is_store_only and not path.startswith("fidelity.")
+        path for path, _ in all_keys() if path not in used and not path.startswith("fidelity.")
     }
     assert {path for path in without if path.rpartition(".")[2] not in named} == set()
 

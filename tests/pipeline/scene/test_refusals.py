@@ -1,6 +1,5 @@
 """All refusals of scenes, and of the files that they name: what causes each, and what it says."""
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +9,10 @@ import numpy as np
 import tribo
 from pipeline import load_scene, new_scene, to_si
 from pipeline.scene.facts import require_bearable_load
-from pipeline.scene.stored_text import parse_sweep, sweep_text
-from pipeline.scene.units import difference_in_si, in_si, require_count, share_of
+from pipeline.units import difference_in_si, in_si, require_count, share_of
 from tests.helpers import tiny
 from tests.helpers.refusals import refusal_tests
+from tests.helpers.stored import parse_sweep, sweep_text
 from tests.pipeline.scene.conftest import MEASURED_SURFACE, ROUGHNESS, TEXT
 
 RAMP = 'rate = "150 N/s"\nreference_load = "750 N"'
@@ -343,34 +342,16 @@ TEXTS = {
 }
 
 
-def scanned(factor=None):
-    """Heights of a sweep read from its text, whose array is missing, or multiplied by a factor."""
+def scanned():
+    """Heights of a sweep read from its data, whose array is missing."""
     heights = 1e-7 * np.random.default_rng(0).standard_normal((32, 16))
     sweep = tiny.full(roughness=tribo.MeasuredRoughness(heights))
-    beside = {sweep.scene.roughness.digest: factor * heights} if factor else {}
-    read = parse_sweep(sweep_text(sweep), beside)
+    read = parse_sweep(sweep_text(sweep), {})
     return read.scene.roughness.heights(read.scene.pixels)
 
 
-def forged_text(**parts):
-    return parse_sweep(json.dumps(json.loads(sweep_text(tiny.sweep())) | parts), {})
-
-
-def logged():
-    entries = json.loads(sweep_text(tiny.sweep()))["entries"]
-    return forged_text(entries=entries | {"measured": [{"file": "log.csv"}]})
-
-
 KEPT = {
-    "text": (lambda: parse_sweep("3", {}), "is not the text of a sweep"),
-    "form": (lambda: parse_sweep('{"form": 0}', {}), "it is of form 0, and not 1"),
-    "column": (
-        lambda: forged_text(columns=[{"name": "a", "entry": True, "values": [1.0]}]),
-        "a column has values of other types",
-    ),
-    "log": (logged, "measured[0]: a log is read with its scene file"),
     "no array": (scanned, "are missing; open the store"),
-    "exchanged": (lambda: scanned(3.0), "does not have this SHA-256"),
 }
 
 REFUSALS = {**KEPT, **FILES, **QUANTITIES, **ENTRIES, **UNCERTAIN, **TEXTS}

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline import Conditions, SceneFileError, Sweep, load_scene, to_si
-from pipeline.scene.document import as_toml
-from pipeline.sweep.measurement import Measurement
+from pipeline.scene.toml import text_of
+from tests.helpers.entries import bare_test
 from tests.helpers.sweeps import sweep_of_fields
 from tests.pipeline.scene.conftest import PAPER, ROUGHNESS, TEXT, WORKFLOWS
 
@@ -49,10 +49,10 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         conditions=Conditions(0.1, 298.15, 418.15),
         friction_band=(0.09, 0.103),
         measured=(
-            Measurement(750.0, 1.25, 0.103, number="1"),
-            Measurement(600.0, 1.5, 0.1, number="2"),
-            Measurement(400.0, 2.25, 0.091, number="3"),
-            Measurement(200.0, 3.75, 0.094, number="4"),
+            bare_test(750.0, 1.25, 0.103, number="1"),
+            bare_test(600.0, 1.5, 0.1, number="2"),
+            bare_test(400.0, 2.25, 0.091, number="3"),
+            bare_test(200.0, 3.75, 0.094, number="4"),
         ),
         fields=True,
         preset="standard",
@@ -266,8 +266,7 @@ def test_a_scene_of_wrong_values_is_read_or_refused(tmp_path, data):
                 holder[data.draw(words)] = holder.pop(key)
         if not document:
             break
-    lines = (f"{as_toml(key)} = {as_toml(value)}\n" for key, value in document.items())
-    faults = faults_of(tmp_path / "scene.toml", "".join(lines))
+    faults = faults_of(tmp_path / "scene.toml", text_of(document))
     assert all(len(line.splitlines()) == 1 for line in faults)
 
 

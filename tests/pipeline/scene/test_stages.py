@@ -3,9 +3,9 @@
 import pytest
 
 import pipeline
-from pipeline.scene.resume import misfits
-from pipeline.scene.stored_text import parse_sweep, sweep_text
+from pipeline.store.resume import misfits
 from tests.helpers.scenes import SCENE
+from tests.helpers.stored import parse_sweep, sweep_text
 from tribo import Stages
 
 RAMP = '[loading]\nrate = "150 N/s"\nreference_load = "750 N"'
@@ -42,9 +42,7 @@ def test_stages_are_read_again_from_a_store(load, loading):
     sweep = load(loading, f'{tests}mild_up_to = "2 m/s"\nsevere_at = "3 m/s"')
     again = parse_sweep(sweep_text(sweep), {})
     assert again.scene == sweep.scene
-    assert [test.simulated.scene for test in again.tests] == [
-        test.simulated.scene for test in sweep.tests
-    ]
+    assert [test.case.scene for test in again.tests] == [test.case.scene for test in sweep.tests]
 
 
 def test_the_window_is_as_wide_as_the_stages_wear_the_pin(load):
@@ -60,8 +58,8 @@ def test_the_window_is_as_wide_as_the_stages_wear_the_pin(load):
 def test_a_run_by_stages_is_one_specimen_up_to_its_last_stage(load):
     stages = 'stages = { first = "100 N", step = "100 N", hold = "60 s" }\nvelocity = "2 m/s"\n'
     mild, severe = load(RAMP, f'{stages}mild_up_to = "200 N"\nsevere_at = "300 N"').tests
-    assert mild.simulated.scene == severe.simulated.scene
-    assert mild.simulated.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
+    assert mild.case.scene == severe.case.scene
+    assert mild.case.scene.loading == Stages((100.0, 200.0, 300.0), (60.0,) * 3, 150.0)
     assert (mild.normal_load, mild.outcome) == (200.0, "mild")
     assert (severe.normal_load, severe.outcome) == (300.0, "severe")
     assert mild.run == severe.run
@@ -70,15 +68,15 @@ def test_a_run_by_stages_is_one_specimen_up_to_its_last_stage(load):
 def test_the_stages_of_a_test_may_be_of_velocity(load):
     stages = 'stages = [["1 m/s", "60 s"], ["1.5 m/s", "90 s"], ["2 m/s", "60 s"]]\n'
     (test,) = load(RAMP, f'{stages}load = "400 N"\nmild_up_to = "1.5 m/s"').tests
-    loading = test.simulated.scene.loading
+    loading = test.case.scene.loading
     assert loading == Stages((400.0,), (60.0, 90.0), 150.0, velocities=(1.0, 1.5))
 
 
 def test_a_test_without_stages_of_its_own_has_those_of_the_scene(load):
     single = 'load = "{} N"\nvelocity = "2 m/s"\noutcome = "mild"'
     inside, above = load(EVEN, single.format(400), single.format(1000)).tests
-    assert inside.simulated.scene.loading.loads == (200.0, 400.0, 600.0)
-    assert above.simulated.scene.loading.loads == (200.0, 400.0, 600.0, 800.0, 1000.0)
+    assert inside.case.scene.loading.loads == (200.0, 400.0, 600.0)
+    assert above.case.scene.loading.loads == (200.0, 400.0, 600.0, 800.0, 1000.0)
 
 
 def test_stages_of_velocity_are_refused_beside_the_whole_history(load):
@@ -90,6 +88,6 @@ def test_stages_of_velocity_are_refused_beside_the_whole_history(load):
 def test_a_store_of_a_ramp_does_not_take_stages(load):
     stored = parse_sweep(sweep_text(load(RAMP)), {})
     words = "; ".join(misfits(stored, load(EVEN)))
-    assert "loading.stages" in words
+    assert "loading: Ramp in the store, Stages in the scene" in words
     assert "loading.hold" not in words
     assert list(misfits(parse_sweep(sweep_text(load(EVEN)), {}), load(EVEN))) == []

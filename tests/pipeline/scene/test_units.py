@@ -7,7 +7,7 @@ import pytest
 
 from pipeline import to_si
 from pipeline.quantities import SIZES, UNITS, display
-from pipeline.scene.units import UnitError
+from pipeline.units import UnitError
 from tests.house.measure import ROOT
 
 

@@ -1,15 +1,16 @@
 """Points in a store: data first and status last, also beside readers, and with little room."""
 
 import pytest
+import xarray as xr
 
 import pipeline
 import tribo
-from pipeline import open_sweep, summary, verify_store
+from pipeline import StoreError, open_sweep, summary, verify_store
 from pipeline.store.create import writing
-from pipeline.store.progress import FailedPoint
 from pipeline.store.schema import COLUMNS, FIELDS
-from pipeline.sweep.model import Point
+from pipeline.store.store import FailedPoint
 from pipeline.sweep.plan import points
+from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.points import run_point
 from tests.helpers.stores import assert_is_as_computed, commit, fail, killed_after, opened, record
@@ -94,12 +95,24 @@ def test_opening_reads_no_field(copy):
         assert ds["mean_rise"].load().notnull().any()
 
 
-def test_a_dataset_keeps_its_points_while_values_are_added_at_the_ends_of_axes(copy):
+def test_a_dataset_that_was_opened_before_a_larger_store_took_the_place_says_so(copy):
+    """Its chunks would be those of other points."""
     with open_sweep(copy) as ds:
-        before = ds.sizes
-        commit(copy, tiny.full(velocities=(*tiny.VELOCITIES, 2.0)), [Point(250.0, 2.0)])
-        assert ds.load().sizes == before
-        assert ds["mean_rise"].notnull().any("step").all()
+        commit(
+            copy,
+            tiny.full(velocities=tuple(sorted((0.75, *tiny.VELOCITIES)))),
+            [Point(250.0, 0.75)],
+        )
+        with pytest.raises(StoreError, match="was enlarged since it was opened; open it again"):
+            ds.load()
+    with open_sweep(copy) as ds:
+        assert ds["mean_rise"].notnull().any("step").sum() == 10
+
+
+def test_a_plain_dataset_that_was_opened_before_reads_nothing_and_no_other_points(copy):
+    with xr.open_zarr(copy, chunks=None) as ds:
+        commit(copy, tiny.full(loads=(50.0, *tiny.LOADS)), ())
+        assert ds["mean_rise"].isnull().all()
 
 
 def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
@@ -109,6 +122,6 @@ def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
         raise RuntimeError("can't start new thread")
 
     store = opened(alone)
-    monkeypatch.setattr(type(store.arrays["mean_rise"]), "__getitem__", none_left)
+    monkeypatch.setattr(type(store.arrays["mean_rise"]), "get_orthogonal_selection", none_left)
     with pytest.raises(RuntimeError, match="new thread"):
         store.read("mean_rise", ...)

@@ -13,7 +13,7 @@ from pipeline.cli import main
 from pipeline.store import files
 from pipeline.store.create import writing
 from pipeline.store.place import LOCK
-from pipeline.sweep.model import Point
+from pipeline.sweep.sweep import Point
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
 from tests.helpers.stores import assert_is_as_computed, commit, contents, held_elsewhere, record

@@ -7,9 +7,10 @@ from pathlib import Path
 import zarr
 
 import tribo
-from pipeline import open_sweep, summary, verify_store
+from pipeline import open_sweep, summary
 from pipeline.store import lock
 from pipeline.store.create import writing
+from pipeline.store.layout import FACTS
 from pipeline.store.place import LOCK, ROOT, place_of
 from pipeline.store.schema import require_free_names
 from tests.helpers import tiny
@@ -49,10 +50,10 @@ def relink(path):
 
 
 def forged(change):
-    """Function that gives a store a root with other values and the right hash."""
+    """Function that gives a store other facts and their right digest."""
 
     def write(path):
-        forge(path, path / ROOT, change)
+        forge(path, change)
 
     return write
 
@@ -85,28 +86,15 @@ def in_use():
         commit("a.zarr", SWEEP, ())
 
 
-def with_another_variable():
+def with_a_file():
     commit("a.zarr", SWEEP, ())
-    forged(lambda _, arrays: arrays.update(mine={"dimension_names": ["load"]}))(Path("a.zarr"))
+    Path("a.zarr", "notes.txt").touch()
     commit("a.zarr", tiny.full(loads=(700.0,)), ())
-
-
-def grown():
-    commit("a.zarr", SWEEP, ())
-    commit("a.zarr", tiny.full(loads=(50.0, 150.0)), ())
 
 
 def by_xarray():
     open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
     commit("a.zarr", SWEEP, ())
-
-
-def copy_cut():
-    open_sweep("tiny.zarr").to_zarr("a.zarr", consolidated=False)
-    for file in Path("a.zarr/max_rise/c").rglob("0"):
-        if file.is_file():
-            file.write_bytes(b"1")
-    verify_store("a.zarr")
 
 
 def below_file():
@@ -138,8 +126,8 @@ REFUSALS = {
     "nothing": (lambda: summary("a.zarr"), "there is no store at "),
     "file": (file, "mine is no store"),
     "folder": (folder, "mine is no store: it is a folder with other files"),
-    "foreign": (foreign, "zarr.json is that of another program"),
-    "address": (lambda: commit("memory://a.zarr", SWEEP, ()), "memory://a.zarr can only be read"),
+    "foreign": (foreign, "it is of another program, or has lost its about/zarr.json"),
+    "address": (lambda: commit("http://a/b.zarr", SWEEP, ()), "http://a/b.zarr can only be read"),
     # locks
     "hard link": (changed(lambda path: relink(path), go_on),
                   "cannot be written: it is a hard link, so it has another name"),
@@ -149,40 +137,41 @@ REFUSALS = {
     "unfinished": (lambda: unfinished(is_held=False), "there is no store at "),
     "being made": (lambda: unfinished(is_held=True), "is being made by process"),
     # the root
-    "old": (changed(forged(lambda texts, _: texts["store"].update(format=3))), "of format 3"),
-    "variable": (changed(forged(lambda texts, _: texts["store"]["axes"].update(mine=[1.0]))),
-                 "zarr.json is damaged, or not"),
-    "inputs": (lambda: measured(put("inputs/c.0", b"1")), "zarr.json is damaged, or not"),
-    "exchanged": (lambda: measured(exchange), "zarr.json is damaged, or not"),
-    "sweep": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["sweep"].update(loads=3))),
-              "zarr.json is damaged, or not"),
-    "why": (changed(forged(lambda texts, _: texts["sweep"]["entries"]["pin"].update(radius=-1))),
-            "the text of a sweep: pin.radius: -1 has no unit; give"),
-    "chunks": (changed(forged(lambda texts, _: texts["store"].update(points_per_chunk={}))),
-               "zarr.json is damaged, or not"),
-    "labels": (changed(forged(lambda texts, _: texts["store"]["axes"].update(load=[[1.0]]))),
-               "zarr.json is damaged, or not"),
-    "lost": (changed(lambda path: (path / ROOT).unlink()), "it has lost its zarr.json; restore it"),
-    "copy, cut": (copy_cut, "the copy cannot be read"),
-    "copy": (by_xarray, "zarr.json is that of a copy by xarray, which can be read"),
+    "old": (changed(forged(lambda _, facts: facts.update(format=3))), "is of format 3, and this"),
+    "torn": (changed(put(FACTS, b"{")), "is damaged (JSONDecodeError"),
+    "digest": (changed(lambda path: (path / FACTS).write_text(
+        (path / FACTS).read_text().replace("tiny", "huge"))), "it is not what was written"),
+    "inputs": (lambda: measured(put("inputs/c.0", b"1")), "inputs cannot be read"),
+    "exchanged": (lambda: measured(exchange), "its numbers are others"),
+    "sweep": (changed(forged(lambda sweep, _: sweep.update(loads=3))), "Sweep.loads is 3"),
+    "why": (changed(forged(lambda sweep, _: sweep["base"]["scene"]["pin"].update(radius=-1))),
+            "radius is -1"),
+    "axes": (changed(forged(lambda sweep, _: sweep.update(loads=[2.0, 1.0]))), "that ascend"),
+    "lost": (changed(lambda path: (path / FACTS).unlink()), "has lost its about/zarr.json;"),
+    "copy": (by_xarray, "it is of another program, or has lost its about/zarr.json"),
     # files
     "chunk": (changed(put("max_rise/c.0.0.0", b"1"), load), "damaged"),
     "statuses": (changed(lambda path: (path / "status" / "c.0.0").unlink()),
                  "status cannot be read; irg verify names what is damaged"),
-    "missing": (changed(lambda path: (path / "steps" / "c.0.0").unlink(), load), "damaged"),
-    "beside": (with_another_variable, "mine, an array added by a user, would not grow with it"),
-    "grown": (grown, "these points: load can only grow at its upper end; write a new store"),
+    "missing": (changed(lambda path: (path / "mean_rise" / "c.0.0.0").unlink(), load),
+                "mean_rise is missing at 9 of 9 done points"),
+    "beside": (with_a_file, "notes.txt, which is not of this program, would be lost"),
     "label": (lambda: require_free_names(tiny.sweep(variants=placed_rows(
         (250.0, 1.0, {"time": 1.0})))),
               "a column of the rows is called time"),
 }  # fmt: skip
 
 ELSEWHERE = {
-    "files.open_file OSError": "row of the hard link, which tells it as a StoreError",
-    "files._require_no_link OSError": "rows of links, which tell it as a StoreError",
+    "place.open_file OSError": "row of the hard link, which tells it as a StoreError",
+    "files.require_no_link OSError": "rows of links, which tell it as a StoreError",
     "place.keys StoreError": "test_create.py, with a web server",
-    "root_file.require_same_scene StoreMismatchError": "test_create.py, in several lines",
-    "write._require_lock StoreError": "test_lock.py",
+    "create._opened StoreMismatchError": "test_create.py, in several lines",
+    "create._opened _no_room": "test_s3.py: on an object store",
+    "create._moved_in _no_room": "a done point without a place, which no sweep makes",
+    "create._locked StoreError": "a run that ended between two looks at its folder",
+    "store._require_lock StoreError": "test_lock.py",
+    "store.read StoreError": "test_commit.py: enlarged since it was opened",
+    "layout.read_root StoreError": "a run that was cut short between two renames",
 }
 """Refusals that are not in the table: where they are tested, or why not."""
 

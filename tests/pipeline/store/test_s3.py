@@ -10,15 +10,14 @@ import s3fs
 from aiobotocore.endpoint import AioEndpoint
 
 from pipeline import StoreError, StoreMismatchError, open_sweep, run_sweep, summary, verify_store
-from pipeline.store.create import writing
+from pipeline.store.create import take_points, writing
 from pipeline.store.place import Bucket
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.crash.drive import computing
 from tests.helpers import tiny
 from tests.helpers.heard import Heard
 from tests.helpers.s3 import served
-from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, record
+from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, opened, record
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)
@@ -95,36 +94,40 @@ def test_a_sweep_runs_resumes_and_is_verified_with_few_requests(address, monkeyp
     put(f"{address}/load/c.0", b"nonsense")
     assert open_sweep(address)["load"].values.tolist() == [150.0, 600.0]
     said = irg("verify", address, code=1)
-    assert "600 N, 1 m/s: pressure cannot be read" in said
+    assert "150 N, 1 m/s: pressure cannot be read" in said
     assert "damaged: load\n" in said
     assert "write to another store" in said
     delete(f"{address}/mean_rise/c.0.0.0")
-    with pytest.raises(StoreError, match="mean_rise cannot be read; irg verify"):
-        open_sweep(address)
+    with pytest.raises(StoreError, match="mean_rise is missing at 2 of 2 done points; irg verify"):
+        open_sweep(address).load()
 
 
 LATER = tiny.full(loads=(1500.0,), velocities=(1.0, 2.0))
 
 
-def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch):
-    left, written = [], Bucket.put
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_creation_that_is_killed_goes_on_and_a_plane_is_fixed(
+    address, tmp_path, monkeypatch, count
+):
+    left, synced = [count], Bucket.sync
 
-    def killed(self, contents):
+    def killed(self):
         if left[0] == 0:
             raise Killed
         left[0] -= 1
-        written(self, contents)
+        synced(self)
 
-    for sweep, point in ((SWEEP, POINT), (LATER, Point(1500.0, 2.0))):
-        left[:] = [1]
-        with monkeypatch.context() as patch:
-            patch.setattr(Bucket, "put", killed)
-            with pytest.raises(Killed):
-                commit(address, sweep, ())
-        commit(address, sweep, [point])
-        assert point in done_points(address)
-    assert_is_as_computed(address, [POINT, point])
+    with monkeypatch.context() as patch:
+        patch.setattr(Bucket, "sync", killed)
+        with pytest.raises(Killed):
+            commit(address, SWEEP, ())
+    commit(address, SWEEP, [POINT])
+    assert done_points(address) == [POINT]
+    with pytest.raises(StoreError, match=r"a plane is fixed; write .* -o NEW --from "):
+        commit(address, LATER, ())
     assert verify_store(address).is_clean
+    with writing(tmp_path / "new.zarr", SWEEP) as store:
+        assert take_points(store, opened(address)) == 1
 
 
 def test_an_object_store_is_written_without_a_lock_and_told_in_a_line(made):

@@ -3,7 +3,7 @@
 import pytest
 
 import tribo
-from pipeline.scene.shipped import WORKFLOWS
+from pipeline.shipped import WORKFLOWS
 from pipeline.store import schema
 from pipeline.store.layout import chunk_sizes
 from pipeline.sweep.variants import Variants, surfaces

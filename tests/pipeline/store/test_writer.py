@@ -1,10 +1,10 @@
-"""The thread that commits results (pipeline/store/write.py)."""
+"""When results are committed (`pipeline.store.store.Writer`)."""
 
 import time
 
 import pytest
 
-from pipeline.store.write import Writer
+from pipeline.store.store import Writer
 
 
 class Commits:
@@ -31,7 +31,7 @@ def test_records_that_come_in_a_pause_are_written_together(store):
         assert writer.flush() == ["first"]
         for record in ("second", "third"):
             writer.add([record])
-        assert writer.written() == []
+            assert writer.written() == []
     assert store.commits == [["first"], ["second", "third"]]
 
 

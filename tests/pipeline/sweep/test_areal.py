@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.sweep.areal import areal_roughness, autocorrelation_lengths, remove_form
+from tribo.surface.areal import areal_roughness, autocorrelation_lengths, remove_form
 
 SPACING = 2e-6, 3e-6
 SHAPE = 160, 120

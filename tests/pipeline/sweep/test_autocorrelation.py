@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from pipeline.sweep.areal import autocorrelation_lengths
 from tribo import InputError
+from tribo.surface.areal import autocorrelation_lengths
 
 PIXEL = 0.8e-6
 

@@ -10,8 +10,8 @@ import tribo
 from pipeline import run_point
 from pipeline.store.schema import COLUMNS, MADE
 from pipeline.sweep import plan
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import choose_stations, points, tasks
+from pipeline.sweep.sweep import Point
 from pipeline.sweep.variants import surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import changed, rows

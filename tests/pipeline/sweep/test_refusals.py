@@ -1,20 +1,20 @@
 """All refusals of sweeps, their conditions, variants: causes, and what each says."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 import tribo
 from pipeline import Conditions
-from pipeline.sweep.areal import areal_roughness, remove_form
 from pipeline.sweep.conditions import bulk_entries, criterion_of, known_critical_temperature
-from pipeline.sweep.measurement import Measurement
-from pipeline.sweep.missing import MissingSurface
-from pipeline.sweep.severity import require_bulks
-from pipeline.sweep.variants import Column, Row, Variants, surfaces
+from pipeline.sweep.stored import MissingSurface, plain_sweep, sweep_of_plain
+from pipeline.sweep.variants import Column, Variants, surfaces
 from tests.helpers import tiny
 from tests.helpers.entries import rows
 from tests.helpers.refusals import refusal_tests
+from tribo.simulation.severity import require_bulks
+from tribo.surface.areal import areal_roughness, remove_form
 
 OIL = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 750.0]))
@@ -23,6 +23,17 @@ CURVE = tribo.Corrections(friction=tribo.Friction(by_velocity=((1.0, 1.0), (2.0,
 
 def conditions(**changes):
     return lambda: Conditions(**OIL | changes)
+
+
+def data(**changes):
+    """Function that reads the data of a sweep after changes."""
+    return lambda: sweep_of_plain(plain_sweep(tiny.sweep())[0] | changes, {})
+
+
+def other_heights():
+    sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(np.zeros((32, 16))))
+    plain, arrays = plain_sweep(sweep)
+    return sweep_of_plain(plain, {key: one + 1.0 for key, one in arrays.items()})
 
 
 SMOOTH = tiny.sweep(roughness=None)
@@ -45,17 +56,28 @@ REFUSALS = {
                 "25 °C of the pin"),
     # the sweep and its variants
     "hold": (lambda: tiny.sweep(loading=RECORD)._with_hold(2.0), "hold is 2 s, but the load"),
-    "test alone": (lambda: Measurement(400.0, 1.0).simulated, "belongs to no scene; take it from"),
-    "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion: unknown key (did you mean"),
+    "field": (lambda: tiny.sweep().changed("friktion", 0.1), "friktion cannot be changed in"),
+    "plane": (lambda: replace(tiny.sweep(), loads=(2.0, 1.0)), "loads are (2.0, 1.0); give"),
+    "take": (lambda: tiny.sweep()._take((("pin", 1),)), "the sweep has no pin 1"),
+    "columns": (lambda: Variants((Column("a"),), ({"b": 1},)), "other columns than its table"),
     "surface": (lambda: SMOOTH._take_surface(3), "realization is 3"),
-    "labels": (lambda: Variants((Column("a"),), (Row({"a": 1}, {}),) * 2).by_name,
+    "labels": (lambda: Variants((Column("a"),), ({"a": 1},) * 2).by_name,
                "have the same values"),
-    "row": (lambda: surfaces((1, 2)).values((("realization", 5),)),
+    "row": (lambda: tiny.sweep(variants=surfaces((1, 2))).case((("realization", 5),)),
             "the sweep has no realization 5; it has realization 1 to 2"),
     "gap": (lambda: (surfaces((1,)) * rows("pin", {"a": {}})).union(
         surfaces((2,)) * rows("pin", {"b": {}})), "missing, realization 1, pin b"),
+    # data of sweeps
+    "class": (data(notes=[{"is": "os"}]), "'os': 'os'"),
+    "number": (data(loads=[{"is": "number", "text": "1"}]), "'number': '1'"),
+    "fields": (data(notes=[{"is": "Remark"}]), "Remark.grade is missing, or unknown"),
+    "type": (data(title=3), "Sweep.title is 3"),
+    "difference": (data(cases=[{"no": 1}]), "Case has no no"),
+    "cases": (data(cases=[]), "it has no case for each row"),
+    "no object": (lambda: sweep_of_plain([], {}), "the data of the sweep cannot be read"),
+    "array": (other_heights, "its numbers are others"),
     # surfaces
-    "not beside": (lambda: MissingSurface("0", "it is not here").heights(None), "not here"),
+    "not beside": (lambda: MissingSurface("0", (1, 1)).heights(None), "heights of the measured"),
     "no heights": (lambda: remove_form(np.full((3, 3), np.nan), (1.0, 1.0)), "all heights are"),
     "level": (lambda: areal_roughness(np.indices((20, 30))[1] * 0.1, (1.0, 1.0)), "are a plane"),
 }  # fmt: skip

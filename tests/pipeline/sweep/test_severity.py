@@ -8,17 +8,16 @@ import pytest
 
 import tribo
 from pipeline import Conditions, run_point
-from pipeline.sweep.severity import (
+from pipeline.sweep.conditions import rise_limit
+from tests.helpers import tiny
+from tribo import QUANTILES, Criterion
+from tribo.simulation.severity import (
     boundary_velocity_error,
-    failed_fraction,
-    rise_limit,
     rises_above_colder,
     verdict,
     worst_rises,
 )
-from tests.helpers import tiny
-from tribo import QUANTILES, Criterion
-from tribo.thermal import BULK_RATIOS
+from tribo.thermal import BULK_RATIOS, failed_share
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
@@ -38,7 +37,7 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(s
     conditions = replace(OWN, friction=0.05, criterion=Criterion(share=share))
     at_limit = rise_limit(conditions)
     rises = EVEN * at_limit / conditions.criterion.rise({"rise_quantile": EVEN})
-    assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
+    assert failed_share(rises, rise_limit(conditions)) == pytest.approx(share, abs=1e-12)
     deciding = conditions.criterion.rise({"rise_quantile": rises})
     assert conditions.contact_temperature(deciding) == pytest.approx(
         conditions.critical_temperature

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.model import Point
-from pipeline.sweep.selection import has_unknown_error, preset_bound, velocity_error
+from pipeline.analysis.preset_error import has_unknown_error, preset_bound, velocity_error
+from pipeline.sweep.sweep import Point
 from tests.helpers import synthetic
 from tribo import PRESETS
 

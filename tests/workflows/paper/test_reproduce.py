@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 import tribo
 from pipeline import load_scene
 from pipeline.cli import main
-from pipeline.scene.shipped import WORKFLOWS
+from pipeline.shipped import WORKFLOWS
 from workflows import paper
 from workflows.paper import transition_diagram
 from workflows.paper.publication import TABLE_4, TABLE_6

@@ -1,0 +1,305 @@
+"""Tables of a scene to objects: one function a table, and all faults at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import tribo
+from pipeline import extras
+from pipeline.limits import MOST_ROWS
+from pipeline.paths import user_path
+from pipeline.scene.checks import check_tables, track_faults
+from pipeline.scene.entries import Entries, entry_at
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import (
+    USUAL_PRESET,
+    Bulks,
+    MaterialTable,
+    MeasuredSurfaceTable,
+    Model,
+    MotionTable,
+    OilTable,
+    RampTable,
+    Record,
+    SceneFile,
+    StagesTable,
+    Window,
+)
+from pipeline.scene.library import resolve_library
+from pipeline.scene.stages import expand_tests, stages_of
+from pipeline.scene.tables import Declared, table_of
+from pipeline.scene.tracks import disc_of, track_length
+from pipeline.sweep.case import Case
+from pipeline.sweep.conditions import PATHS, Conditions, bulk_entries, criterion_of
+from pipeline.sweep.remarks import FromLibrary
+from pipeline.table import Column, read_columns
+from pipeline.units import to_si
+from tribo.loading.record import fault as record_fault
+from tribo.simulation import widen_window
+from tribo.simulation.pins import sizes_of
+from tribo.types import Array
+
+Loading = tribo.Ramp | tribo.Stages | tribo.MeasuredLoad
+Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
+_RECORD = {"time": "s", "load": "N"}
+_WRONG_SIZE = (
+    "the surface has {} × {} heights along x and y, window.pixels is [{}, {}]; give both the same "
+    "size, by crop, repeat or transpose of [disk.roughness]; x runs from column to column"
+)
+_NOMINAL = 1000.0  # kg/m³: with it, a viscosity in mPa s has the same number in mm²/s
+
+
+@dataclass(frozen=True)
+class Files:
+    """Folders of the files that a scene names, by the paths of their entries; each is read once."""
+
+    folders: Mapping[str, Path] = field(default_factory=dict)
+    known: dict[Any, Any] = field(default_factory=dict, compare=False)
+
+    def path(self, entry: str, name: str) -> Path:
+        """Path of the file that the entry at a path names."""
+        return self.folders.get(entry, Path()) / user_path(name)
+
+    def once(self, key: Any, read: Callable[[], Any]) -> Any:
+        """What `read` returns, which is called once for each `key`."""
+        if key not in self.known:
+            self.known[key] = read()
+        return self.known[key]
+
+
+@dataclass(frozen=True)
+class Built:
+    """A scene as declared tables, the case that is made of them, and numbers of the library."""
+
+    tables: Any
+    case: Case
+    sources: tuple[FromLibrary, ...]
+
+
+def build(entries: Entries, files: Files, faults: Faults) -> Built | None:
+    """Make the case of a scene's entries; None if an entry is faulty, with all faults added.
+
+    The case is returned despite a fault that only it shows, such as a too short track.
+    """
+    whole, taken = resolve_library(dict(entries), faults)
+    tables = expand_tests(table_of(SceneFile).read(whole, "", faults), faults)
+    fidelity, preset = fidelity_of(tables.fidelity, faults)
+    make = partial(_make, tables, faults)
+    parts = {
+        "pixels": make(grid_of, "window", "pin"),
+        "motion": make(motion_of, "motion", "pin"),
+        "wear": make(lambda wear: tribo.Wear(**vars(wear)), "wear"),
+        "loading": make(partial(loading_of, files, faults), "loading", "sweep.loads"),
+        "roughness": make(partial(roughness_of, files, faults), "disk.roughness", "window"),
+        "fidelity": fidelity,
+    }
+    oil = make(oil_of, "oil")
+    for body in ("pin", "disk"):
+        make(disc_of, body)  # called for the faults that it notes
+    check_tables(replace(tables, fidelity=fidelity), faults)
+    if faults:
+        return None
+    scene = scene_of(tables, **parts)
+    with faults.at("window.pixels"):
+        scene = widen_window(scene, max(tables.sweep.velocities))
+    model = tables.model or Model()
+    case = Case(
+        name=(),
+        scene=scene,
+        conditions=conditions_of(tables, scene),
+        friction_band=tables.friction.band,
+        model_bias=model.bias,
+        model_scatter=model.scatter,
+        lubricant=oil,
+        preset=preset,
+    )
+    for path, fault in track_faults(tables, case):
+        faults.refuse(path, fault)
+    return Built(tables, case, taken)
+
+
+def _make(tables: Any, faults: Faults, make: Callable[..., Any], *paths: str) -> Any:
+    """Make a part of the tables at `paths`; None if one is faulty, or the first is missing."""
+    found = [entry_at(tables, path) for path in paths]
+    if found[0] is None or any(map(faults.touches, paths)):
+        return None
+    with faults.at(f"{paths[0]}.file" if hasattr(found[0], "file") else paths[0]):
+        return make(*found)
+    return None
+
+
+def given(table: Declared) -> dict[str, Any]:
+    """Entries of a table that have a value, by name."""
+    return {name: value for name, value in vars(table).items() if value is not None}
+
+
+def scene_of(tables: Any, **parts: Any) -> tribo.Scene:
+    """Scene of a file's tables and of finished `parts`."""
+    pin, friction = tables.pin, tables.friction
+    kind: Any = tribo.PINS[pin.shape]
+    sizes = {name: getattr(pin, name) for name in sizes_of(pin.shape)}
+    return tribo.Scene(
+        pin=kind(**sizes, material=material_of(tables.materials[pin.material])),
+        disk=material_of(tables.materials[tables.disk.material]),
+        friction_heat=max([friction.coefficient, *(friction.band or [])]) > 0,
+        unequal_bulks=_bulks_of(tables)["disk_temperature"] is not None,
+        **parts,
+    )
+
+
+def material_of(table: MaterialTable) -> tribo.Material:
+    """Material of its table."""
+    return tribo.Material(**{name: one for name, one in given(table).items() if name != "like"})
+
+
+def grid_of(window: Window, pin: Any) -> tribo.Grid:
+    """Pixels of the window as a grid, periodic along y if the pin has a length."""
+    is_line = "length" in sizes_of(pin.shape)
+    return tribo.Grid(window.pixels, window.pixel_size, periodic=(False, is_line))
+
+
+def motion_of(table: MotionTable, pin: Any) -> tribo.Motion:
+    """Motion; the track length is taken from `pin` if not given."""
+    return tribo.Motion(**vars(table) | {"track_length": table.track_length or track_length(pin)})
+
+
+def loading_of(
+    files: Files, faults: Faults, table: RampTable | StagesTable | Record, loads: Sequence[float]
+) -> Loading:
+    """The ramp, the stages up to the highest of `loads` [N], the record, or the ramp fitted to it.
+
+    A note on a fit is added to `faults`.
+    """
+    if isinstance(table, RampTable):
+        return tribo.Ramp(**given(table))
+    if isinstance(table, StagesTable):
+        return tribo.Stages(*stages_of(table.stages, max(loads)), table.rate)
+    path = files.path("loading.file", table.file)
+    times, forces = files.once(path, partial(_record, path))
+    record = tribo.MeasuredLoad(times, forces, table.reference_load)
+    if not table.fit:
+        return record
+    rate, onset = record.linear_fit()
+    line = f"{rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
+    faults.note("loading.file", f"fitted by {line}")
+    return record.ramp()
+
+
+def _record(path: Path) -> tuple[Array, Array]:
+    """Times [s] and loads [N] of a recorded load."""
+    columns = {one.name: one for one in read_columns(path, MOST_ROWS)}
+    times, forces = (_numbers(columns, name, unit) for name, unit in _RECORD.items())
+    if reason := record_fault(times, forces):
+        raise tribo.InputError(f"row {reason[0] + 2}: {reason[1]}")
+    return times, forces
+
+
+def _numbers(columns: Mapping[str, Column], name: str, unit: str) -> Array:
+    """Values of a column in SI."""
+    if name not in columns:
+        raise tribo.InputError(
+            f"no column {name} in the file; give a heading such as {name} [{unit}]"
+        )
+    column = columns[name]
+    return np.array([to_si(f"{cell} {column.unit or unit}", f"1 {unit}") for cell in column.cells])
+
+
+def roughness_of(files: Files, faults: Faults, table: Any, window: Window) -> Roughness | None:
+    """Roughness of the disk: from a seed, or from the heights in the file of a scan.
+
+    Faults of a scan are added to `faults`; without usable heights the result is None.
+    """
+    if not isinstance(table, MeasuredSurfaceTable):
+        if window.pixels == (1, 1):
+            raise tribo.InputError(
+                "one pixel cannot be rough; give more window.pixels, or no table"
+            )
+        pair = _pair(table.correlation_length)
+        return tribo.SelfAffineRoughness(**vars(table) | {"correlation_length": pair})
+    path, scans = files.path("disk.roughness.file", table.file), extras.module("surfaces")
+    heights = files.once(
+        (path, table, window),
+        lambda: scans.window_heights(vars(table), vars(window), path, faults),
+    )
+    if heights is None:
+        return None
+    if heights.shape != window.pixels:
+        raise tribo.InputError(_WRONG_SIZE.format(*heights.shape, *window.pixels))
+    return tribo.MeasuredRoughness(heights)
+
+
+def oil_of(table: OilTable) -> tribo.Oil:
+    """Oil; a dynamic viscosity becomes kinematic at 1000 kg/m³."""
+    kinematic = table.kinematic_viscosity
+    dynamic: Any = tuple(value / _NOMINAL for value in table.dynamic_viscosity or ())
+    if bool(kinematic) == bool(dynamic) or (kinematic and table.density is None):
+        raise tribo.InputError(
+            "the viscosity of the oil is not known; give kinematic_viscosity and density, or "
+            "dynamic_viscosity alone"
+        )
+    density = table.density if kinematic and table.density else _NOMINAL
+    coefficient = table.pressure_viscosity_coefficient
+    pair = None if coefficient is None else _pair(coefficient)
+    return tribo.Oil(table.temperatures, kinematic or dynamic, density, pair)
+
+
+def _pair(value: Any) -> tuple[float, float]:
+    """Return a pair unchanged, and a single value twice."""
+    return value if isinstance(value, tuple) else (value, value)
+
+
+def conditions_of(tables: Any, scene: tribo.Scene) -> Conditions:
+    """Conditions by which the points of a scene are judged."""
+    values = {name: entry_at(tables, path) for name, path in PATHS.items()} | _bulks_of(tables)
+    values["criterion"] = criterion_of(values["criterion"], values.pop("share"))
+    values["corrections"] = corrections_of(tables, scene)
+    # Of a scene without [model], the rise beside it has its default.
+    known = {name: one for name, one in values.items() if one is not None}
+    return Conditions(**known).under(scene.loading)
+
+
+def _bulks_of(tables: Any) -> dict[str, Any]:
+    """Bulk temperatures of a scene as arguments of `Conditions`."""
+    bulk = tables.temperature.bulk
+    return bulk_entries(vars(bulk) if isinstance(bulk, Bulks) else bulk)
+
+
+def corrections_of(tables: Any, scene: tribo.Scene) -> tribo.Corrections | None:
+    """Friction by velocity, and tracks that earlier turns have warmed; None without any."""
+    friction, pin = tables.friction, scene.pin
+    curve = sorted(
+        (one.velocity, one.coefficient / friction.coefficient) for one in friction.by_velocity or ()
+    )
+    tracks: dict[str, Any] = {
+        "track": _track_of(tables.disk, pin, scene.disk),
+        "pin_track": _track_of(tables.pin, pin, pin.material),
+    }
+    corrections = tribo.Corrections(
+        friction=tribo.Friction(by_velocity=tuple(curve)),
+        motion=scene.motion if any(tracks.values()) else None,
+        **tracks,
+    )
+    return corrections if corrections != tribo.Corrections() else None
+
+
+def _track_of(body: Any, pin: tribo.Pin, material: tribo.Material) -> tribo.Track | None:
+    """Track of a body that passes under the pin again and again; else None."""
+    around = disc_of(body) or track_length(body)
+    return tribo.Track.under(pin, material, around) if around else None
+
+
+def fidelity_of(table: Any, faults: Faults) -> tuple[tribo.Fidelity, str | None]:
+    """Numerical choices, and the name of the preset that has them, or None."""
+    name = (table and table.preset) or USUAL_PRESET
+    fidelity = tribo.PRESETS[name]
+    for key, value in (given(table) if table else {}).items():
+        if key != "preset":
+            with faults.at(f"fidelity.{key}"):
+                fidelity = replace(fidelity, **{key: value})
+    return fidelity, name if fidelity == tribo.PRESETS[name] else None

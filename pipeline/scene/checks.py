@@ -1,0 +1,200 @@
+"""Checks between the tables of a scene; a check is skipped if one of its entries is faulty."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import tribo
+from pipeline.quantities import UNITS, display
+from pipeline.scene.facts import expect_contacts
+from pipeline.scene.faults import Fault, Faults
+from pipeline.scene.format import Bulks, RandomSurface, StagesTable
+from pipeline.scene.library import library
+from pipeline.scene.stages import axis_of, stages_of
+from pipeline.scene.tracks import track_length
+from pipeline.sweep.case import Case
+from pipeline.units import to_si
+from pipeline.words import did_you_mean, quoted
+from tribo.simulation.pins import sizes_of
+
+_OF_BODY = "diameter", "width", "track_length"
+_ALIKE = 0.01  # relative difference allowed between two lengths of one track
+_FEWEST_WIDTHS = 10.0  # of a track in contact widths: passes are short beside the time between them
+_SIZES = dict.fromkeys(size for shape in tribo.PINS for size in sizes_of(shape))
+Misfits = Iterator[tuple[str, str]]
+"""Paths of entries that do not fit others, and why."""
+_CHECKS: list[tuple[tuple[str, ...], Callable[[Any], Misfits]]] = []
+"""Paths of the entries that each check compares, and the check."""
+
+
+def _check(*paths: str) -> Callable[[Callable[[Any], Misfits]], Callable[[Any], Misfits]]:
+    """Decorator: register a check of the entries at `paths`; it runs if they have no fault."""
+
+    def add(find: Callable[[Any], Misfits]) -> Callable[[Any], Misfits]:
+        _CHECKS.append((paths, find))
+        return find
+
+    return add
+
+
+def check_tables(scene: Any, faults: Faults) -> None:
+    """Add to `faults` each conflict between entries of a scene."""
+    for paths, find in _CHECKS:
+        if not any(map(faults.touches, paths)):
+            faults.extend(Fault(path, words) for path, words in find(scene))
+
+
+def track_faults(scene: Any, case: Case) -> Misfits:
+    """Find entries that make a track too short for the model."""
+    corrections, width = case.conditions.corrections or tribo.Corrections(), 0.0
+    tracks = {"pin": corrections.pin_track, "disk": corrections.track}
+    if any(tracks.values()):
+        # Of smooth bodies, since to describe a surface is slow.
+        expected = expect_contacts(case.scene, scene.sweep.loads, scene.sweep.velocities)
+        width = float(expected["contact_width"].max())
+    for name, track in tracks.items():
+        if track and track.length < _FEWEST_WIDTHS * width:
+            key = "diameter" if getattr(scene, name).diameter else "track_length"
+            yield (
+                f"{name}.{key}",
+                f"the track is {display(track.length, 'mm', 4)} long, which is less than "
+                f"{_FEWEST_WIDTHS:g} times the width of the contact, {display(width, 'mm', 3)}; "
+                f"give the whole way around the {name}",
+            )
+
+
+@_check("materials", "pin.material", "disk.material")
+def _unknown_materials(scene: Any) -> Misfits:
+    own = scene.materials or {}
+    for body in ("pin", "disk"):
+        if (name := getattr(scene, body).material) and name not in own:
+            known = {**own, **library()["materials"]}
+            hint, choices = did_you_mean(name, known), ", ".join(map(quoted, known))
+            problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+            yield f"{body}.material", f"{problem}; give {choices}, or add a table for it"
+
+
+@_check("window.pixels", "fidelity.pixels_per_element")
+def _unfit_pixels(scene: Any) -> Misfits:
+    pixels, block = scene.window.pixels, scene.fidelity.pixels_per_element
+    if any(count % block for count in pixels):
+        problem = f"cannot be averaged {block} × {block}; give multiples of {block}, or change"
+        yield "window.pixels", f"{quoted(list(pixels))} {problem} fidelity.pixels_per_element"
+
+
+@_check("sweep.realizations", "disk.roughness")
+def _surfaces_without_seeds(scene: Any) -> Misfits:
+    wanted = scene.sweep.realizations
+    if wanted is not None and not isinstance(scene.disk.roughness, RandomSurface):
+        count = quoted(wanted if isinstance(wanted, int) else list(wanted))
+        problem = "needs a [disk.roughness] that is made from a seed; give one, or leave this out"
+        yield "sweep.realizations", f"{count} {problem}"
+
+
+@_check("loading", "sweep.loads", "sweep.steps")
+def _loads_without_stage(scene: Any) -> Misfits:
+    if not isinstance(scene.loading, StagesTable):
+        return
+    if scene.sweep.steps == "course":
+        problem = "onset and end of each stage are stored, and no other step"
+        yield "sweep.steps", f"{problem}; leave it out"
+    stages, _ = stages_of(scene.loading.stages, max(scene.sweep.loads))
+    for load in scene.sweep.loads:
+        if not any(math.isclose(load, stage, rel_tol=1e-9) for stage in stages):
+            listed = ", ".join(f"{stage:g}" for stage in stages)
+            yield "sweep.loads", f"{display(load, 'N')} is no stage; give some of {listed} N"
+            return
+
+
+@_check("pin.length", "window.pixels", "window.pixel_size")
+def _short_pin(scene: Any) -> Misfits:
+    length, side = scene.pin.length, scene.window.pixels[1] * scene.window.pixel_size[1]
+    if length and length < side * (1 - 1e-9):
+        words = f"is shorter than the window, {display(side, 'mm')} along y; give at least that"
+        yield "pin.length", f"{display(length, 'mm')} {words}"
+
+
+@_check("pin.shape", *(f"pin.{size}" for size in _SIZES))
+def _unfit_sizes(scene: Any) -> Misfits:
+    shape = scene.pin.shape
+    for size in _SIZES:
+        is_given = getattr(scene.pin, size) is not None
+        if size in sizes_of(shape) and not is_given:
+            yield f"pin.{size}", f"missing; a {shape} pin needs it"
+        if size not in sizes_of(shape) and is_given:
+            shapes = " or ".join(f'"{other}"' for other in tribo.PINS if size in sizes_of(other))
+            yield f"pin.{size}", f"does not fit a {shape}; leave it out, or give shape = {shapes}"
+
+
+@_check("motion", "pin.diameter", "pin.track_length")
+def _unfit_track(scene: Any) -> Misfits:
+    track, motion = track_length(scene.pin), scene.motion
+    key = "pin.diameter" if scene.pin.diameter else "pin.track_length"
+    if track and motion is None:
+        problem = "a pin at rest has no earlier turns that warm it; leave this entry out"
+        yield key, f"{problem}, or give a [motion]"
+    elif track and (worn := motion.track_length) and abs(worn / track - 1) > _ALIKE:
+        problem = f"is not the {display(track, 'mm')} of {key}; leave it out"
+        yield "motion.track_length", f"{display(worn, 'mm')} {problem}"
+
+
+@_check("pin.length", *(f"{body}.{key}" for body in ("pin", "disk") for key in _OF_BODY))
+def _unfit_bodies(scene: Any) -> Misfits:
+    """Find a disc that lacks a size or is too narrow, and a body that is both disc and plate."""
+    for name in ("pin", "disk"):
+        body, length = getattr(scene, name), scene.pin.length
+        if body.diameter and body.track_length:
+            words = "a disc, and track_length of a plate, would count one heat twice"
+            yield f"{name}.diameter", f"{words}; give one of them"
+        elif body.width and not body.diameter:
+            yield f"{name}.width", f"belongs to a disc; give {name}.diameter, or leave it out"
+        elif body.diameter and not body.width:
+            yield f"{name}.width", "missing; a disc with a diameter needs a width"
+        if body.diameter and body.width and length and body.width < length:
+            problem = f"is narrower than the contact, {display(length, 'mm')} of pin.length"
+            yield f"{name}.width", f"{display(body.width, 'mm')} {problem}; give at least that"
+
+
+@_check("temperature.critical", "temperature.bulk")
+def _cold_limit(scene: Any) -> Misfits:
+    critical, bulk = scene.temperature.critical, scene.temperature.bulk
+    warmest = max(bulk.pin, bulk.disk) if isinstance(bulk, Bulks) else bulk
+    if critical is not None and critical <= warmest:
+        words = f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}"
+        yield "temperature.critical", f'{words}; give a higher one, such as "145 degC"'
+
+
+@_check("friction")
+def _unfit_friction(scene: Any) -> Misfits:
+    friction = scene.friction
+    if friction.band and friction.band[0] > friction.band[1]:
+        yield "friction.band", f"{quoted(list(friction.band))} falls; give the lower one first"
+    nodes = [row.velocity for row in friction.by_velocity or ()]
+    if twice := [node for node in nodes if nodes.count(node) > 1]:
+        yield "friction.by_velocity", f"has {display(twice[0], 'm/s')} twice; give each once"
+    if nodes and friction.coefficient == 0:
+        words = "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
+        yield "friction.coefficient", words
+
+
+@_check("measured", "tested")
+def _unfit_tests(scene: Any) -> Misfits:
+    for number, test in enumerate(scene.measured or ()):
+        if test.step:
+            value = getattr(test, name := axis_of(test.step))
+            if to_si(test.step, like=test.step) >= value:
+                words = f"is not below the {name}, {display(value, UNITS[name])}; give less"
+                yield f"measured[{number}].step", f"{quoted(test.step)} {words}"
+    lists = (("measured", scene.measured), ("tested", scene.tested))
+    oils = {
+        f"{name}[{number}]": "no oil" if test.oil is None else quoted(str(test.oil))
+        for name, tests in lists
+        for number, test in enumerate(tests or ())
+    }
+    for path, oil in oils.items():
+        if oil != oils[first := next(iter(oils))]:
+            problem = f"{oil}, but {first} has {oils[first]}; a scene takes the tests of one oil"
+            yield f"{path}.oil", f"{problem}: leave the others out, in a log by where or skip"
+            break

@@ -1,0 +1,75 @@
+"""Nested tables of entries, by paths such as ``pin.radius``, as a scene file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+Entries = Mapping[str, Any]
+FRICTION = "friction.coefficient"
+CURVE = "friction.by_velocity"
+_REPLACED = {"count": "step", "step": "count"}
+"""Keys of a range that replace each other in a scene that extends another."""
+_LEVELS = 10  # depth of tables in tables, more than the format has
+
+
+def entry_at(tables: Any, path: str) -> Any:
+    """Look up the entry at a path such as "pin.radius" in nested tables; None if it is missing."""
+    entry = tables
+    for key in path.split("."):
+        entry = entry.get(key) if isinstance(entry, Mapping) else getattr(entry, key, None)
+    return entry
+
+
+def flat(tables: Entries, above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield pairs (path, value) of nested tables; an empty table counts as a value."""
+    for key, inner in tables.items():
+        path = f"{above}.{key}" if above else key
+        if isinstance(inner, dict) and inner:
+            yield from flat(inner, path)
+        else:
+            yield path, inner
+
+
+def merged(lower: Entries, upper: Entries, levels: int = _LEVELS) -> dict[str, Any]:
+    """Merge tables key by key, `levels` deep; values of `upper` replace values of `lower`."""
+    replaced = {_REPLACED.get(key) for key in upper}
+    both = {key: value for key, value in lower.items() if key not in replaced}
+    for key, value in upper.items():
+        are_tables = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
+        both[key] = merged(lower[key], value, levels - 1) if are_tables else value
+    return both
+
+
+def replace_value(tables: Entries, path: str, value: Any) -> dict[str, Any]:
+    """Return tables with the entry at a path set to a value, or removed if the value is None.
+
+    A table from which the last entry is removed is removed, too.
+    """
+    first, _, rest = path.partition(".")
+    if value is None and first not in tables:
+        return dict(tables)
+    inner = tables.get(first)
+    table = inner if isinstance(inner, dict) else {}
+    other = replace_value(table, rest, value) if rest else value
+    if other is None or (value is None and not other):  # an empty table goes, too
+        return {key: one for key, one in tables.items() if key != first}
+    return {**tables, first: other}
+
+
+def replace_values(tables: Entries, values: Entries) -> dict[str, Any]:
+    """Return tables with the entries at several paths replaced by `values`.
+
+    If the coefficient of friction is replaced, the coefficients in ``friction.by_velocity`` change
+    in proportion, unless they are themselves in `values`. A new preset replaces all other choices.
+    """
+    values, changed = dict(values), dict(tables)
+    old, new = entry_at(tables, FRICTION), values.get(FRICTION)
+    are_numbers = isinstance(old, int | float) and old and isinstance(new, int | float)
+    if are_numbers and CURVE not in values and (curve := entry_at(tables, CURVE)):
+        values[CURVE] = [row | {"coefficient": row["coefficient"] * (new / old)} for row in curve]
+    if "fidelity.preset" in values:
+        changed.pop("fidelity", None)
+    for path, value in values.items():
+        changed = replace_value(changed, path, value)
+    return changed

@@ -1,0 +1,232 @@
+"""Scene files: TOML with units, read into a `Sweep`, with all faults at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+
+import tribo
+from pipeline.limits import MOST_POINTS
+from pipeline.progress import Report, silent
+from pipeline.scene.build import Files, build
+from pipeline.scene.doubts import doubts_of_all
+from pipeline.scene.entries import Entries, flat, replace_values
+from pipeline.scene.faults import Faults, SceneFileError
+from pipeline.scene.format import FidelityTable, SceneFile
+from pipeline.scene.library import resolve_library
+from pipeline.scene.rows import cases_of, rows_of, with_first_rows
+from pipeline.scene.tables import keys_of, table_of
+from pipeline.scene.tests import LISTS, read_tests, with_listed_tests
+from pipeline.scene.toml import override_entries, read_document, text_of
+from pipeline.shipped import scene_path
+from pipeline.sweep import plan
+from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.remarks import Remark
+from pipeline.sweep.sweep import Point, Sweep
+from pipeline.sweep.variants import SEED
+from pipeline.units import in_si
+from pipeline.words import did_you_mean
+
+FILES = ("disk.roughness.file", "loading.file")
+"""Entries that name a file beside the scene."""
+PresetName = Literal["standard", "fine", "reference"]
+SceneLike = Sweep | str | PathLike[str]
+"""A scene that was read, or its path or the name of a shipped one."""
+
+
+@np.errstate(under="ignore")
+def load_scene(
+    path: str | PathLike[str],
+    preset: PresetName | None = None,
+    overrides: Mapping[str, Any] | None = None,
+) -> Sweep:
+    """Read a scene file, and the scenes that it extends.
+
+    Parameters
+    ----------
+    path : path-like
+        Scene file, or name of a shipped scene. Files named in it are relative to the folder of the
+        file that names them.
+    preset : str, optional
+        Preset of the numerical choices: standard, fine or reference. It replaces the scene's
+        whole table ``[fidelity]``, including single entries.
+    overrides : mapping, optional
+        Entries of the scene by key path, such as ``wear.pattern`` or ``title``, which replace the
+        file's; or fields of `tribo.Fidelity`, which are applied last. ``without`` lists entries of
+        the file to leave out first.
+
+    Raises
+    ------
+    SceneFileError
+        If there is any fault in the file or the arguments; the error carries all faults.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml", preset="standard")
+    >>> scene.preset, scene.loads
+    ('standard', (200.0, 400.0, 600.0, 750.0))
+    """
+    path, faults = scene_path(path), Faults()
+    replaced = _path_overrides(overrides or {}, preset, faults)
+    document = override_entries(read_document(path, faults), replaced, faults)
+    folders = {key: document.file_of(key).parent for key in (*FILES, *LISTS, "sweep.along")}
+    source = Source(path.stem, document.entries(), Files(folders))
+    try:
+        sweep = source.read(faults)
+    except (tribo.InputError, tribo.InvariantError) as error:
+        raise SceneFileError(path, [_with_path(str(error), source.entries)]) from error
+    if sweep is None or faults:
+        raise SceneFileError(path, [*map(document.line, faults)])
+    return sweep
+
+
+@dataclass(frozen=True)
+class Source:
+    """Entries of a scene file, merged; a sweep is read from them again when an entry changes."""
+
+    name: str
+    entries: Entries
+    files: Files
+
+    def read(self, faults: Faults) -> Sweep | None:
+        """Read the sweep; None if an entry is faulty, with all faults added to `faults`.
+
+        An `InputError` is raised for the first fault that only a row of the sweep shows.
+        """
+        entries = with_listed_tests(self.entries, self.files, faults)
+        entries, along = with_first_rows(entries, self.files, faults)
+        scene = build(entries, self.files, faults)
+        if scene is None:
+            return None
+        rows = rows_of(scene, along)
+        if seeds := rows.table.labels("realization"):  # the scene itself is on the first of them
+            seed = seeds[0]
+            entries = replace_values(entries, {SEED: seed})
+            scene = replace(scene, case=scene.case.on_surface(seed))
+        tests = read_tests(entries, self.files, scene, faults)
+        key = "sweep.along" if along else "sweep.over"
+        declared = scene.tables.sweep
+        sweep = Sweep(
+            name=self.name,
+            title=scene.tables.title or self.name,
+            caveat=scene.tables.caveat,
+            base=scene.case,
+            cases=() if faults else tuple(cases_of(entries, self.files, scene, rows, key)),
+            variants=rows.table,
+            loads=declared.loads,
+            velocities=declared.velocities,
+            fields=declared.fields,
+            steps=declared.steps,
+            tests=tests,
+            notes=tuple(faults.notes),
+            sources=scene.sources,
+            text=text_of(resolve_library(dict(entries), Faults())[0]),
+            source=self,
+        )
+        _require_few_points(sweep)
+        return sweep
+
+    def changed(self, path: str, value: Any) -> Sweep:
+        """The sweep with another value of an entry; `InputError` for the first fault."""
+        source = replace(self, entries=replace_values(self.entries, {path: value}))
+        sweep = source.read(faults := Faults())
+        faults.raise_first()
+        assert sweep
+        return sweep
+
+    def doubts(self, sweep: Sweep) -> tuple[Remark, ...]:
+        """Warnings of probable mistakes in a sweep of this scene."""
+        return doubts_of_all(sweep)
+
+
+def _with_path(words: str, entries: Entries) -> str:
+    """Put the full paths of entries before an error message that begins with their name."""
+    name = words.partition(" ")[0]
+    paths = [name] if name in entries else [p for p, _ in flat(entries) if p.endswith(f".{name}")]
+    return f"{' and '.join(paths)}: {words}" if paths else words
+
+
+def _require_few_points(sweep: Sweep) -> None:
+    """Raise an `InputError` if a sweep has too many points, before they are made."""
+    rows = sweep.variants
+    loads = len(sweep.loads) if rows.labels("load") is None else 1
+    velocities = len(sweep.velocities) if rows.labels("velocity") is None else 1
+    if (count := len(rows) * loads * velocities) > MOST_POINTS:
+        raise tribo.InputError(
+            f"sweep: {count:.4g} points are too many; give {MOST_POINTS:.0e} at most, by fewer "
+            "loads, velocities or variants"
+        )
+
+
+def sweep_of(scene: SceneLike) -> Sweep:
+    """Read a sweep from a path, with the errors of `load_scene`; return a sweep unchanged."""
+    return scene if isinstance(scene, Sweep) else load_scene(scene)
+
+
+def _path_overrides(
+    overrides: Mapping[str, Any], preset: str | None, faults: Faults
+) -> dict[str, Any]:
+    """`overrides` and `preset` as entries by full key path; ``fidelity.`` may be left out."""
+    replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
+    choices = table_of(FidelityTable).keys
+    for key, value in overrides.items():
+        if key in choices:
+            replaced[f"fidelity.{key}"] = value
+        elif "." in key or (key in table_of(SceneFile).keys and key != "extends"):
+            replaced[key] = value
+        else:
+            hint = did_you_mean(key, [*choices, *keys_of(SceneFile)])
+            faults.refuse(key, f"unknown key{hint}; give an entry such as wear.pattern or title")
+    return replaced
+
+
+@np.errstate(under="ignore")
+def run_point(
+    sweep: SceneLike,
+    load: float | str,
+    velocity: float | str,
+    realization: int | None = None,
+    progress: Report | None = None,
+) -> plan.PointResult:
+    """Simulate one point.
+
+    Parameters
+    ----------
+    sweep : Sweep, str or path
+        The scene, or its path.
+    load : float or str
+        Normal load on the whole pin at the end of the ramp. A number in N, or text with a unit,
+        such as ``"600 N"``.
+    velocity : float or str
+        Sliding velocity. A number in m/s, or text with a unit.
+    realization : int, optional
+        Seed of one of the scene's several random surfaces, ``sweep.realizations``; by default the
+        seed of the scene itself.
+    progress : callable, optional
+        Called with a `Progress` after each of the point's steps.
+
+    Raises
+    ------
+    TriboError
+        If a text is not a load or a velocity, the scene has no such surface, or
+        `tribo.simulate` raises an error.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> point = pipeline.run_point(scene, "600 N", "1.5 m/s")
+    >>> verdict = point.verdict(scene.conditions)
+    >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
+    (False, '158 °C')
+    """
+    place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
+    variant = () if realization is None else (("realization", realization),)
+    sweep = sweep_of(sweep)
+    scene, stations = sweep.case(variant).scene, choose_stations(sweep)
+    return plan.run_point(scene, stations, Point(*place, variant), progress=progress or silent)

@@ -1,0 +1,228 @@
+"""Rows of a sweep: ``[sweep] over``, ``along`` and ``realizations``, each a case of its own.
+
+A row is read as if its values stood in the file, or were given by ``--set``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from pipeline.limits import MOST_SCENES
+from pipeline.scene.build import Built, Files, build
+from pipeline.scene.entries import CURVE, FRICTION, Entries, entry_at, flat, merged, replace_values
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import OilTable, SceneFile
+from pipeline.scene.kinds import LOAD, SPEED
+from pipeline.scene.tables import Entry, Table, number_at, table_of
+from pipeline.sweep.case import Case
+from pipeline.sweep.codec import digest
+from pipeline.sweep.conditions import CONDITION_ENTRIES
+from pipeline.sweep.variants import (
+    PLACE_UNITS,
+    SEED,
+    Column,
+    Label,
+    Variants,
+    dimension_of,
+    numbered_rows,
+    surfaces,
+)
+from pipeline.table import read_columns
+from pipeline.units import UnitError, si_unit, to_si
+from pipeline.words import quoted
+from tribo import InputError, SelfAffineRoughness
+
+_LIKE = {"oil": "oil.like"}
+"""Entry of a table that may be given by a name of the library."""
+_FIXED = ("sweep", "title", "caveat", "extends", "without", "measured", "tested")
+"""Entries and tables that cannot take several values."""
+_PLACE = Table({"load": Entry(LOAD, is_needed=True), "velocity": Entry(SPEED, is_needed=True)})
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table of variants, and the entries that each of its rows replaces, by path."""
+
+    table: Variants = field(default_factory=Variants)
+    changes: Sequence[Entries] = ({},)
+
+    def __mul__(self, other: Rows) -> Rows:
+        both = [{**a, **b} for a in self.changes for b in other.changes]
+        return Rows(self.table * other.table, both)
+
+
+def with_first_rows(entries: Entries, files: Files, faults: Faults) -> tuple[Entries, list[Row]]:
+    """Entries with the first value of ``over``, and the first row of ``along``, as defaults.
+
+    Also returns the rows of ``along``, as entries by heading. Faulty rows are added to `faults`,
+    and left out, so that they have no further faults.
+    """
+    over = entry_at(entries, "sweep.over")
+    listed = flat(over) if isinstance(over, dict) else ()
+    first = {path: one[0] for path, one in listed if isinstance(one, list) and one}
+    entries = merged(replace_values({}, first), entries)
+    before, rows = len(faults), _listed_rows(entry_at(entries, "sweep.along"), files, faults)
+    places = [_place_of(k, row, rows[0], faults) for k, row in enumerate(rows)]
+    if len(faults) > before:
+        return replace_values(entries, {"sweep.along": None}), []
+    if not rows:
+        return entries, []
+    axes = {
+        f"sweep.{name}": [f"{one!r} {unit}" for one in sorted({place[head] for place in places})]
+        for name, head, unit in (("loads", "load", "N"), ("velocities", "velocity", "m/s"))
+    }
+    own = {path: value for path, value in rows[0].items() if "." in path}  # no labels
+    return merged(replace_values({}, axes | own), entries), rows
+
+
+def _listed_rows(written: Any, files: Files, faults: Faults) -> list[Row]:
+    """Rows of ``along``, in the scene or in a file, as entries by heading."""
+    rows = list[Row]()
+    if isinstance(written, str) and written:
+        with faults.at("sweep.along"):
+            columns = read_columns(files.path("sweep.along", written), MOST_SCENES)
+            count = len(columns[0].cells) if columns else 0
+            rows = [{one.name: one.entry(k) for one in columns} for k in range(count)]
+    elif isinstance(written, list) and all(isinstance(row, dict) for row in written):
+        rows = [dict(flat(row)) for row in written]
+    return [{CONDITION_ENTRIES.get(head, head): cell for head, cell in row.items()} for row in rows]
+
+
+def _place_of(number: int, row: Row, first: Row, faults: Faults) -> Row:
+    """Load and velocity of a row."""
+    if other := row.keys() ^ first.keys():
+        problem = f"not all rows have {', '.join(sorted(other))}; give it in each"
+        faults.refuse(f"sweep.along[{number}]", problem)
+    place = {name: row[name] for name in _PLACE.keys.keys() & row.keys()}
+    read: Row = _PLACE.read(place, f"sweep.along[{number}]", faults)
+    return read
+
+
+def rows_of(scene: Built, along: list[Row]) -> Rows:
+    """Rows of a scene: of ``along``, by ``over``, by the seeds of its surfaces."""
+    sweep, rows = scene.tables.sweep, Rows()
+    if along:
+        rows *= _rows_along(along)
+    if sweep.over:
+        rows *= _rows_over(sweep.over)
+    first, wanted = entry_at(scene.tables, SEED), sweep.realizations or ()
+    seeds = range(first, first + wanted) if isinstance(wanted, int) else sorted(wanted)
+    return rows * Rows(surfaces(seeds), [{SEED: seed} for seed in seeds] or [{}])
+
+
+def _rows_over(over: dict[str, Any]) -> Rows:
+    if (count := math.prod(map(len, over.values()))) > MOST_SCENES:
+        raise InputError(f"sweep.over: {count} values are too many; give {MOST_SCENES} at most")
+    rows = Rows()
+    for path, values in over.items():
+        labels, unit = labels_of(values)
+        pairs = [*zip(labels, values, strict=True)]
+        if unit is not None:  # quantities ascend, texts keep their order
+            pairs.sort(key=lambda pair: pair[0])
+        key, others = path, Row()
+        if path in _LIKE:  # a name of the library, which replaces the whole table
+            key, others = _LIKE[path], {f"{path}.{one}": None for one in table_of(OilTable).keys}
+        column = _column(dimension_of(path), unit, f"{path} of the scene", key)
+        table = Variants((column,), tuple({column.name: label} for label, _ in pairs))
+        rows *= Rows(table, [{**others, key: value} for _, value in pairs])
+    return rows
+
+
+def _rows_along(rows: list[Row]) -> Rows:
+    if len(rows) > MOST_SCENES:
+        raise InputError(f"sweep.along: {len(rows)} rows are too many; give {MOST_SCENES} at most")
+    heads = sorted(rows[0], key=lambda head: head in PLACE_UNITS)
+    found = {head: labels_of([row[head] for row in rows]) for head in heads}
+    columns = {
+        head: _column(
+            dimension_of(head) if "." in head else head,
+            PLACE_UNITS.get(head, unit),
+            f"{head} of the row",
+            head if "." in head else "",
+        )
+        for head, (_, unit) in found.items()
+    }
+    labels = [{columns[head].name: found[head][0][k] for head in heads} for k in range(len(rows))]
+    # A friction measured at one place replaces curves of friction.
+    curves = {CURVE: None} if FRICTION in found else {}
+    changes = [curves | {path: one for path, one in row.items() if "." in path} for row in rows]
+    return Rows(numbered_rows(columns.values(), labels), changes)
+
+
+def _column(name: str, unit: str | None, meaning: str, entry: str) -> Column:
+    shown = number_at(SceneFile, entry).unit if entry and unit is not None else ""
+    return Column(name, unit, meaning=meaning, entry=entry, shown=shown)
+
+
+def labels_of(values: Sequence[Any]) -> tuple[tuple[Label, ...], str | None]:
+    """Convert the values of an entry to labels, and return the labels and their unit.
+
+    The labels are numbers in SI, and the unit is their SI unit, "1" for plain numbers. If a value
+    is not a number or a quantity, all labels are texts, and the unit is None.
+    """
+    first = values[0]
+    try:
+        if isinstance(first, str):
+            return tuple(to_si(str(value), like=first) for value in values), si_unit(first)
+        return tuple(map(float, values)), "1"
+    except (UnitError, TypeError, ValueError):
+        return tuple(map(str, values)), None
+
+
+def cases_of(entries: Entries, files: Files, scene: Built, rows: Rows, key: str) -> list[Case]:
+    """A case for each row; rows that differ in the seed of a random surface are read once.
+
+    Raises an `InputError` for the first faulty row, which names `key`, the entry that asks for
+    these rows.
+    """
+    if wrong := [p for p in rows.changes[0] if p.partition(".")[0] in _FIXED]:
+        raise InputError(
+            f"{key}.{quoted(wrong[0])}: this cannot take several values; give an entry of the "
+            'scene, such as "pin.radius"'
+        )
+    known, cases = dict[str, Case](), list[Case]()
+    for name, changes in zip(rows.table.names, rows.changes, strict=True):
+        others = {path: value for path, value in changes.items() if path != SEED}
+        if (text := repr(others)) not in known:
+            known[text] = _case_of(entries, files, scene, others, key)
+        case = replace(known[text], name=name)
+        if SEED in changes and isinstance(case.scene.roughness, SelfAffineRoughness):
+            case = case.on_surface(changes[SEED])
+        cases.append(case)
+    if len({*map(digest, known.values())}) == 1 < len(known):
+        words = " and ".join(scene.tables.sweep.over or ())
+        raise InputError(f"{key}: {words} changes nothing here; leave it out")
+    return cases
+
+
+def _case_of(entries: Entries, files: Files, base: Built, changes: Entries, key: str) -> Case:
+    if not changes:
+        return base.case
+    found = Faults()
+    try:
+        row = build(replace_values(entries, changes), files, found)
+        found.raise_first()
+        assert row
+        _require_alike(row, base)
+    except InputError as error:
+        given = (f"{path} = {quoted(one)}" for path, one in changes.items() if one is not None)
+        raise InputError(f"{key}: {', '.join(given)}: {error}") from error
+    return row.case
+
+
+def _require_alike(row: Built, base: Built) -> None:
+    """Raise an `InputError` if a row stores other variables than the scene itself (`base`)."""
+    one, other, has_fields = row.case.scene, base.case.scene, base.tables.sweep.fields
+    for name, is_other in (
+        ("unequal bulks", one.unequal_bulks != other.unequal_bulks),
+        ("grid of the stored fields", has_fields and one.grid != other.grid),
+    ):
+        if is_other:
+            raise InputError(
+                f"this changes the {name}, which must be the same for all values; sweep each "
+                "value into a separate store"
+            )

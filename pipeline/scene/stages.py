@@ -1,0 +1,117 @@
+"""Stages of a specimen: levels of load or velocity, each held; and runs by stages as tests."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from pipeline.quantities import UNITS, display
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import EvenStages
+from pipeline.scene.format_of_tests import EvenLevels, StagedRunTable, Test, TestTable
+from pipeline.scene.kinds import LOAD, VELOCITY
+from pipeline.units import si_unit, to_si
+from tribo import InputError
+from tribo.loading.ramp import MOST_STEPS
+
+_ROUNDING = 1e-9
+_STAGES = ("mild", "mild_up_to"), ("severe", "severe_at")
+_KINDS = {"load": LOAD, "velocity": VELOCITY}
+Levels = tuple[tuple[float, ...], tuple[float, ...]]
+"""Levels in SI, and the times for which they are held [s]."""
+
+
+def stages_of(stages: Any, highest: float) -> Levels:
+    """Levels and holds of the stages in an entry; even stages end at the `highest` level."""
+    if isinstance(stages, EvenStages):
+        return _even(stages.first, stages.step, stages.hold, highest)
+    return tuple(level for level, _ in stages), tuple(hold for _, hold in stages)
+
+
+def axis_of(text: str) -> str:
+    """Which of "load" and "velocity" a quantity of a scene is."""
+    return "load" if si_unit(text) == si_unit("1 N") else "velocity"
+
+
+def levels_of(stages: Any, end: float) -> tuple[str, tuple[float, ...], tuple[float, ...]]:
+    """Read the stages of a test: "load" or "velocity", levels and holds; even ones up to `end`."""
+    is_even = isinstance(stages, EvenLevels)
+    texts = [stages.first, stages.step] if is_even else [level for level, _ in stages]
+    name = axis_of(texts[0])
+    numbers = [to_si(text, like=f"1 {'N' if name == 'load' else 'm/s'}") for text in texts]
+    if is_even:
+        return name, *_even(numbers[0], numbers[1], stages.hold, end)
+    return name, tuple(numbers), tuple(hold for _, hold in stages)
+
+
+def _even(first: float, step: float, hold: float, highest: float) -> Levels:
+    steps = max(0.0, (highest - first) / step)
+    if steps > MOST_STEPS:
+        raise InputError(f"stages are {steps:.3g} in number; give at most {MOST_STEPS}")
+    count = 1 + math.floor(steps * (1 + _ROUNDING))
+    return tuple(first + k * step for k in range(count)), (hold,) * count
+
+
+def expand_tests(scene: Any, faults: Faults) -> Any:
+    """Copy of `scene`, a `SceneFile`, with numbered tests and without runs by stages.
+
+    In a run by stages the load or the velocity of one specimen rises stage by stage. It is replaced
+    by a test at its last mild stage and a test at its first severe stage, if the run states these
+    stages. A faulty run is added to `faults`, and left out.
+    """
+    number, expanded = itertools.count(1), dict[str, Any]()
+    for key in ("measured", "tested"):
+        tests, listed = list[Any](), getattr(scene, key)
+        for index, entry in enumerate(listed or ()):
+            if not isinstance(entry, TestTable):
+                problem = "a log is read with its scene file; give its tests"
+                faults.refuse(f"{key}[{index}]", problem)
+                continue
+            own = next(number)
+            named = replace(entry, number=own) if entry.number is None else entry
+            if isinstance(named, StagedRunTable):
+                tests += _read_stages(named, f"{key}[{index}]", faults)
+            else:
+                tests.append(named)
+        expanded[key] = listed and tuple(tests)
+    return replace(scene, **expanded)
+
+
+def _read_stages(entry: StagedRunTable, place: str, faults: Faults) -> Iterator[Test]:
+    """Tests at the last mild and the first severe stage of a run, which `entry` states."""
+    if faults.touches(place):
+        return
+    varied = [name for name in _KINDS if getattr(entry, name) is None]
+    given = {outcome: key for outcome, key in _STAGES if getattr(entry, key) is not None}
+    if len(varied) != 1:
+        problem = "both load and velocity are" if not varied else "neither load nor velocity is"
+        faults.refuse(place, f"{problem} given beside stages; give the one that all stages have")
+        return
+    (name,) = varied
+    read = _KINDS[name].read
+    ends = {o: read(getattr(entry, key), f"{place}.{key}", faults) for o, key in given.items()}
+    if None in ends.values():
+        return
+    if len(ends) > 1 and not ends["mild"] < ends["severe"]:
+        low, high = (display(ends[outcome], UNITS[name]) for outcome in ("severe", "mild"))
+        faults.refuse(f"{place}.severe_at", f"{low} is not above mild_up_to, {high}; exchange them")
+        return
+    run = entry.run if entry.run is not None else f"number {entry.number}"
+    common = {k: v for k, v in vars(entry).items() if k not in dict(_STAGES).values()}
+    if entry.stages is not None and ends:
+        last = max(ends.values())  # the last stage that is named ends the specimen
+        with faults.at(f"{place}.stages"):
+            found, levels, holds = levels_of(entry.stages, last)
+            if found != name:
+                problem = f"these are stages of {found}, which the test gives, too; leave out one"
+                raise InputError(problem)
+            common["stages"] = tuple(
+                (f"{level!r} {UNITS[name]}", hold)
+                for level, hold in zip(levels, holds, strict=True)
+                if level <= last * (1 + 1e-9)
+            )
+    for outcome, value in ends.items():
+        yield Test(**common | {"run": run, name: value, "outcome": outcome})

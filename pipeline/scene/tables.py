@@ -1,0 +1,382 @@
+"""Declared tables: a class is a table of a file, and its annotations say what is allowed.
+
+    radius: A[float, Quantity("2 mm", usual=(0.1, 1000)), "Radius in the plane of sliding."]
+
+One line for each entry: type, kind, meaning, and its default if it may be left out. Reader, faults,
+doubts of unusual values, reference and template follow from it.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import keyword
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from decimal import Decimal
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    NamedTuple,
+    Union,
+    dataclass_transform,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from pipeline.limits import MOST_ON_AXIS, MOST_SCENES
+from pipeline.scene.entries import flat
+from pipeline.scene.faults import Faults
+from pipeline.scene.kinds import (
+    Flag,
+    Kind,
+    Number,
+    OneOf,
+    Quantity,
+    Text,
+    UnfitError,
+    Whole,
+    require,
+)
+from pipeline.units import exact_decimals, exact_si
+from pipeline.words import did_you_mean, key_path, quoted
+from tribo.loading.ramp import MOST_STEPS
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True)
+class Declared:
+    """Base class of tables of a scene file: the annotated fields of a table are its entries.
+
+    Messages name the table by its class, such as "random surface", or by the class's `form_name`.
+    `refused` says why a key of another table cannot stand in this one.
+    """
+
+    refused: ClassVar[Mapping[str, str]] = {}
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
+
+
+class Entry(NamedTuple):
+    """A key of a table: kind and meaning of its value, and its default if it may be left out."""
+
+    kind: Kind
+    meaning: str = ""
+    default: Any = None
+    is_needed: bool = False
+
+
+@functools.cache
+def table_of(table: Any) -> Table:
+    """Convert a `Declared` class to a `Table` of its keys and their kinds; cached."""
+    hints = get_type_hints(table, include_extras=True)
+    keys = dict[str, Entry]()
+    for one in fields(table):
+        hint, is_needed = hints[one.name], one.default is MISSING
+        notes = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+        keys[one.name.rstrip("_")] = Entry(
+            kind_of(hint),
+            meaning=next((note for note in notes if isinstance(note, str)), ""),
+            default=None if is_needed else one.default,
+            is_needed=is_needed,
+        )
+    name = table.__name__.removesuffix("Table")
+    words = re.sub("(?<=.)(?=[A-Z])", " ", name).lower()
+    return Table(keys, table, getattr(table, "form_name", words))
+
+
+def attribute_of(key: str) -> str:
+    """Name of the attribute with the value of a key; words of Python get an underscore."""
+    return f"{key}_" if keyword.iskeyword(key) else key
+
+
+def kind_of(hint: Any) -> Kind:
+    """Kind of an entry from its type hint: the `Kind` in its annotation, else one for its type."""
+    origin, args = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        annotated = (note for note in args[1:] if isinstance(note, Kind))
+        return next(annotated, None) or kind_of(args[0])
+    if origin in (Union, UnionType):
+        kinds = [kind_of(one) for one in args if one is not NoneType]
+        return Either(*kinds) if len(kinds) > 1 else kinds[0]
+    if origin is Literal:
+        return OneOf(args)
+    if origin is tuple:
+        return List(kind_of(args[0]), None if args[-1] is ... else len(args))
+    if origin is dict:
+        return Tables(kind_of(args[1]))
+    if isinstance(hint, type) and is_dataclass(hint):
+        return table_of(hint)
+    return {int: Whole(at_most=MOST_STEPS), float: Number(), bool: Flag(), str: Text()}[hint]
+
+
+@dataclass(frozen=True)
+class List(Kind):
+    """Kind of scene entry: a list of one or more values of one kind, read as a tuple."""
+
+    holds = list
+    of: Kind
+    length: int | None = None
+    distinct: bool = False
+    most: int = MOST_SCENES
+
+    def __str__(self) -> str:
+        return f"a list of {f'{self.length} ' if self.length else ''}values, each {self.of}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
+        require(value, list, "is not a list")
+        if len(value) > self.most:
+            raise UnfitError(f"{len(value)} entries are too many, at most {self.most} are allowed")
+        if len(value) != (self.length or max(len(value), 1)):
+            count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
+            raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
+        items = [self.of.read(item, f"{place}[{i}]", faults) for i, item in enumerate(value)]
+        if self.distinct:
+            first: dict[Any, int] = {}
+            for index, item in enumerate(items):
+                if item is not None and first.setdefault(item, index) != index:
+                    problem = f"{quoted(value[index])} equals entry [{first[item]}]"
+                    faults.refuse(f"{place}[{index}]", f"{problem}; give each value once")
+        return None if None in items else tuple(items)
+
+
+@dataclass(frozen=True)
+class Each(Kind):
+    """Kind of scene entry: a list of as many values as there are kinds, each of its own kind."""
+
+    holds = list
+    kinds: tuple[Kind, ...]
+
+    def __str__(self) -> str:
+        return f"a list of {' and '.join(map(str, self.kinds))}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[Any, ...] | None:
+        require(value, list, "is not a list")
+        if len(value) != len(self.kinds):
+            raise UnfitError(f"{quoted(value)} has {len(value)} entries, not {len(self.kinds)}")
+        pairs = zip(self.kinds, value, strict=True)
+        items = [kind.read(one, f"{place}[{i}]", faults) for i, (kind, one) in enumerate(pairs)]
+        return None if None in items else tuple(items)
+
+
+@dataclass(frozen=True)
+class Range(Kind):
+    """Kind of scene entry: a range of quantities, by its ends and either a step or a count."""
+
+    holds = dict
+    of: Quantity
+
+    def __str__(self) -> str:
+        return f"a table with from, to, and step or count, each {self.of}"
+
+    @exact_decimals()
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
+        before, end = len(faults), Entry(self.of, is_needed=True)
+        step_apart = Entry(replace(self.of, zero=False))
+        number = Entry(Whole(at_least=2, at_most=MOST_ON_AXIS))
+        keys = {"from": end, "to": end, "step": step_apart, "count": number}
+        Table(keys).read(value, place, faults)
+        if len(faults) > before:
+            return None
+        # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
+        first, last = (exact_si(value[key], like=self.of.example) for key in ("from", "to"))
+        span = f"from {quoted(value['from'])} to {quoted(value['to'])}"
+        if first > last:
+            raise UnfitError(f'{span} falls; give the lower end as "from"')
+        if ("step" in value) == ("count" in value):
+            raise UnfitError(f"{span} needs either step or count")
+        if count := value.get("count"):
+            parts = (Decimal(i) / (count - 1) for i in range(count))
+            return tuple(float(first + part * (last - first)) for part in parts)
+        step = exact_si(value["step"], like=self.of.example)
+        steps = (last - first) / step
+        if steps > MOST_ON_AXIS or abs(steps - round(steps)) > 1e-9:
+            raise UnfitError(
+                f"{span} there are {steps:.6g} steps of {quoted(value['step'])}, not a whole "
+                f"number up to {MOST_ON_AXIS}"
+            )
+        return tuple(float(first + i * step) for i in range(round(steps) + 1))
+
+
+class Either(Kind):
+    """Kind of scene entry that allows several kinds of value.
+
+    The first kind reads the value, with two exceptions:
+
+    - If the first kind is not a table, the first of the other kinds that accepts the Python type of
+      the value reads the value.
+    - If the first kind is a table, and the value has keys unknown to this table, the other table
+      that knows most of these keys reads the value.
+    """
+
+    def __init__(self, usual: Kind, *others: Kind) -> None:
+        self.kinds = (usual, *others)
+
+    def __str__(self) -> str:
+        return "; or ".join(map(str, self.kinds))
+
+    def kind_for(self, value: Any) -> Kind:
+        """Choose the kind by which to read a value."""
+        usual, *others = self.kinds
+        if not isinstance(usual, Table):
+            fits = (isinstance(value, other.holds) for other in others)
+            return next(itertools.compress(others, fits), usual)
+        if not isinstance(value, dict):
+            return usual
+        own = value.keys() - usual.keys.keys()
+        forms = (one for one in others if isinstance(one, Table))
+        best = max(forms, key=lambda form: len(own & form.keys.keys()), default=usual)
+        return best if own & best.keys.keys() else usual
+
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read a value by the kind for it, as `Kind.read` does.
+
+        Faults of a kind that is not the usual one name this kind alone.
+        """
+        kind = self.kind_for(value)
+        return kind.read(value, place, faults, self if kind is self.kinds[0] else None)
+
+
+class Sorted(Either):
+    """Kind of scene entry: a list or a range of values, sorted and without duplicates when read."""
+
+    def read(self, value: object, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read a list or a range, sorted and without duplicates."""
+        values = super().read(value, place, faults, allowed)
+        return values and tuple(sorted(set(values)))
+
+
+@dataclass(frozen=True)
+class Table(Kind):
+    """Kind of scene entry: a table of fixed keys.
+
+    The function `make` is called with the values of the keys, None for a faulty value. `form` is
+    the name of this table where an entry may be one of several tables.
+    """
+
+    holds = dict
+    keys: Mapping[str, Entry]
+    make: Callable[..., Any] = dict
+    form: str = ""
+
+    def __str__(self) -> str:
+        return f"a table with {', '.join(self.needed or self.keys)}"
+
+    @property
+    def needed(self) -> list[str]:
+        """Keys that may not be left out."""
+        return [key for key, entry in self.keys.items() if entry.is_needed]
+
+    def read(self, value: Any, place: str, faults: Faults, allowed: object = None) -> Any:
+        """Read the entries of a table, and make an object of them; None if it is no table."""
+        if not isinstance(value, dict):
+            faults.refuse(place, f"{quoted(value)} is not a table; give {allowed or self}")
+            return None
+        for key in value:
+            if key not in self.keys:
+                hint = did_you_mean(key, self.keys)
+                problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
+                problem = getattr(self.make, "refused", {}).get(key, problem)
+                faults.refuse(key_path(place, key), problem)
+        entries = {}
+        for key, entry in self.keys.items():
+            name = attribute_of(key)
+            entries[name] = entry.default
+            if key in value:
+                entries[name] = entry.kind.read(value[key], key_path(place, key), faults)
+            elif entry.is_needed:
+                faults.refuse(key_path(place, key), f"missing; give {entry.kind}")
+        return self.make(**entries)
+
+
+@dataclass(frozen=True)
+class Tables(Kind):
+    """Kind of scene entry: one or more tables of one kind, under names of the user's choice."""
+
+    holds = dict
+    of: Kind
+
+    def __str__(self) -> str:
+        return f"at least one table under a name of your choice, each {self.of}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+        if not isinstance(value, dict) or not value:
+            raise UnfitError(f"{quoted(value)} is not a table that holds tables")
+        return {key: self.of.read(one, key_path(place, key), faults) for key, one in value.items()}
+
+
+class Changes(Kind):
+    """Kind of scene entry: other entries of the scene, by paths, which are read in their places."""
+
+    words = 'a table of entries by their paths, such as { "pin.radius" = "3 mm" }'
+    holds = dict
+
+    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+        require(value, dict, "is not a table")
+        return dict(flat(value))
+
+
+@dataclass(frozen=True)
+class ByPath(Kind):
+    """Kind of scene entry: a table of values by the path of another entry, such as "pin.radius"."""
+
+    holds = dict
+    of: Kind
+    keys: str
+
+    def __str__(self) -> str:
+        return f"a table whose keys are {self.keys}, each with {self.of}"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> dict[str, Any]:
+        require(value, dict, "is not a table")
+        read = {
+            path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
+            for path, leaf in flat(value)
+        }
+        return {path: leaf for path, leaf in read.items() if leaf is not None}
+
+
+def entries_in(kind: Kind, path: str = "") -> Iterator[tuple[str, Entry]]:
+    """Yield the path and declaration of every entry that a table may hold, at any depth.
+
+    In a path such as "materials.NAME.density", NAME stands for any name that the user gives.
+    """
+    match kind:
+        case Table(keys):
+            for key, entry in keys.items():
+                place = f"{path}.{key}" if path else key
+                yield place, entry
+                yield from entries_in(entry.kind, place)
+        case Tables(of):
+            yield from entries_in(of, f"{path}.NAME")
+        case List(of):
+            yield from entries_in(of, path)
+        case Either():
+            for one in kind.kinds:
+                yield from entries_in(one, path)
+
+
+@functools.cache
+def keys_of(table: Any) -> dict[str, Entry]:
+    """Declarations of all entries in a table, by path; the first of several forms counts."""
+    return dict(reversed([*entries_in(table_of(table))]))
+
+
+def number_at(table: Any, path: str) -> Quantity | Number:
+    """Kind of the number that an entry holds; without an entry, a `Number` without bounds."""
+    entry = keys_of(table).get(re.sub(r"^materials\.[^.]+", "materials.NAME", path))
+    return (entry and _number_in(entry.kind)) or Number()
+
+
+def _number_in(kind: Kind) -> Quantity | Number | None:
+    """The kind of number within a list or among several kinds; None if there is none."""
+    if isinstance(kind, Quantity | Number):
+        return kind
+    inner = kind.kinds if isinstance(kind, Either) else [getattr(kind, "of", None)]
+    found = (_number_in(one) for one in inner if isinstance(one, Kind))
+    return next((one for one in found if one), None)

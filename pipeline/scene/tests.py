@@ -1,0 +1,196 @@
+"""Tests of a scene as cases of their own: the scene with what each test changes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from pipeline.limits import MOST_ROWS
+from pipeline.scene.build import Built, Files, build
+from pipeline.scene.entries import Entries, replace_values
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import EvenStages
+from pipeline.scene.format_of_tests import StagedRunTable, TransitionTable
+from pipeline.scene.format_of_tests import Test as TestEntry
+from pipeline.scene.stages import axis_of, levels_of, stages_of
+from pipeline.scene.tables import Table, table_of
+from pipeline.sweep.case import TEST, Case, Test
+from pipeline.sweep.conditions import with_own
+from pipeline.table import read_columns, rows_of
+from pipeline.units import to_si
+from pipeline.words import quoted
+from tribo import InputError, MeasuredLoad, Scene, Stages
+from tribo.simulation import widen_window
+
+LISTS = {"measured": TransitionTable, "tested": TestEntry}
+_OWN = {
+    "friction": ("friction",),
+    "bulk_temperature": ("temperature.bulk",),
+    "hold": ("loading.hold",),
+}
+"""Entries of the scene that entries of a test replace, by name of the entry of the test."""
+_OF_ALL = (
+    "extends", "without", "title", "caveat", "sweep", "measured", "tested", "oil", "model",
+    "temperature.critical", "temperature.failing_share", "temperature.criterion",
+)  # fmt: skip
+"""Entries that are the same in all tests of a scene."""
+
+
+def with_listed_tests(entries: Entries, files: Files, faults: Faults) -> Entries:
+    """Entries in which tests that name a file are replaced by its rows, each of them a test."""
+    entries = dict(entries)
+    for key, declared in LISTS.items():
+        listed = entries.get(key)
+        rows = list[Any]()
+        for number, entry in enumerate(listed if isinstance(listed, list) else ()):
+            if not (isinstance(entry, dict) and "file" in entry):
+                rows.append(entry)
+                continue
+            with faults.at(f"{key}[{number}].file"):
+                columns = read_columns(files.path(key, entry["file"]), MOST_ROWS)
+                has_outcome = any(one.name == "outcome" for one in columns)
+                staged = key == "tested" and not has_outcome
+                table = table_of(StagedRunTable if staged else declared)
+                rows += rows_of(columns, table.keys, partial(_faults_in, table))
+        if isinstance(listed, list):
+            entries[key] = rows
+            if not rows:
+                del entries[key]
+    return entries
+
+
+def _faults_in(table: Table, row: Entries) -> Faults:
+    table.read(row, "", found := Faults())
+    return found
+
+
+def read_tests(entries: Entries, files: Files, scene: Built, faults: Faults) -> tuple[Test, ...]:
+    """Tests of a scene, each with the case to simulate; faults are added to `faults`.
+
+    A test without `with` or a hold of its own shares its scene.
+    """
+    bare = {key: one for key, one in entries.items() if key not in LISTS}
+    known, made, base = dict[str, tuple[Built | None, Faults]](), list[Test](), scene.case
+    for number, (place, entry) in enumerate(_listed(scene.tables)):
+        changes, built = entry.with_ or {}, scene
+        wrong = [*_misplaced(entry, changes)]
+        if changes and not wrong:
+            if (key := json.dumps(changes)) not in known:
+                found = Faults()
+                known[key] = build(replace_values(bare, changes), files, found), found
+            other, found = known[key]
+            wrong = [f"{fault.key}: {fault.problem}" for fault in found]
+            faults.notes += [note for note in found.notes if note.place in changes]
+            if other and other.case.scene.unequal_bulks != base.scene.unequal_bulks:
+                problem = "this changes the unequal bulks, which must be the same in all tests"
+                wrong.append(f"{problem}; give bulk_temperature")
+            built = other or scene
+        for problem in wrong:
+            faults.refuse(f"{place}.with", problem)
+        with faults.at(place):
+            case = _case_of(built, base)
+            case = replace(case, scene=_staged(case.scene, entry, scene.tables))
+            made.append(_test_of(entry, test_case(case, number, entry)))
+    return tuple(made)
+
+
+def _listed(tables: Any) -> Iterator[tuple[str, Any]]:
+    for key in LISTS:
+        yield from ((f"{key}[{k}]", one) for k, one in enumerate(getattr(tables, key) or ()))
+
+
+def _case_of(built: Built, base: Case) -> Case:
+    """Case of changed entries, with critical temperature, criterion and `[model]` of `base`."""
+    own = built.case
+    if own is base:
+        return base
+    conditions = with_own(replace(base.conditions, critical_temperature=None), own.conditions)
+    return replace(base, scene=own.scene, preset=own.preset, conditions=conditions)
+
+
+def test_case(case: Case, number: int, own: Any) -> Case:
+    """The case of a test: `case` with the hold, friction and bulk of the test itself (`own`)."""
+    if own.hold is not None and isinstance(case.scene.loading, Stages):
+        raise InputError(
+            f"hold is {own.hold:g} s, but each of the stages has its own; leave it out"
+        )
+    case = case.held(own.hold)
+    made = replace(case.conditions, critical_temperature=None).under(case.scene.loading)
+    if own.bulk_temperature is not None:
+        made = replace(made, bulk_temperature=own.bulk_temperature, disk_temperature=None)
+    made = made.replace_friction(own.friction)
+    loading, parts = case.scene.loading, made.corrections
+    rises = isinstance(loading, Stages) and loading.velocities
+    if rises and parts and (parts.keeps_heat or made.has_friction_curve):
+        raise InputError(
+            "stages of velocity take one friction, and no body with a track_length or a diameter; "
+            "give the test its friction, and leave out the others"
+        )
+    scene = case.scene
+    if made.friction and not scene.friction_heat:
+        scene = replace(scene, friction_heat=True)
+    return replace(case, name=((TEST, number),), scene=scene, conditions=made, friction_band=None)
+
+
+def _test_of(entry: Any, case: Case) -> Test:
+    """The test of an entry."""
+    step = getattr(entry, "step", None)
+    return Test(
+        normal_load=entry.load,
+        velocity=entry.velocity,
+        case=case,
+        friction=entry.friction,
+        bulk_temperature=entry.bulk_temperature,
+        hold=entry.hold,
+        outcome=getattr(entry, "outcome", None),
+        number=None if entry.number is None else str(entry.number),
+        run=None if (run := getattr(entry, "run", None)) is None else str(run),
+        **{} if step is None else {f"{axis_of(step)}_step": to_si(step, like=step)},
+    )
+
+
+def _staged(scene: Scene, entry: Any, tables: Any) -> Scene:
+    """The scene with the stages of a test; or with so many of its own that it has the test.
+
+    Its window is wide enough for the stages.
+    """
+    stages = getattr(entry, "stages", None)
+    if stages is not None:
+        if isinstance(scene.loading, MeasuredLoad):
+            problem = "stages need a rate of the load; give [loading] a rate, not a record"
+            raise InputError(problem)
+        name, _, _ = levels_of(stages, 0.0)
+        _, levels, holds = levels_of(stages, entry.load if name == "load" else entry.velocity)
+        loads, velocities = (levels, ()) if name == "load" else ((entry.load,), levels)
+        own = Stages(loads, holds, scene.loading.rate, velocities)
+        own.count(entry.load, entry.velocity)  # raises if it is no stage
+        return widen_window(replace(scene, loading=own), entry.velocity)
+    if not isinstance(scene.loading, Stages):
+        return scene
+    loading, stages = scene.loading, tables.loading.stages
+    if isinstance(stages, EvenStages) and entry.load > loading.loads[-1]:
+        loading = Stages(*stages_of(stages, entry.load), loading.rate)
+        scene = widen_window(replace(scene, loading=loading), entry.velocity)
+    step = getattr(entry, "step", None)
+    before = to_si(step, like=step) if step and axis_of(step) == "load" else 0.0
+    for load in dict.fromkeys((entry.load - before, entry.load)):
+        loading.count(load)  # raises if it is no stage
+    return scene
+
+
+def _misplaced(entry: Any, changes: Mapping[str, Any]) -> Iterator[str]:
+    """Faults of paths in the changes of a test that it states itself, or cannot have."""
+    for path in changes:
+        if any(_is_in(path, other) for other in _OF_ALL):
+            yield f"{quoted(path)} is the same in all tests of a scene; set it in the scene"
+        for name, others in _OWN.items():
+            if getattr(entry, name) is not None and any(_is_in(path, one) for one in others):
+                yield f"{quoted(path)} is set by the {name} of this test; give one of them"
+
+
+def _is_in(path: str, other: str) -> bool:
+    """True if an entry is another one, or in its table, or its table has the other one."""
+    return path == other or path.startswith(f"{other}.") or other.startswith(f"{path}.")

@@ -1,0 +1,112 @@
+"""Continuing the store of another run with a sweep, or why that cannot be: objects are compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from pipeline.sweep.case import Test
+from pipeline.sweep.codec import differences, encode
+from pipeline.sweep.conditions import FIELDS
+from pipeline.sweep.plan import choose_stations
+from pipeline.sweep.points_of_tests import wanted_slots
+from pipeline.sweep.sweep import Sweep, variant_words
+from pipeline.sweep.variants import in_order
+from tribo import InputError
+
+_ENTRIES = {
+    "pixels.shape": "window.pixels", "pixels.spacing": "window.pixel_size",
+    "roughness": "disk.roughness", "pin.material": "material of the pin",
+    "disk": "material of the disk", **FIELDS,
+}  # fmt: skip
+"""Entries of the scene file, by the beginning of an object's path where the two differ."""
+
+
+def join(before: Sweep | None, sweep: Sweep) -> Sweep:
+    """Sweep of a store that is continued: plane and cases of both, other data from `sweep`.
+
+    Which steps and fields are stored stays as in the sweep `before`.
+    """
+    if before is None:
+        return replace(sweep, stations=choose_stations(sweep))
+    joined = replace(
+        sweep,
+        stations=before.stations,
+        fields=before.fields,
+        former=_former_tests(before, sweep),
+        loads=tuple(in_order([*before.loads, *sweep.loads])),
+        velocities=tuple(in_order([*before.velocities, *sweep.velocities])),
+    )
+    if [*before.variants.axes] != [*sweep.variants.axes]:  # the scene has all cases of the store
+        return joined
+    union, own = before.variants.union(sweep.variants), sweep.variants.by_name
+    cases = tuple((sweep if name in own else before).case(name) for name in union.names)
+    return replace(joined, variants=union, cases=cases)
+
+
+def _former_tests(before: Sweep, sweep: Sweep) -> tuple[Test, ...]:
+    """Tests of a store with points that those of a scene lack: what is done stays."""
+    known, kept = {slot[:3] for slot in wanted_slots(sweep)}, list[Test]()
+    for test in (*before.tests, *before.former):
+        places = {(sweep._hash_scene(test.case.scene), *place) for place in test.places}
+        kept += [test] if places - known else []
+        known |= places
+    return tuple(kept)
+
+
+def misfits(stored: Sweep, sweep: Sweep, goal: str = "") -> Iterator[str]:
+    """Reasons why a sweep cannot continue a store of the sweep `stored`; empty if it can.
+
+    `goal` is the option that the store was last run with for an accuracy, if there is one.
+    """
+    growing = [f"the store is grown by: irg run SCENE {goal}"] * bool(goal)
+    old, new = stored.variants, sweep.variants
+    kept, wanted = (one._scene_hashes for one in (stored, sweep))
+    if [*old.axes] != [*new.axes] and not {*kept.values()} <= {*wanted.values()}:
+        have, gives = (", ".join(table.axes) or "none" for table in (old, new))
+        yield f"axes: {have} in the store, {gives} in the scene, which lacks cases of the store"
+        yield from growing
+        return
+    for name in kept.keys() & wanted.keys():
+        before, after = old.by_name[name], new.by_name[name]
+        different = [_differs(k, before[k], after[k]) for k in before if before[k] != after.get(k)]
+        if kept[name] != wanted[name]:
+            scenes = (one.case(name).scene for one in (stored, sweep))
+            different += changes_in_words(*scenes)
+        if different:
+            row = f"scene with {', '.join(variant_words(name))}: " if name else ""
+            yield from (f"{row}{words}" for words in different)
+            if all(words.startswith("fidelity.") for words in different):
+                yield from growing
+            break  # one case that differs is enough
+    if (steps := sweep.steps) not in (None, choose_stations(stored).steps):
+        yield _differs("sweep.steps", choose_stations(stored).steps, steps)
+    if sweep.fields and not stored.fields:
+        yield _differs("sweep.fields", "false", "true")
+    try:
+        join(stored, sweep)
+    except InputError as error:
+        yield str(error)
+
+
+def changes_in_words(old: Any, new: Any) -> Iterator[str]:
+    """Yield, in words, what differs between two objects: scenes, or conditions; numbers in SI."""
+    for path, before, after in differences(encode(old), encode(new)):
+        first = next((one for one in _ENTRIES if path == one or path.startswith(f"{one}.")), "")
+        yield _differs(_ENTRIES.get(first, "") + path[len(first) :], before, after)
+
+
+def _differs(path: str, old: Any, new: Any) -> str:
+    return f"{path}: {_text(old)} in the store, {_text(new)} in the scene"
+
+
+def _text(value: Any) -> str:
+    match value:
+        case None:
+            return "none"
+        case {"is": "number", "text": text} | {"is": "array", "digest": text} | {"is": text}:
+            return str(text)
+        case float():
+            return f"{value:g}"
+    return str(value)

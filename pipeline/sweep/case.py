@@ -1,0 +1,114 @@
+"""Cases, each a scene with its conditions; and tests on rigs, each with a case of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, Self
+
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.variants import Variant
+from tribo import Fidelity, InputError, Oil, Ramp, Scene, SelfAffineRoughness
+
+OUTCOMES = ("mild", "severe")
+"""Outcomes of a test; a transition has none."""
+Place = tuple[float, float]
+"""Load [N] and velocity [m/s]."""
+TEST = "test"
+"""Dimension that numbers the tests of a scene in the names of their cases."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One scene to simulate, and the conditions by which its points are judged.
+
+    Attributes
+    ----------
+    name : tuple
+        Labels along the dimensions of the sweep, as pairs (dimension, label); empty for the scene
+        itself.
+    scene : Scene
+        The scene to simulate, with its numerical choices.
+    conditions : Conditions
+        Friction, temperatures and criterion.
+    friction_band : pair of float or None
+        Lowest and highest friction that the diagram shows.
+    model_bias, model_scatter : float
+        How far the model may be off, as parts of the rise: shared by all specimens, and each one's
+        own.
+    lubricant : Oil or None
+        The oil between the bodies, which does not affect simulations.
+    preset : str or None
+        Name of the preset that has the scene's numerical choices; None if there is none.
+    """
+
+    name: Variant
+    scene: Scene
+    conditions: Conditions
+    friction_band: tuple[float, float] | None
+    model_bias: float
+    model_scatter: float
+    lubricant: Oil | None
+    preset: str | None
+
+    @property
+    def has_film(self) -> bool:
+        """True if the film of an oil is judged: between line contacts, of an oil that is known."""
+        oil = self.lubricant
+        return bool(oil and oil.pressure_coefficients) and self.scene.pin.length is not None
+
+    def on_surface(self, seed: int) -> Self:
+        """The case on the random surface of another seed; unchanged without a random surface."""
+        rough = self.scene.roughness
+        if not isinstance(rough, SelfAffineRoughness):
+            return self
+        return replace(self, scene=replace(self.scene, roughness=replace(rough, seed=seed)))
+
+    def held(self, duration: float | None) -> Self:
+        """The case with another time at the full load [s], which the heat of its tracks takes."""
+        loading = self.scene.loading
+        if duration is None or getattr(loading, "hold", None) == duration:
+            return self
+        if not isinstance(loading, Ramp):
+            raise InputError(
+                f"hold is {duration:g} s, but the load follows a record or stages, which have "
+                "their own end; leave out the hold, or give a loading with rate and reference_load"
+            )
+        loading = replace(loading, hold=duration)
+        scene = replace(self.scene, loading=loading)
+        return replace(self, scene=scene, conditions=self.conditions.under(loading))
+
+    def with_fidelity(self, made: Fidelity, preset: str | None = None) -> Self:
+        """The case with other numerical choices; `preset` is their name, or None."""
+        return replace(self, scene=replace(self.scene, fidelity=made), preset=preset)
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """A test on a rig: a measured transition to severe wear, or a point with its outcome.
+
+    Its case is the scene on its first surface, with what the test itself changes. The conditions
+    leave out the critical temperature: it is the oil's.
+    """
+
+    normal_load: float  # on the whole pin [N]
+    velocity: float  # [m/s]
+    case: Case
+    friction: float | None = None
+    bulk_temperature: float | None = None  # the same in both bodies [K]
+    hold: float | None = None  # at the full load [s]
+    outcome: Literal["mild", "severe"] | None = None  # None at a transition
+    number: str | None = None  # number or name in answers
+    run: str | None = None  # shared by the tests of one specimen
+    load_step: float = 0.0  # of a transition: wear was mild at this much less load [N]
+    velocity_step: float = 0.0  # of a transition: wear was mild at this much less velocity [m/s]
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Load [N] and velocity [m/s] of each point of the test.
+
+        There are two for a transition with a step: the last where wear was mild, and the first
+        where it was severe.
+        """
+        here = self.normal_load, self.velocity
+        before = self.normal_load - self.load_step, self.velocity - self.velocity_step
+        return (here,) if before == here else (before, here)

@@ -1,0 +1,68 @@
+"""What the model leaves out of a scene, in words: heat of earlier turns, sharp ends, films."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pipeline.quantities import display
+from pipeline.sweep.sweep import Sweep
+from tribo import Corrections, Track
+
+UNKNOWN_FILM = "the film's share of the load is not known here (irg help physics)"
+"""Caveat where Λ is stated for a ball or a crowned pin."""
+
+
+def cold_tracks(sweep: Sweep) -> dict[str, Any]:
+    """Tracks of rolling bodies that the scene treats as cold, although earlier turns warm them.
+
+    Values are `Track` objects. Keys are "pin_track" and "track" (of the disk), as in `Corrections`.
+    The result is empty if no body rolls, all velocities are 0, or the heat of earlier turns is
+    included.
+    """
+    motion, pin = sweep.scene.motion, sweep.scene.pin
+    is_rolling = motion is not None and motion.slide_roll_ratio not in (-2.0, 2.0)
+    if not (is_rolling and any(sweep.velocities)):
+        return {}
+    present = sweep.conditions.corrections or Corrections()
+    around = (motion and motion.track_length) or 2 * math.pi * pin.radius
+    materials = {"pin_track": pin.material, "track": sweep.scene.disk}
+    cold = [name for name in materials if getattr(present, name) is None]
+    return {name: Track.under(pin, materials[name], around) for name in cold}
+
+
+def caveat_on_turns(sweep: Sweep, severe: str) -> str | None:
+    """Caveat that heat of a track's earlier turns is left out; None if none is left out.
+
+    `severe` states, if known, where wear is severe with that heat.
+    """
+    if not cold_tracks(sweep):
+        return None
+    effect = f"is severe {severe}" if severe else "turns severe at lower velocities"
+    return f"earlier turns are left out: with them wear {effect}"
+
+
+def note_on_turns(sweep: Sweep) -> str | None:
+    """Note on how to include the heat of a track's earlier turns; None if none is left out."""
+    tracks = cold_tracks(sweep)
+    if not tracks:
+        return None
+    bodies = ["pin" if name == "pin_track" else "disk" for name in tracks]
+    around = display(next(iter(tracks.values())).length, "mm", 3)
+    entries = " and ".join(f"{body}.diameter" for body in bodies)
+    return (
+        f"earlier turns of the {' and the '.join(bodies)} are not counted, as if each met a cold "
+        f"track: on tracks of {around} they would warm the contact further; give {entries} and "
+        "width, or track_length"
+    )
+
+
+def note_on_ends(sweep: Sweep) -> str | None:
+    """Note that severe wear begins earlier at the sharp ends of a cylinder.
+
+    None for other pins, and for a pin that turns.
+    """
+    pin_turns = any(sweep.scene.velocities_at(v).pin for v in sweep.velocities)
+    if sweep.scene.pin.length is None or pin_turns:
+        return None
+    return "sharp pin ends, not computed: severe at 9–23 % less velocity (irg help physics)"

@@ -1,0 +1,103 @@
+"""A sweep as a store keeps it: plain data in SI, of which cases and tests are changes of the base.
+
+Nothing is read from the text of the scene, which stands beside it for people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import tribo
+from pipeline.sweep.case import Case, Test
+from pipeline.sweep.codec import CodecError, change, changed, decode, encode
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.remarks import FromLibrary, Remark
+from pipeline.sweep.stations import Stations
+from pipeline.sweep.sweep import Sweep
+from pipeline.sweep.variants import Column, Variants
+from tribo import InputError, TriboError
+from tribo.surface import UnknownHeights
+from tribo.types import Array
+
+
+class MissingError(InputError):
+    """The content of a file that a scene names is needed, but was not stored with the scene."""
+
+
+@dataclass(frozen=True)
+class MissingSurface(UnknownHeights):
+    """A measured surface whose heights are not known, since they were left out of a dataset."""
+
+    digest: str
+    shape: tuple[int, ...]
+
+    def heights(self, pixels: Any) -> Any:
+        """Raise a `MissingError`: the heights are not known."""
+        raise MissingError(f"{self}; open the store of the sweep")
+
+    def __str__(self) -> str:
+        return "the heights of the measured surface are missing"
+
+
+class SweepDataError(InputError):
+    """Plain data do not describe a sweep."""
+
+
+_CLASSES: dict[str, type] = {
+    one.__name__: one
+    for one in (
+        Sweep, Case, Test, Variants, Column, Stations, Remark, FromLibrary, MissingSurface,
+        Conditions, tribo.Corrections, tribo.Criterion, tribo.Friction, tribo.Track, tribo.Disc,
+        tribo.Scene, tribo.Material, tribo.Grid, tribo.Ramp, tribo.Stages, tribo.MeasuredLoad,
+        tribo.SelfAffineRoughness, tribo.MeasuredRoughness, tribo.Wear, tribo.Motion,
+        tribo.Fidelity, tribo.Oil, *tribo.PINS.values(),
+    )
+}  # fmt: skip
+"""Classes of which a store may have objects; no other object is made of its data."""
+
+
+def plain_sweep(sweep: Sweep) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Plain data of a sweep, and its measured arrays by SHA-256."""
+    arrays: dict[str, Array] = {}
+    notes = *(one for one in sweep.notes if one.grade == "note"), *sweep.doubts
+    bare = replace(sweep, notes=notes, judged={}, text="", source=None)
+    plain: dict[str, Any] = encode(bare, arrays)
+    base = plain["base"]
+    plain["cases"] = [change(base, case) for case in plain["cases"]]
+    for name in ("tests", "former"):
+        plain[name] = [test | {"case": change(base, test["case"])} for test in plain[name]]
+    return plain, arrays
+
+
+def sweep_of_plain(plain: Any, arrays: Mapping[str, Array]) -> Sweep:
+    """The sweep of plain data from `plain_sweep`; `SweepDataError` for any other data."""
+    try:
+        base = plain["base"]
+        cases = [changed(base, case) for case in plain["cases"]]
+        tests = {
+            name: [test | {"case": changed(base, test["case"])} for test in plain[name]]
+            for name in ("tests", "former")
+        }
+        whole = _without_lost_surfaces({**plain, "cases": cases, **tests}, arrays)
+    except (CodecError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
+    try:
+        sweep = decode(whole, _CLASSES, arrays)
+        if not isinstance(sweep, Sweep) or not 0 < len(sweep.cases) == len(sweep.variants):
+            raise CodecError("it has no case for each row")
+    except (CodecError, TriboError, RecursionError) as error:  # no other: a fault of this program
+        raise SweepDataError(f"the data of the sweep cannot be read: {error}") from error
+    return sweep
+
+
+def _without_lost_surfaces(plain: Any, arrays: Mapping[str, Array]) -> Any:
+    """The data with a `MissingSurface` in place of surfaces whose heights are not in `arrays`."""
+    if isinstance(plain, list):
+        return [_without_lost_surfaces(one, arrays) for one in plain]
+    if not isinstance(plain, dict):
+        return plain
+    if plain.get("is") == "MeasuredRoughness" and plain["array"]["digest"] not in arrays:
+        return plain["array"] | {"is": "MissingSurface"}
+    return {key: _without_lost_surfaces(one, arrays) for key, one in plain.items()}

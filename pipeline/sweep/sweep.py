@@ -1,0 +1,271 @@
+"""A sweep: the scenes to simulate, each with the conditions to judge it by, and its points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple, Self
+
+from pipeline.sweep.case import Case, Test
+from pipeline.sweep.codec import digest
+from pipeline.sweep.conditions import Conditions, changed_conditions
+from pipeline.sweep.remarks import FromLibrary, Remark
+from pipeline.sweep.stations import Stations, Steps
+from pipeline.sweep.variants import Variant, Variants, surfaces
+from tribo import Fidelity, InputError, Oil, Scene, SelfAffineRoughness
+
+
+class Point(NamedTuple):
+    """A point of the diagram: a load and a velocity, in one case of the sweep."""
+
+    load: float  # on the whole pin [N]
+    velocity: float  # [m/s]
+    variant: Variant = ()
+
+    def __str__(self) -> str:
+        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *variant_words(self.variant)])
+
+
+def variant_words(variant: Variant) -> list[str]:
+    """Describe the labels that name a case, each as text such as "surface 3"."""
+    return [
+        f"{'surface' if name == 'realization' else name} "
+        + (f"{value:g}" if isinstance(value, float) else f"{value}")
+        for name, value in variant
+    ]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Sweep:
+    """Cases, loads and velocities to simulate, and how to judge the results.
+
+    A sweep is read once, from a scene file; after that it is plain data, as it is in a store.
+
+    Attributes
+    ----------
+    name, title : str
+        Name of the file without its ending, and title.
+    base : Case
+        The scene itself, without the entries that cases replace.
+    cases : tuple of Case
+        One for each row of `variants`, in its order.
+    loads, velocities : tuple of float
+        Ascending loads [N] and velocities [m/s] of the plane.
+    variants : Variants
+        Table of the labels of the cases.
+    tests : tuple of Test
+        Tests of the scene, each with its own case; those that measured a transition come first.
+    text : str
+        The scene file for people, with the scenes that it extends and values of the library.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> sweep = pipeline.load_scene("workflows/first_try.toml")
+    >>> sweep.loads, sweep.scene.pin.radius
+    ((200.0, 400.0, 600.0, 750.0), 0.002)
+    >>> sweep.changed("pin.radius", "1 mm").scene.pin.radius
+    0.001
+    """
+
+    name: str
+    title: str
+    caveat: str | None  # what readers of answers must know
+    base: Case
+    cases: tuple[Case, ...]
+    variants: Variants = field(repr=False)
+    loads: tuple[float, ...]
+    velocities: tuple[float, ...]
+    fields: bool  # True to store fields of the contact
+    steps: Steps | None  # to store; None for the default
+    tests: tuple[Test, ...]
+    notes: tuple[Remark, ...] = ()  # assumptions made on reading the scene, and its doubts
+    sources: tuple[FromLibrary, ...] = ()
+    stations: Stations | None = None  # times whose results an existing store has
+    judged: Mapping[str, Any] = field(default_factory=dict)  # given by `judge`, by name
+    former: tuple[Test, ...] = ()  # tests that the scene has no more, whose points a store keeps
+    text: str = field(default="", repr=False)
+    source: Any = field(default=None, repr=False)  # tables of the scene file; None from a store
+
+    def __post_init__(self) -> None:
+        for name in ("loads", "velocities"):
+            values = getattr(self, name)
+            if not values or [*values] != sorted({*values}) or math.inf in map(abs, values):
+                raise InputError(f"{name} are {values}; give numbers that ascend")
+
+    def __eq__(self, other: object) -> bool:
+        """True if both sweeps have the same meaning, however their entries are written."""
+        return isinstance(other, Sweep) and self._meaning == other._meaning
+
+    def __hash__(self) -> int:
+        return hash(self._meaning)
+
+    def __repr__(self) -> str:
+        return f"{self.name}: {self.title} ({len(self.variants)} rows)"
+
+    @cached_property
+    def _meaning(self) -> str:
+        plane = self.loads, self.velocities, self.fields, self.steps
+        words = self.title, self.caveat
+        return digest(((self.base, *self.cases), plane, words, self.tests, self.variants))
+
+    @cached_property
+    def doubts(self) -> tuple[Remark, ...]:
+        """Warnings of probable mistakes in the scene, of all cases, the gravest first."""
+        if self.source is None:  # they were found when the store was made
+            return tuple(note for note in self.notes if note.grade == "warning")
+        found: tuple[Remark, ...] = self.source.doubts(self)
+        return found
+
+    @property
+    def scene(self) -> Scene:
+        """The scene itself, to simulate."""
+        return self.base.scene
+
+    @property
+    def conditions(self) -> Conditions:
+        """Friction, temperatures and criterion of the scene itself."""
+        return self.base.conditions
+
+    @property
+    def friction_band(self) -> tuple[float, float] | None:
+        """Lowest and highest friction that the diagram shows; None without `friction.band`."""
+        return self.base.friction_band
+
+    @property
+    def lubricant(self) -> Oil | None:
+        """The oil between the bodies, which does not affect simulations; None without `[oil]`."""
+        return self.base.lubricant
+
+    @property
+    def preset(self) -> str | None:
+        """Name of the preset that has the scene's numerical choices; None if there is none."""
+        return self.base.preset
+
+    @property
+    def _measured(self) -> tuple[Test, ...]:
+        """Tests that measured a transition from mild to severe wear."""
+        return tuple(test for test in self.tests if not test.outcome)
+
+    @cached_property
+    def _by_name(self) -> dict[Variant, Case]:
+        return {case.name: case for case in self.cases}
+
+    def case(self, name: Variant = ()) -> Case:
+        """The case of a name, by default the scene itself; `InputError` if there is none."""
+        if not name:
+            return self.base
+        if name not in self._by_name:
+            raise self.variants.unknown(name)
+        return self._by_name[name]
+
+    @cached_property
+    def _given(self) -> tuple[Case, ...]:
+        """Cases that the user chose: of each, the one on the first random surface."""
+        if not self.variants.chosen:
+            return (self.base,)
+        chosen = {one.name for one in self.variants.chosen}
+        first: dict[Variant, Case] = {}
+        for case in self.cases:
+            first.setdefault(tuple(label for label in case.name if label[0] in chosen), case)
+        return tuple(first.values())
+
+    def _alone(self, name: Variant = ()) -> Self:
+        """The sweep of one case, by default of the scene itself, without variants."""
+        case = replace(self.case(name), name=())
+        return replace(self, base=case, cases=(case,), variants=Variants())
+
+    def _take(self, name: Variant) -> Self:
+        """The sweep of the random surfaces of one variant, named without them."""
+        table, wanted = self.variants.surfaces_of(name), {*name}
+        own = [case for case in self.cases if wanted <= {*case.name}]
+        if not own:
+            raise self.variants.unknown(name)
+        cases = [replace(case, name=label) for case, label in zip(own, table.names, strict=True)]
+        return replace(self, base=replace(cases[0], name=()), cases=tuple(cases), variants=table)
+
+    def _hash_scene(self, scene: Scene) -> str:
+        """SHA-256 of a scene, computed once for this sweep."""
+        if scene not in self._hashes:
+            self._hashes[scene] = digest(scene)
+        return self._hashes[scene]
+
+    @cached_property
+    def _hashes(self) -> dict[Scene, str]:
+        return {}
+
+    @cached_property
+    def _scene_hashes(self) -> dict[Variant, str]:
+        """SHA-256 of the scene of each case, by the name of the case."""
+        return {case.name: self._hash_scene(case.scene) for case in self.cases}
+
+    def changed(self, path: str, value: Any) -> Self:
+        """The sweep with another value of an entry, as in a scene file; None removes the entry.
+
+        The scene is read again. A preset (``fidelity.preset``) replaces all numerical choices, and
+        a coefficient of friction scales the curves of friction. Variants that set the entry keep
+        their own value.
+
+        Raises
+        ------
+        InputError
+            If the scene has a fault with this value, or the sweep is that of a store.
+        """
+        if self.source is None:
+            raise InputError(
+                f"{path} cannot be changed in the sweep of a store, which has no scene file; read "
+                "the scene with another value: pipeline.load_scene(..., overrides={...})"
+            )
+        made: Self = self.source.changed(path, value)
+        return made.judge(self.judged)
+
+    def with_fidelity(self, made: Fidelity, preset: str | None = None) -> Self:
+        """The sweep with other numerical choices of all cases; `preset` is their name, or None."""
+        base, *cases = (one.with_fidelity(made, preset) for one in (self.base, *self.cases))
+        tests = tuple(replace(t, case=t.case.with_fidelity(made, preset)) for t in self.tests)
+        return replace(self, base=base, cases=tuple(cases), tests=tests)
+
+    def _with_patches(self, count: int) -> Self:
+        """The sweep on this many random surfaces, counted from its own seed on."""
+        rough = self.scene.roughness
+        assert isinstance(rough, SelfAffineRoughness)
+        variants = self.variants.without_surfaces * surfaces(range(rough.seed, rough.seed + count))
+        given = dict(zip(self.variants.without_surfaces.names, self._given, strict=True))
+        cases = tuple(
+            replace(given[(*others,)].on_surface(int(seed)), name=(*others, (dim, seed)))
+            for *others, (dim, seed) in variants.names
+        )
+        return replace(self, cases=cases, variants=variants)
+
+    def judge(self, changes: Mapping[str, Any]) -> Self:
+        """The sweep with the conditions of all cases replaced as by `changed_conditions`.
+
+        Tests keep their own: answers take the oil's limit for them too.
+        """
+        if not changes:
+            return self
+        base, *cases = (
+            replace(case, conditions=changed_conditions(case.conditions, changes))
+            for case in (self.base, *self.cases)
+        )
+        judged = {**self.judged, **changes}
+        return replace(self, base=base, cases=tuple(cases), judged=judged)
+
+    def _with_hold(self, duration: float) -> Self:
+        """The scene alone with another `duration` at the full load after the ramp [s]."""
+        return replace(self._alone(), base=self.base.held(duration), tests=())
+
+    def _take_surface(self, seed: int | None) -> Self:
+        """The sweep on the random surface of a seed, without variants; itself for None."""
+        if seed is None:
+            return self
+        if not isinstance(self.scene.roughness, SelfAffineRoughness):
+            raise InputError(
+                f"realization is {seed}, the seed of a random roughness, and that of the scene is "
+                "not random; leave it out"
+            )
+        base = replace(self.base.on_surface(seed), name=())
+        tests = tuple(replace(test, case=test.case.on_surface(seed)) for test in self.tests)
+        return replace(self, base=base, cases=(base,), variants=Variants(), tests=tests)

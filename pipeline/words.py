@@ -1,0 +1,60 @@
+"""Words of messages: values as in a scene file, the nearest of known names, and notes."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+from collections.abc import Iterable, Iterator
+
+_SEPARATOR = " | "  # of notes in a cell, since sentences have semicolons
+
+
+def quoted(value: object) -> str:
+    """Write a value on one line, roughly as in the scene file."""
+    if isinstance(value, dict):
+        text = "a table"
+    elif isinstance(value, list):
+        text = f"[{', '.join(map(quoted, value[:4]))}{', ...' if len(value) > 4 else ''}]"
+    elif isinstance(value, str):
+        text = json.dumps(value, ensure_ascii=not value.isprintable())
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, int) and abs(value) > 10**30:  # Python writes 4300 digits at most
+        text = "a number above 10^30"
+    else:
+        text = str(value)
+    return text if len(text) <= 100 else f"{text[:96]} ..."
+
+
+def did_you_mean(word: str, words: Iterable[str]) -> str:
+    """Question such as "did you mean X?" for the most similar of `words`; else empty."""
+    word, known = word[:80].lower(), {other.lower(): other for other in words}
+    ends = [other for other in known if other.endswith(f".{word}")]
+    longer = [other for other in known if len(word) > 2 and other.startswith(word)]
+    near = ends or longer or difflib.get_close_matches(word, known, n=1, cutoff=0.67)
+    return f' (did you mean "{known[near[0]]}"?)' if near else ""
+
+
+def key_path(place: str, key: str) -> str:
+    """Path of a key within the table `place`, quoted as TOML needs it."""
+    bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
+    return f"{place}.{bare}" if place else bare
+
+
+def remarks(grade: str, *words: str | None) -> Iterator[str]:
+    """Write each of `words` as a line such as "note: text"; empty words are left out.
+
+    `grade` is the word before the colon.
+    """
+    return (f"{grade}: {one}" for one in words if one)
+
+
+def join_notes(notes: Iterable[str]) -> str | None:
+    """Return the text of one table cell with all `notes`, without repeats; None without notes."""
+    return _SEPARATOR.join(dict.fromkeys(notes)) or None
+
+
+def split_notes(cells: Iterable[str | None]) -> list[str]:
+    """Return the notes in `cells`, texts made by `join_notes`, without repeats."""
+    return [*dict.fromkeys(one for cell in cells if cell for one in cell.split(_SEPARATOR))]

@@ -1,0 +1,138 @@
+"""Made from the format of scenes: its tables and keys by path."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from pipeline.scene.format import SceneFile
+from pipeline.scene.kinds import Kind, Number, Quantity
+from pipeline.scene.tables import Either, Entry, List, Range, Table, Tables, table_of
+
+
+class Section(NamedTuple):
+    """A table of the scene format: its path, and `entry`, the declaration of what it may contain.
+
+    The path of the top of the file is empty.
+    """
+
+    path: str
+    entry: Entry
+
+    @property
+    def is_list(self) -> bool:
+        """True if a file may have several such tables, under double brackets."""
+        return isinstance(self.entry.kind, List)
+
+    @property
+    def header(self) -> str:
+        """Line that begins the table in a scene file, such as "[pin]" or "[[measured]]"."""
+        return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
+
+    def keys(self) -> dict[str, tuple[Entry, str]]:
+        """Keys of the section that hold values: for each, its declaration and a table's name.
+
+        Some sections allow one of several tables, such as a random or a measured surface. The name
+        tells which of these tables has the key. It is empty if all of them have the key.
+        """
+        forms = forms_of(self.entry.kind)
+        keys: dict[str, tuple[Entry, str]] = {}
+        for table in forms:
+            for key, entry in table.keys.items():
+                if not forms_of(entry.kind):
+                    everywhere = all(key in other.keys for other in forms)
+                    keys.setdefault(key, (entry, "" if everywhere else table.form))
+        return keys
+
+    def path_of(self, key: str) -> str:
+        """Path of a key of this table, from the top of the file."""
+        return f"{self.path}.{key}" if self.path else key
+
+
+_SCENE = Entry(table_of(SceneFile), "The file itself, above its first table.", is_needed=True)
+
+
+def sections(entry: Entry = _SCENE, path: str = "") -> Iterator[Section]:
+    """All tables of the scene format at and within an `entry`, outer tables first.
+
+    `path` is the path of the entry. By default the entry is the whole file.
+    """
+    if isinstance(entry.kind, Tables):
+        path += ".NAME"
+    section = Section(path, entry)
+    yield section
+    inner = {k: e for form in forms_of(entry.kind) for k, e in form.keys.items()}
+    for key in inner:
+        if forms_of(inner[key].kind):
+            yield from sections(inner[key], section.path_of(key))
+
+
+def forms_of(kind: Kind) -> tuple[Table, ...]:
+    """Tables that a kind allows, the usual table first; empty for a kind without tables."""
+    match kind:
+        case Table():
+            return (kind,)
+        case Tables(of) | List(of):
+            return forms_of(of)
+        case Either() if all(isinstance(one, Table) for one in kind.kinds):
+            return tuple(one for one in kind.kinds if isinstance(one, Table))
+    return ()
+
+
+def all_keys() -> Iterator[tuple[str, Entry]]:
+    """Yield the path and declaration of every key of the scene format that holds a value.
+
+    In a path such as "materials.NAME.density", NAME stands for any name that the user gives.
+    """
+    for section in sections():
+        for key, (entry, _) in section.keys().items():
+            yield section.path_of(key), entry
+
+
+def find_entry(path: str) -> Entry | None:
+    """Declaration of the entry that a path names, such as "pin.length"; None if there is none.
+
+    The path must be that of a single value, not of a table such as "pin". In a path such as
+    "materials.steel.density" the material may have any name.
+    """
+    parts = path.split(".")
+    if parts[0] == "materials" and len(parts) > 2:
+        parts[1] = "NAME"
+    return _by_path().get(".".join(parts))
+
+
+@functools.cache
+def _by_path() -> dict[str, Entry]:
+    return dict(all_keys())
+
+
+def number_in(kind: Kind) -> Quantity | Number | None:
+    """The kind of number within a kind, such as a list; None if there are no numbers."""
+    match kind:
+        case Quantity() | Number():
+            return kind
+        case List(of) | Range(of):
+            return number_in(of)
+        case Either():
+            found = (number_in(one) for one in kind.kinds)
+            return next((one for one in found if one), None)
+    return None
+
+
+def path_of_dimension(name: str) -> str:
+    """Path of the entry whose dimension has this name; the name itself if there is none."""
+    return next((path for path, _ in all_keys() if path.replace(".", "_") == name), name)
+
+
+def number_at(path: str) -> Quantity | Number:
+    """Kind of the number that the entry at a path holds: its unit, bounds and usual range.
+
+    If there is no such entry, or it holds no number, the result is a `Number` without bounds.
+    """
+    entry = find_entry(path)
+    return (entry and number_in(entry.kind)) or Number()
+
+
+FILES = ("disk.roughness.file", "loading.file")
+"""Entries that name a file beside the scene."""

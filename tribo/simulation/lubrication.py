@@ -1,0 +1,133 @@
+"""The disk's surface in a few numbers, before any simulation, and the film of an oil on it."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tribo.errors import InputError
+from tribo.material import Oil, contact_modulus
+from tribo.numerics import Grid
+from tribo.simulation.pins import OilEntry
+from tribo.simulation.scene import Scene
+from tribo.surface import MeasuredRoughness, SelfAffineRoughness, UnknownHeights
+from tribo.surface.areal import areal_roughness
+from tribo.types import Array
+
+_MOST_PIXELS = 1_000_000  # pixels of a random surface that is made only to describe it
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # Rq/Ra of normally distributed heights
+_LAY = 2.0  # correlation length along grooves over the one across, from which there is a lay
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceFacts:
+    """Roughness parameters of the disk's surface on its pixels."""
+
+    measured: bool
+    ra: float  # mean distance of the heights from their mean plane [m]
+    rq: float  # root mean square distance [m]
+    mean_height: float = 0.0  # [m]
+    rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
+    radii: tuple[float, float] = (math.inf, math.inf)  # of a curvature along x and y [m]
+    lay: float | None = None  # angle of grooves to sliding [°]; None without grooves
+    slope: float | None = None  # root mean square along x; None if no heights are made
+
+
+def surface_facts(scene: Scene) -> SurfaceFacts | None:
+    """Roughness of the disk's surface; None if the surface is smooth or its heights are unknown.
+
+    For a random surface of over 10⁶ pixels no heights are made: Rq is estimated from Ra.
+    """
+    rough = scene.roughness
+    return None if isinstance(rough, UnknownHeights) else _facts(rough, scene.pixels)
+
+
+@functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
+def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
+    if rough is None:
+        return None
+    lay, is_random = None, isinstance(rough, SelfAffineRoughness)
+    if is_random:
+        along_x, along_y = rough.correlation_length
+        lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
+        if math.prod(pixels.shape) > _MOST_PIXELS:
+            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
+    is_scan = isinstance(rough, MeasuredRoughness)
+    heights: Array = rough.array if is_scan else rough.heights(pixels)
+    slopes = np.diff(heights, axis=0) / pixels.spacing[0]  # along sliding; none for a single row
+    try:
+        found = areal_roughness(heights, pixels.spacing, with_lay=not is_random)
+    except InputError:  # no height differs from its plane
+        return SurfaceFacts(not is_random, 0.0, 0.0)
+    return SurfaceFacts(
+        measured=not is_random,
+        ra=found.ra,
+        rq=found.rq,
+        mean_height=found.mean,
+        rise=tuple(np.multiply(found.slopes, np.multiply(heights.shape, pixels.spacing)).tolist()),
+        radii=found.radii,
+        lay=lay if found.lay is None else abs(found.lay),
+        slope=float(slopes.std()) if len(slopes) else None,
+    )
+
+
+def find_lubrication(scene: Scene, oil: Oil | None) -> Lubrication | None:
+    """Lubrication of a scene by an oil; None if oil or roughness are missing or not fully known."""
+    is_known = not any(isinstance(part, UnknownHeights) for part in (scene.roughness, scene.pin))
+    if oil is None or oil.pressure_coefficients is None or not is_known:
+        return None
+    facts = surface_facts(scene)
+    return Lubrication(scene, oil, facts.rq) if facts and facts.rq else None
+
+
+@dataclass(frozen=True, slots=True)
+class Lubrication:
+    """Oil film between the smooth, unworn bodies of a scene, and its film parameter Λ.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> steel = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+    >>> ball, pixels = tribo.Ball(10e-3, steel), tribo.Grid((64, 64), (4e-6, 4e-6), (False, False))
+    >>> scene = tribo.Scene(pin=ball, disk=steel, pixels=pixels, loading=tribo.Ramp(10.0, 10.0))
+    >>> oil = tribo.Oil((313.15, 373.15), (32e-6, 5.4e-6), 866.0, (20e-9, 15e-9))
+    >>> film = Lubrication(scene, oil, rms_height=0.3e-6)
+    >>> f"{film.film_parameter(10.0, 0.065, 298.15):.3f}"
+    '0.067'
+    """
+
+    scene: Scene
+    oil: Oil  # with a pressure-viscosity coefficient
+    rms_height: float  # of the disk [m]
+
+    def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
+        """Minimum film thickness [m] at a load [N], a sliding velocity [m/s], a temperature [K].
+
+        If the pin is at rest, the oil enters at half the sliding velocity.
+        """
+        entrainment = abs(sum(self.scene.velocities_at(velocity))) / 2
+        viscosity = self.oil.viscosity(temperature)
+        coefficient = self.oil.pressure_coefficient(temperature)
+        modulus = contact_modulus(self.scene.pin.material, self.scene.disk)
+        oil = OilEntry(entrainment, viscosity, coefficient)
+        return self.scene.pin.film_thickness(oil, load, modulus)
+
+    def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
+        """Film parameter Λ at loads [N] and velocities [m/s], which broadcast.
+
+        It is NaN if the load is not above 0, or the velocity is not finite. `temperature` is the
+        oil's at the inlet [K].
+        """
+        loads, velocities = np.broadcast_arrays(load, velocity)
+        parameters = np.full(loads.shape, np.nan)
+        for index in np.ndindex(loads.shape):
+            load, velocity = float(loads[index]), float(velocities[index])
+            if load > 0 and math.isfinite(velocity):
+                film = self.film_thickness(load, velocity, temperature)
+                parameters[index] = film / self.rms_height
+        return parameters
